@@ -1,0 +1,6 @@
+//! Floor 3: the scene, the walk along u0, its record of states and jumps, and the loop with its ledger.
+//!
+//! May use `solver`, `physics` and `numerics`; no threads, channels or files.
+
+pub mod record;
+pub mod scene;

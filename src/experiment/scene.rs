@@ -1,0 +1,253 @@
+//! What to compute: the scene, as a file or the window describes it.
+
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
+use crate::physics::mesh_rule;
+
+/// A complete description of an experiment. The contact modulus E* is 1; lengths are in any one unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// One line that names the scene.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// The periodic cell.
+    pub cell: Cell,
+    /// The cohesive law.
+    pub law: LawChoice,
+    /// The rigid counter-surface.
+    pub indenter: Indenter,
+    /// The path of the mean displacement.
+    pub drive: Drive,
+    /// What the plan must meet: relative error of the dissipated energy.
+    pub accuracy: f64,
+    /// Seed of the perturbations that choose between equivalent patterns.
+    pub seed: u64,
+}
+
+/// The periodic cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Side L.
+    pub length: f64,
+    /// The mesh.
+    pub points: Points,
+}
+
+/// The mesh of the cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// Chosen from mu_rho and the asked accuracy (square).
+    Auto,
+    /// n x n points.
+    Square(usize),
+    /// n points along x, fields uniform along y.
+    Line(usize),
+}
+
+/// The cohesive law with its scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawChoice {
+    /// Which law.
+    pub shape: Shape,
+    /// Work of adhesion gamma per area.
+    pub surface_energy: f64,
+    /// The range, directly or through the mesh rule.
+    pub range: Range,
+}
+
+/// How the range of the law is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// rho itself.
+    Length(f64),
+    /// mu_rho of Eq. 10; the mesh then fixes rho.
+    MuRho(f64),
+}
+
+/// The path of the mean displacement u0: from `start` down to `turn` and back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// u0 at the beginning and the end.
+    pub start: f64,
+    /// Where the approach turns into the retraction.
+    pub turn: Turn,
+    /// Largest change of u0 between two states.
+    pub step: f64,
+}
+
+/// The turning point of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// At this mean displacement.
+    At(f64),
+    /// Where the mean stress falls to zero after contact.
+    ZeroLoad,
+}
+
+/// A scene with everything "auto" decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Cell and mesh.
+    pub grid: Grid,
+    /// Law with its range.
+    pub law: Law,
+    /// Counter-surface.
+    pub indenter: Indenter,
+    /// mu_rho of this law on this mesh (Eq. 10).
+    pub mu_rho: f64,
+    /// In words: which model, and why.
+    pub reason: String,
+}
+
+/// A value of the scene that is not allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} = {value}: {allowed}")]
+pub struct SceneError {
+    /// Dotted key, as in `cell.points`.
+    pub key: String,
+    /// The offending value.
+    pub value: String,
+    /// What is allowed, and so how to mend it.
+    pub allowed: String,
+}
+
+/// Largest number of points along one side.
+pub const POINTS_MAX: usize = 4096;
+
+impl Scene {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.model().map(|_| ())
+    }
+
+    /// Decides what the scene leaves open: mesh, range, mu_rho.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn model(&self) -> Result<Model, SceneError> {
+        let length = positive("cell.length", self.cell.length)?;
+        let surface_energy = positive("law.surface_energy", self.law.surface_energy)?;
+        self.check_shape()?;
+        self.check_drive()?;
+        if let Indenter::Hertz { radius } = self.indenter {
+            positive("indenter.radius", radius)?;
+        }
+        if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
+            return Err(refuse("accuracy.target", self.accuracy, "a number above 0 and below 1, as in 0.01"));
+        }
+        let unit = Law { shape: self.law.shape, surface_energy, range: 1.0 };
+        let (grid, reason) = match (self.cell.points, self.law.range) {
+            (Points::Square(n), _) => (Grid::square(length, even("cell.points", n)?), "points given".to_owned()),
+            (Points::Line(n), _) => (Grid::line(length, even("cell.points", n)?), "line cell given".to_owned()),
+            (Points::Auto, Range::MuRho(mu)) => {
+                let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
+                return Err(refuse("law.mu_rho", mu, allowed));
+            }
+            (Points::Auto, Range::Length(range)) => {
+                let range = positive("law.range", range)?;
+                let mu = mu_rho_for(self.accuracy);
+                let n = fast_even(mesh_rule::points_for_mu_rho(&Law { range, ..unit }, length, mu));
+                if n > POINTS_MAX {
+                    let allowed = format!(
+                        "this range needs {n} points a side, more than {POINTS_MAX}: a larger law.range or a smaller cell.length"
+                    );
+                    return Err(refuse("cell.points", "auto", &allowed));
+                }
+                let reason = format!("mu_rho at most {mu} keeps the mesh error below the asked {}", self.accuracy);
+                (Grid::square(length, n), reason)
+            }
+        };
+        let range = match self.law.range {
+            Range::Length(range) => positive("law.range", range)?,
+            Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), positive("law.mu_rho", mu)?),
+        };
+        let law = Law { range, ..unit };
+        let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
+        Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
+    }
+
+    fn check_shape(&self) -> Result<(), SceneError> {
+        match self.law.shape {
+            Shape::Mie(Mie { m, n }) => {
+                positive("law.n", n)?;
+                if !(m.is_finite() && m > n && m <= 100.0) {
+                    return Err(refuse("law.m", m, &format!("a number above law.n = {n}, at most 100")));
+                }
+            }
+            Shape::DoubleExponential(DoubleExponential { ratio }) if !(ratio > 0.0 && ratio < 1.0) => {
+                return Err(refuse("law.ratio", ratio, "a number above 0 and below 1 (repulsive over attractive range)"));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn check_drive(&self) -> Result<(), SceneError> {
+        let Drive { start, turn, step } = self.drive;
+        if !start.is_finite() {
+            return Err(refuse("drive.start", start, "a finite number"));
+        }
+        positive("drive.step", step)?;
+        if let Turn::At(turn) = turn {
+            if !(turn.is_finite() && turn < start) {
+                return Err(refuse("drive.turn", turn, &format!("a number below drive.start = {start}, or \"zero_load\"")));
+            }
+            if (start - turn) / step > 1e6 {
+                return Err(refuse("drive.step", step, "at least a millionth of drive.start - drive.turn"));
+            }
+            if turn <= 0.0 && matches!(self.law.shape, Shape::Mie(_)) && self.indenter == Indenter::Flat {
+                return Err(refuse("drive.turn", turn, "above 0: the Mie law is infinite at zero gap"));
+            }
+        } else if self.indenter == Indenter::Flat {
+            return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for a tip"));
+        }
+        Ok(())
+    }
+}
+
+/// Largest mu_rho that keeps the mesh error of jumps and dissipated energy below `accuracy` (the error is exponential in n).
+fn mu_rho_for(accuracy: f64) -> f64 {
+    match accuracy {
+        a if a >= 0.1 => 0.5,
+        a if a >= 0.01 => 0.45,
+        a if a >= 0.001 => 0.40,
+        _ => 0.36,
+    }
+}
+
+/// The next even number at or above `n` whose only prime factors are 2, 3 and 5, at least 16.
+fn fast_even(n: f64) -> usize {
+    let mut candidate = (n.clamp(16.0, 1e6).ceil() as usize).next_multiple_of(2);
+    loop {
+        let mut rest = candidate;
+        for p in [2, 3, 5] {
+            while rest % p == 0 {
+                rest /= p;
+            }
+        }
+        if rest == 1 {
+            return candidate;
+        }
+        candidate += 2;
+    }
+}
+
+fn positive(key: &str, value: f64) -> Result<f64, SceneError> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(refuse(key, value, "a finite number above 0")) }
+}
+
+fn even(key: &str, n: usize) -> Result<usize, SceneError> {
+    if n.is_multiple_of(2) && (4..=POINTS_MAX).contains(&n) {
+        return Ok(n);
+    }
+    Err(refuse(key, n, &format!("an even number from 4 to {POINTS_MAX}, as in 64 or [64, 1], or \"auto\"")))
+}
+
+fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {
+    SceneError { key: key.to_owned(), value: value.to_string(), allowed: format!("allowed is {allowed}") }
+}

@@ -1,0 +1,21 @@
+//! Tackscope: a desktop explorer of adhesive hysteresis.
+//!
+//! A soft elastic body is lowered onto a sticky rigid surface and pulled off again. Its surface jumps on the way, and the area
+//! between the two curves of stress against mean displacement is energy that no slowness can save.
+//!
+//! The rooms form floors, and arrows point down only (`tests/floors.rs` holds the walls):
+//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`worker`], [`storage`] < [`cli`], `ui`.
+//!
+//! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod cli;
+pub mod experiment;
+pub mod numerics;
+pub mod physics;
+pub mod solver;
+pub mod storage;
+#[cfg(feature = "gui")]
+pub mod ui;
+pub mod worker;

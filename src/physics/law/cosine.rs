@@ -1,0 +1,36 @@
+//! The cosine law with a true cut-off (Eq. 31), as printed and with a continuous stiffness.
+
+use super::Form;
+use std::f64::consts::PI;
+
+/// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the cut-off g_c.
+///
+/// As printed the parabola is -(1 - (pi x)^2/2), and f'' jumps by a factor 2 at x = 0; `smooth` halves the wall, which makes f
+/// twice continuously differentiable there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cosine {
+    /// True for the variant with continuous stiffness at x = 0.
+    pub smooth: bool,
+}
+
+impl Form for Cosine {
+    fn at(&self, x: f64) -> [f64; 3] {
+        if x >= 1.0 {
+            return [0.0; 3];
+        }
+        if x > 0.0 {
+            let (s, c) = (PI * x).sin_cos();
+            return [-(1.0 + c) / 2.0, PI / 2.0 * s, PI * PI / 2.0 * c];
+        }
+        let wall = if self.smooth { PI * PI / 2.0 } else { PI * PI };
+        [-1.0 + wall * x * x / 2.0, wall * x, wall]
+    }
+
+    fn strongest(&self) -> (f64, f64) {
+        (0.5, PI / 2.0)
+    }
+
+    fn softest(&self) -> (f64, f64) {
+        (1.0, PI * PI / 2.0)
+    }
+}

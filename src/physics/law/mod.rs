@@ -1,0 +1,126 @@
+//! Cohesive laws: interaction energy gamma(g) per area against the gap g.
+//!
+//! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it:
+//! gamma(g) = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
+//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in [`forms`].
+
+mod cosine;
+mod double_exponential;
+mod mie;
+mod morse;
+
+pub use cosine::Cosine;
+pub use double_exponential::DoubleExponential;
+pub use mie::Mie;
+pub use morse::Morse;
+
+/// A dimensionless cohesive law f(x), x = g/rho, with min f = -1 (or a well of that depth for the cosine's wall).
+pub trait Form {
+    /// f, f' and f'' at x. Not finite where the law is not defined (a Mie law at x <= 0).
+    fn at(&self, x: f64) -> [f64; 3];
+
+    /// Gap x and value of the largest traction, max f'.
+    fn strongest(&self) -> (f64, f64);
+
+    /// Gap x and value of the largest negative stiffness, max(-f'').
+    fn softest(&self) -> (f64, f64);
+
+    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f.
+    ///
+    /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
+    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+        let mut sum = 0.0;
+        for ((g, d1), d2) in gap.iter().zip(first).zip(second) {
+            let [f, f1, f2] = self.at(g / range);
+            sum += f;
+            *d1 = f1;
+            *d2 = f2;
+        }
+        sum
+    }
+}
+
+macro_rules! forms {
+    ($($name:ident = $word:literal, $default:expr;)*) => {
+        /// Which law, with the parameters that only it has.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Shape { $(#[doc = concat!("The `", $word, "` law.")] $name($name),)* }
+
+        impl Shape {
+            /// Every law with its default parameters, in the order of the picker.
+            pub fn all() -> Vec<Shape> { vec![$(Shape::$name($default),)*] }
+
+            /// The word of the scene file for this law.
+            pub fn word(&self) -> &'static str { match self { $(Shape::$name(_) => $word,)* } }
+
+            fn form(&self) -> &dyn Form { match self { $(Shape::$name(form) => form,)* } }
+        }
+    };
+}
+
+forms! {
+    Morse = "morse", Morse;
+    Mie = "mie", Mie { m: 8.0, n: 2.0 };
+    Cosine = "cosine", Cosine { smooth: false };
+    DoubleExponential = "double_exponential", DoubleExponential { ratio: 0.4 };
+}
+
+/// A cohesive law with its scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// The dimensionless form.
+    pub shape: Shape,
+    /// Work of adhesion gamma per area (units of E* times length).
+    pub surface_energy: f64,
+    /// Range rho (for the cosine law its cut-off g_c), a length.
+    pub range: f64,
+}
+
+/// Energy, traction and stiffness of a law at one gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    /// gamma(g), energy per area.
+    pub energy: f64,
+    /// gamma'(g), positive in tension.
+    pub traction: f64,
+    /// gamma''(g).
+    pub stiffness: f64,
+}
+
+impl Law {
+    /// Energy, traction and stiffness at gap `g`.
+    pub fn at(&self, g: f64) -> Response {
+        let [f, f1, f2] = self.shape.form().at(g / self.range);
+        let (gamma, rho) = (self.surface_energy, self.range);
+        Response { energy: gamma * f, traction: gamma / rho * f1, stiffness: gamma / (rho * rho) * f2 }
+    }
+
+    /// Traction and stiffness of every gap, in one pass; returns the sum of the energies gamma(g).
+    pub fn fill(&self, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> f64 {
+        let (gamma, rho) = (self.surface_energy, self.range);
+        let sum = self.shape.form().fill(gap, rho, traction, stiffness);
+        traction.iter_mut().for_each(|t| *t *= gamma / rho);
+        stiffness.iter_mut().for_each(|s| *s *= gamma / (rho * rho));
+        gamma * sum
+    }
+
+    /// Largest tensile traction sigma_max.
+    pub fn traction_max(&self) -> f64 {
+        self.surface_energy / self.range * self.shape.form().strongest().1
+    }
+
+    /// Gap of the largest traction; a point with a smaller gap counts as contact.
+    pub fn contact_gap(&self) -> f64 {
+        self.range * self.shape.form().strongest().0
+    }
+
+    /// Largest negative stiffness max(-gamma'').
+    pub fn softening_max(&self) -> f64 {
+        self.surface_energy / (self.range * self.range) * self.shape.form().softest().1
+    }
+
+    /// Gap of the largest negative stiffness.
+    pub fn softest_gap(&self) -> f64 {
+        self.range * self.shape.form().softest().0
+    }
+}

@@ -1,0 +1,23 @@
+//! The Morse law (Eq. 3 of Wang, Zhou, Mueser 2021).
+
+use super::Form;
+use std::f64::consts::LN_2;
+
+/// f = e^{-2x} - 2 e^{-x}: largest traction 1/2 at ln 2, largest negative stiffness 1/4 at ln 4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Morse;
+
+impl Form for Morse {
+    fn at(&self, x: f64) -> [f64; 3] {
+        let e = (-x).exp();
+        [e * (e - 2.0), 2.0 * e * (1.0 - e), 2.0 * e * (2.0 * e - 1.0)]
+    }
+
+    fn strongest(&self) -> (f64, f64) {
+        (LN_2, 0.5)
+    }
+
+    fn softest(&self) -> (f64, f64) {
+        (2.0 * LN_2, 0.25)
+    }
+}

@@ -1,0 +1,3 @@
+//! Closed forms: production code and oracles at once.
+
+pub mod flat;

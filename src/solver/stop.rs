@@ -1,0 +1,27 @@
+//! Why a computation stopped.
+
+use std::fmt;
+
+/// The honest end of a relaxation; every shown state carries one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stop {
+    /// Residual below tolerance and no negative eigenvalue beyond its error.
+    Stable,
+    /// Residual below tolerance, but the smallest eigenvalue is negative.
+    Unstable,
+    /// Budget spent with the residual above tolerance.
+    NotConverged,
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Stop::Stable => "converged, stable",
+            Stop::Unstable => "converged, unstable",
+            Stop::NotConverged => "not converged",
+            Stop::Cancelled => "cancelled",
+        })
+    }
+}

@@ -1,0 +1,3 @@
+//! Floor 4: the one solver thread and its channels. The caller passes `wake`, called whenever something new can be received.
+
+pub mod protocol;

@@ -1,0 +1,162 @@
+//! What the window says to the solver, and what it hears back.
+
+use crate::experiment::record::{JumpRecord, StateRecord};
+use crate::experiment::scene::{Model, Scene};
+use ndarray::Array2;
+use std::sync::Arc;
+
+/// Identifies one run of one scene; events of an older run are stale and dropped by the receiver.
+pub type RunId = u64;
+
+/// A continuous motion of the target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sweep {
+    /// From here down to the drive's turning point.
+    Approach,
+    /// From here up to the drive's start.
+    Retract,
+    /// A fresh closed loop: start, turn, start.
+    Loop,
+}
+
+/// Which relaxation method follows the branches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum MethodChoice {
+    /// Newton-Krylov with tracked eigenpair.
+    #[default]
+    NewtonKrylov,
+    /// The paper's mass-weighted GFMD, 50 + 150 time steps per increment.
+    Gfmd,
+}
+
+/// From the window to the solver.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Forget everything and rest at the start of this scene.
+    SetScene {
+        /// Id that every event of this run will carry.
+        run: RunId,
+        /// The scene.
+        scene: Arc<Scene>,
+        /// The method.
+        method: MethodChoice,
+    },
+    /// Walk towards this mean displacement (latest wins; the path already gone is kept).
+    SetTarget {
+        /// The run it is meant for.
+        run: RunId,
+        /// u0 (length).
+        mean_displacement: f64,
+    },
+    /// Walk by itself.
+    Sweep {
+        /// The run it is meant for.
+        run: RunId,
+        /// Which way.
+        sweep: Sweep,
+    },
+    /// Hold or go on.
+    Pause {
+        /// True to hold.
+        paused: bool,
+    },
+    /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
+    Stop,
+    /// End the thread.
+    Quit,
+}
+
+/// A picture of the surface, at rest or during a jump.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Mean displacement u0 (length).
+    pub mean_displacement: f64,
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// Gap field (length), shape (ny, nx).
+    pub gap: Arc<Array2<f64>>,
+    /// True while the surface is jumping: not an equilibrium.
+    pub relaxing: bool,
+    /// The equilibrium's record; `None` while relaxing.
+    pub state: Option<StateRecord>,
+}
+
+/// What a scene turned out to be, sent once per run.
+#[derive(Clone, Debug)]
+pub struct Ready {
+    /// The decided model.
+    pub model: Model,
+    /// Height of the indenter, `None` if flat; shape (ny, nx).
+    pub height: Option<Arc<Array2<f64>>>,
+    /// Lower and upper limit of stability of the flat state (length); `None` if always stable or not on flat ground.
+    pub flat_limits: Option<(f64, f64)>,
+}
+
+/// The result of a closed loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopSummary {
+    /// Loop integral over gamma.
+    pub dissipated_energy: f64,
+    /// Sum of releases over gamma.
+    pub released_energy_sum: f64,
+    /// |difference of both| / dissipated energy.
+    pub ledger_mismatch: f64,
+    /// Fourier transforms spent.
+    pub transforms: usize,
+    /// Wall seconds spent.
+    pub seconds: f64,
+}
+
+/// From the solver to the window. Every variant but `Failed` belongs to a run.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// The scene is accepted and at rest at its start.
+    Ready {
+        /// Run.
+        run: RunId,
+        /// Facts of the scene.
+        ready: Arc<Ready>,
+    },
+    /// One more equilibrium on the path.
+    State {
+        /// Run.
+        run: RunId,
+        /// Its record.
+        state: StateRecord,
+    },
+    /// A jump was completed.
+    Jump {
+        /// Run.
+        run: RunId,
+        /// Its record.
+        jump: JumpRecord,
+    },
+    /// A fresh loop starts here: earlier states belong to an earlier loop (a ghost).
+    LoopStarted {
+        /// Run.
+        run: RunId,
+    },
+    /// A closed loop is complete.
+    Loop {
+        /// Run.
+        run: RunId,
+        /// Its numbers.
+        summary: LoopSummary,
+    },
+    /// Nothing left to do: at the target, stopped, or stuck.
+    Rest {
+        /// Run.
+        run: RunId,
+        /// u0 where it rests.
+        mean_displacement: f64,
+    },
+    /// Something went wrong; the last good state stays.
+    Failed {
+        /// Run.
+        run: RunId,
+        /// What happened.
+        message: String,
+        /// What to do about it.
+        remedy: String,
+    },
+}
