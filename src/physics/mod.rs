@@ -8,4 +8,5 @@ pub mod indenter;
 pub mod law;
 pub mod mesh_rule;
 pub mod pattern;
+pub mod system;
 pub mod theory;

@@ -1,6 +1,7 @@
 //! The difference of two exponentials (Fig. 14), the coarse-grained law of a rough interface.
 
 use super::Form;
+use crate::numerics::exponential::{dispatch, exp, map_sum};
 
 /// f = (r e^{-x/r} - e^{-x}) / (1 - r) with 0 < r < 1, the ratio of the repulsive to the attractive range.
 ///
@@ -29,5 +30,26 @@ impl Form for DoubleExponential {
         let r = self.ratio;
         let x = -2.0 * r.ln() * r / (1.0 - r);
         (x, -self.at(x)[2])
+    }
+
+    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+        let r = self.ratio;
+        let c = 1.0 / (1.0 - r);
+        let (inverse, inverse_repulsive) = (-1.0 / range, -1.0 / (range * r));
+        dispatch(
+            #[inline(always)]
+            || {
+                map_sum(
+                    gap,
+                    first,
+                    second,
+                    #[inline(always)]
+                    |g| {
+                        let (a, b) = (exp(g * inverse_repulsive), exp(g * inverse));
+                        [c * (r * a - b), c * (b - a), c * (a / r - b)]
+                    },
+                )
+            },
+        )
     }
 }

@@ -114,6 +114,11 @@ impl Law {
         self.range * self.shape.form().strongest().0
     }
 
+    /// Gap of the energy minimum: 0, or the range for a Mie law.
+    pub fn well_gap(&self) -> f64 {
+        if matches!(self.shape, Shape::Mie(_)) { self.range } else { 0.0 }
+    }
+
     /// Largest negative stiffness max(-gamma'').
     pub fn softening_max(&self) -> f64 {
         self.surface_energy / (self.range * self.range) * self.shape.form().softest().1
