@@ -76,6 +76,8 @@ pub struct Counts {
 struct Barrier {
     at: f64,
     cause: Cause,
+    /// The negative eigenvalue found there (E* per length), if an equilibrium was.
+    stiffness: Option<f64>,
     /// The mode that went soft, if it was seen.
     soft_mode: Vec<f64>,
 }
@@ -107,6 +109,9 @@ pub struct Walk {
     record: StateRecord,
     history: History,
     barrier: Option<Barrier>,
+    /// Bracket width before the last trial, and whether the next must be the middle because that trial did not halve it.
+    bracket: f64,
+    halve: bool,
     jumping: Option<Jumping>,
     target: f64,
     direction: Branch,
@@ -123,7 +128,7 @@ impl Walk {
     pub fn new(scene: &Scene, method: MethodKind) -> Result<Self, SceneError> {
         let model = scene.model()?;
         let system = System::new(model.grid, model.law, &model.indenter);
-        let well = model.law.at(model.law.well_gap()).stiffness;
+        let well = model.law.at(model.law.equilibrium_gap()).stiffness;
         let preconditioner = system.preconditioner(well * if system.is_flat() { 0.25 } else { 0.04 });
         let method = method.build(scene.seed);
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
@@ -154,6 +159,8 @@ impl Walk {
             record: StateRecord::placeholder(start),
             state,
             barrier: None,
+            bracket: f64::INFINITY,
+            halve: false,
             jumping: None,
             target: start,
             direction: Branch::Approach,
@@ -195,6 +202,11 @@ impl Walk {
     /// What was spent so far.
     pub fn counts(&self) -> Counts {
         Counts { transforms: self.ws.transforms, ..self.counts }
+    }
+
+    /// Mean displacement now; during a jump, that of the jump.
+    pub fn displacement(&self) -> f64 {
+        self.jumping.as_ref().map_or(self.state.mean_displacement, |jumping| jumping.release.u0)
     }
 
     /// Where it is going.
@@ -244,13 +256,28 @@ impl Walk {
     fn next_displacement(&self) -> f64 {
         let here = self.state.mean_displacement;
         if let Some(barrier) = &self.barrier {
-            return 0.5 * (here + barrier.at);
+            return self.towards(barrier);
         }
         let k = (self.start - here) / self.step;
         match self.direction {
             Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target),
             Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target),
         }
+    }
+
+    /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
+    /// where there is no expectation, or it did not help last time.
+    fn towards(&self, barrier: &Barrier) -> f64 {
+        let here = self.state.mean_displacement;
+        let width = barrier.at - here;
+        let (Some(a), Some(b)) = (self.state.stiffness_min, barrier.stiffness) else {
+            return here + 0.5 * width;
+        };
+        let share = a.value / (a.value - b);
+        let fine = LOCATED * self.model.law.range / width.abs();
+        // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
+        let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
+        if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
     }
 
     fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
@@ -265,7 +292,7 @@ impl Walk {
             self.accept(observe);
         }
         let soft = self.random_soft_wave();
-        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, soft_mode: soft }, false)
+        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
     }
 
     /// All first waves of the cell go soft together; the seed mixes them.
@@ -286,7 +313,7 @@ impl Walk {
         let next = self.next_displacement();
         let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides };
         let locates = self.method.locates();
-        let mut barrier = Barrier { at: next, cause: Cause::Fold, soft_mode: self.state.soft_mode.clone() };
+        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: self.state.soft_mode.clone() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
@@ -298,9 +325,12 @@ impl Walk {
                 state.measured(stiffness, mode);
                 if state.stop != Stop::Unstable || !locates {
                     self.take(state, observe);
+                    self.watch_bracket();
                     return Progress::Working;
                 }
-                (barrier.cause, barrier.soft_mode) = (Cause::SymmetryBreaking, state.soft_mode);
+                barrier.cause = Cause::SymmetryBreaking;
+                barrier.stiffness = Some(stiffness.value);
+                barrier.soft_mode = state.soft_mode;
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(_) if !locates => {
@@ -316,7 +346,14 @@ impl Walk {
             return self.release(barrier, true);
         }
         self.barrier = Some(barrier);
+        self.watch_bracket();
         Progress::Working
+    }
+
+    fn watch_bracket(&mut self) {
+        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.state.mean_displacement).abs());
+        self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
+        self.bracket = width;
     }
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.

@@ -8,9 +8,9 @@ use crate::physics::system::{System, Workspace};
 /// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
 const STEP_MAX: f64 = 0.05;
 /// Share of the velocity that turns into the direction of the force in each step.
-const STEERING: f64 = 0.1;
+const STEERING: f64 = 0.05;
 /// Time step in units of the inverse largest frequency (the stability limit is 2).
-const TIME_STEP: f64 = 1.0;
+const TIME_STEP: f64 = 1.6;
 /// Root mean square force over sigma_max at which Newton is tried first.
 const FIRST_TRY: f64 = 1e-2;
 

@@ -44,7 +44,7 @@ impl Tracker {
         let limits = if fresh {
             EigenLimits { pairs: 2, least: 8, most: 80, relative: 0.02, absolute }
         } else {
-            EigenLimits { pairs: 2, least: 2, most: 12, relative: 0.25, absolute }
+            EigenLimits { pairs: 2, least: 1, most: 12, relative: 0.25, absolute }
         };
         let found = smallest(|v, out| system.hessian(v, out, ws), start, &removed, preconditioner, limits, cancel);
         let stiffness = Stiffness { value: found.values[0], error: found.residual };

@@ -1,0 +1,152 @@
+//! The solver thread: commands in, events out, one picture in a mailbox.
+
+use super::protocol::{Command, Event, Frame, RunId};
+use super::session::Session;
+use crate::numerics::cancel::Cancel;
+use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// Handle of the solver thread. Dropping it cancels and joins.
+pub struct Worker {
+    commands: Sender<Command>,
+    events: Receiver<Event>,
+    frames: Receiver<(RunId, Arc<Frame>)>,
+    cancel: Cancel,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the thread. `wake` is called (from that thread) whenever something new can be received.
+    pub fn spawn(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let (commands, inbox) = unbounded();
+        let (outbox, events) = unbounded();
+        let (mailbox, frames) = bounded(1);
+        let cancel = Cancel::default();
+        let post = Post { outbox, mailbox, stale: frames.clone(), wake: Box::new(wake) };
+        let token = cancel.clone();
+        let thread = std::thread::Builder::new()
+            .name("solver".into())
+            .spawn(move || run(&inbox, &post, &token))
+            .expect("the system refuses to start a thread");
+        Self { commands, events, frames, cancel, thread: Some(thread) }
+    }
+
+    /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
+    pub fn send(&self, command: Command) {
+        if matches!(command, Command::SetScene { .. } | Command::Stop | Command::Quit) {
+            self.cancel.request();
+        }
+        // The thread lives as long as this handle, so the channel is open.
+        let _ = self.commands.send(command);
+    }
+
+    /// Drains the events that have arrived; never blocks.
+    pub fn events(&self) -> impl Iterator<Item = Event> + '_ {
+        self.events.try_iter()
+    }
+
+    /// Waits for the next event, for callers without a window.
+    pub fn next_event(&self, patience: std::time::Duration) -> Option<Event> {
+        self.events.recv_timeout(patience).ok()
+    }
+
+    /// The newest picture, if there is one that was not taken yet.
+    pub fn take_frame(&self) -> Option<(RunId, Arc<Frame>)> {
+        self.frames.try_recv().ok()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The sending side of everything the window hears.
+pub(super) struct Post {
+    outbox: Sender<Event>,
+    mailbox: Sender<(RunId, Arc<Frame>)>,
+    stale: Receiver<(RunId, Arc<Frame>)>,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Post {
+    fn event(&self, event: Event) {
+        let _ = self.outbox.send(event);
+        (self.wake)();
+    }
+
+    /// Replaces a picture that nobody took yet.
+    fn frame(&self, run: RunId, frame: Frame) {
+        let _ = self.stale.try_recv();
+        let _ = self.mailbox.try_send((run, Arc::new(frame)));
+        (self.wake)();
+    }
+}
+
+fn run(inbox: &Receiver<Command>, post: &Post, cancel: &Cancel) {
+    let mut session = Session::default();
+    loop {
+        let wait = session.wait(Instant::now());
+        let command = match wait {
+            // Nothing to do: sleep until somebody speaks.
+            None => inbox.recv().map_err(|_| ()),
+            Some(pause) if pause.is_zero() => match inbox.try_recv() {
+                Ok(command) => Ok(command),
+                Err(TryRecvError::Empty) => {
+                    work(&mut session, post, cancel);
+                    continue;
+                }
+                Err(TryRecvError::Disconnected) => Err(()),
+            },
+            Some(pause) => match inbox.recv_timeout(pause) {
+                Ok(command) => Ok(command),
+                Err(crossbeam_channel::RecvTimeoutError::Timeout) => continue,
+                Err(crossbeam_channel::RecvTimeoutError::Disconnected) => Err(()),
+            },
+        };
+        match command {
+            Ok(Command::Quit) | Err(()) => return,
+            Ok(command) => {
+                cancel.clear();
+                guarded(&mut session, post, |session, sink| session.command(command, sink));
+            }
+        }
+    }
+}
+
+fn work(session: &mut Session, post: &Post, cancel: &Cancel) {
+    guarded(session, post, |session, sink| session.step(Instant::now(), cancel, sink));
+}
+
+/// Runs `job`; a panic in it is told once, and the session goes on from its last good state.
+fn guarded(session: &mut Session, post: &Post, job: impl FnOnce(&mut Session, &mut dyn FnMut(Output))) {
+    let mut sink = |output| match output {
+        Output::Event(event) => post.event(event),
+        Output::Frame(run, frame) => post.frame(run, frame),
+    };
+    let caught = catch_unwind(AssertUnwindSafe(|| job(session, &mut sink)));
+    if let Err(panic) = caught {
+        let words = panic.downcast_ref::<&str>().map(|s| (*s).to_owned()).or_else(|| panic.downcast_ref::<String>().cloned());
+        let run = session.recover();
+        post.event(Event::Failed {
+            run,
+            message: format!("The solver stopped with a fault of its own: {}", words.unwrap_or_else(|| "no words".into())),
+            remedy: "The scene is back at its start; please report it with the saved scene.".into(),
+        });
+    }
+}
+
+/// What a session hands out.
+pub enum Output {
+    /// For the series.
+    Event(Event),
+    /// For the mailbox.
+    Frame(RunId, Frame),
+}
