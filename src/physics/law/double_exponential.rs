@@ -14,10 +14,11 @@ pub struct DoubleExponential {
 
 impl Form for DoubleExponential {
     fn at(&self, x: f64) -> [f64; 3] {
+        // With m = e^{-x(1-r)/r} - 1 nothing cancels, neither as r -> 1 nor as infinity minus infinity deep in compression.
         let r = self.ratio;
-        let (a, b) = ((-x / r).exp(), (-x).exp());
-        let c = 1.0 / (1.0 - r);
-        [c * (r * a - b), c * (b - a), c * (a / r - b)]
+        let (b, m) = ((-x).exp(), (-x * (1.0 - r) / r).exp_m1());
+        let cm = m / (1.0 - r);
+        [b * (r * cm - 1.0), -b * cm, b * (cm + 1.0) / r]
     }
 
     fn strongest(&self) -> (f64, f64) {

@@ -100,8 +100,11 @@ impl Forest {
             self.note_loop(root_a, way);
             return;
         }
-        let (keep, drop, offset) =
-            if self.trees[root_a].size >= self.trees[root_b].size { (root_a, root_b, way) } else { (root_b, root_a, sub([0, 0], way)) };
+        let (keep, drop, offset) = if self.trees[root_a].size >= self.trees[root_b].size {
+            (root_a, root_b, way)
+        } else {
+            (root_b, root_a, sub([0, 0], way))
+        };
         let dropped = self.trees[drop];
         self.trees[drop] = Tree { parent: keep, offset, ..dropped };
         self.trees[keep].size += dropped.size;
