@@ -145,7 +145,8 @@ impl LoopRecord {
         for pair in self.states.windows(2) {
             let (a, b) = (&pair[0], &pair[1]);
             let du = b.mean_displacement - a.mean_displacement;
-            let jump = jumps.next_if(|j| j.branch == b.branch && j.mean_displacement == b.mean_displacement && j.cause != Cause::PatternChange);
+            let jump = jumps
+                .next_if(|j| j.branch == b.branch && j.mean_displacement == b.mean_displacement && j.cause != Cause::PatternChange);
             sum += match jump {
                 Some(jump) => 0.5 * (a.stress + jump.stress_before) * du,
                 None => 0.5 * (a.stress + b.stress) * du,

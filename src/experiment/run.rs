@@ -68,9 +68,15 @@ pub enum Report<'a> {
 ///
 /// # Errors
 /// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
-pub fn run_loop(scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Result<LoopRun, SceneError> {
+pub fn run_loop(
+    scene: &Scene,
+    method: MethodKind,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
     let mut walk = Walk::new(scene, method)?;
-    let mut run = LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
+    let mut run =
+        LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
     run.record.states.push(walk.record().clone());
     let start = scene.drive.start;
     let (mut turn, wait_for_load) = match scene.drive.turn {
@@ -95,7 +101,11 @@ pub fn run_loop(scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mu
                 fresh = true;
                 lowest = lowest.min(state.mean_displacement);
                 let depth = if wait_for_load { f64::INFINITY } else { start - turn };
-                let gone = if retracting { 1.0 + (state.mean_displacement - lowest) / (start - lowest) } else { (start - state.mean_displacement) / depth };
+                let gone = if retracting {
+                    1.0 + (state.mean_displacement - lowest) / (start - lowest)
+                } else {
+                    (start - state.mean_displacement) / depth
+                };
                 observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
                 run.record.states.push(state);
             }
@@ -103,7 +113,12 @@ pub fn run_loop(scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mu
         if fresh && std::mem::take(&mut landed) {
             let gap = walk.gap();
             let record = walk.record();
-            run.landings.push(Landing { branch: record.branch, mean_displacement: record.mean_displacement, pattern: record.pattern, gap });
+            run.landings.push(Landing {
+                branch: record.branch,
+                mean_displacement: record.mean_displacement,
+                pattern: record.pattern,
+                gap,
+            });
         }
         let record = walk.record();
         if fresh && wait_for_load && !retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {

@@ -310,10 +310,18 @@ impl Walk {
     }
 
     fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+        let located = LOCATED * self.model.law.range;
+        let here = self.state.mean_displacement;
+        if let Some(mut barrier) = self.barrier.take_if(|b| (b.at - here).abs() <= located) {
+            if barrier.stiffness.is_none() {
+                barrier.soft_mode = self.state.soft_mode.clone();
+            }
+            return self.release(barrier, true);
+        }
         let next = self.next_displacement();
         let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides };
         let locates = self.method.locates();
-        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: self.state.soft_mode.clone() };
+        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
@@ -340,10 +348,6 @@ impl Walk {
                 ));
             }
             Err(Lost::Unstable | Lost::Gone) => {}
-        }
-        if (next - self.state.mean_displacement).abs() <= LOCATED * self.model.law.range {
-            self.barrier = None;
-            return self.release(barrier, true);
         }
         self.barrier = Some(barrier);
         self.watch_bracket();
@@ -431,7 +435,13 @@ impl Walk {
     }
 
     /// Checks the stability of where the release came to rest; lands there, or kicks on.
-    fn settle(&mut self, mut jumping: Jumping, settled: NewtonState, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+    fn settle(
+        &mut self,
+        mut jumping: Jumping,
+        settled: NewtonState,
+        cancel: &Cancel,
+        observe: &mut dyn FnMut(Happening),
+    ) -> Progress {
         let u0 = jumping.release.u0;
         let dimension = self.system.dimension();
         let landed = match self.flat {
@@ -470,8 +480,7 @@ impl Walk {
         if self.slides {
             let centred = self.centred(&settled.z);
             let limits = NewtonLimits::default();
-            let polished =
-                solve(&self.system, centred, u0, &self.preconditioner, self.slides, limits, &mut self.ws, cancel);
+            let polished = solve(&self.system, centred, u0, &self.preconditioner, self.slides, limits, &mut self.ws, cancel);
             if polished.end == NewtonEnd::Converged {
                 settled = polished;
             }
@@ -607,7 +616,13 @@ impl Walk {
             stiffness_min: stiffness.value * length,
             stiffness_error: stiffness.error * length,
             energy: self.state.energy,
-            model: if uniform && self.flat.is_some() { "flat, closed form" } else if self.model.grid.is_line() { "line cell" } else { "whole cell" },
+            model: if uniform && self.flat.is_some() {
+                "flat, closed form"
+            } else if self.model.grid.is_line() {
+                "line cell"
+            } else {
+                "whole cell"
+            },
             stop: self.state.stop,
             iterations: self.counts.iterations - self.seen.iterations,
             transforms: self.ws.transforms - self.seen.transforms,

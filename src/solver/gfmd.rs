@@ -71,7 +71,15 @@ impl Method for Gfmd {
         false
     }
 
-    fn follow(&mut self, problem: &Problem<'_>, _branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace, cancel: &Cancel) -> Result<Equilibrium, Lost> {
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        _branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
         let (before, system, b) = (ws.transforms, problem.system, self.budget);
         let mut z = from.field.clone();
         self.velocity.resize(z.len(), 0.0);
@@ -92,7 +100,8 @@ impl Method for Gfmd {
             let noise = random_amplitudes(system, &mut self.rng);
             let keep = 1.0 - b.damping * b.time_step;
             for i in 0..z.len() {
-                self.velocity[i] = keep * self.velocity[i] - b.time_step * problem.preconditioner[i] * g[i] + amplitude[i] * noise[i];
+                self.velocity[i] =
+                    keep * self.velocity[i] - b.time_step * problem.preconditioner[i] * g[i] + amplitude[i] * noise[i];
             }
             add(&mut z, b.time_step, &self.velocity);
         }

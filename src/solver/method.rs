@@ -20,7 +20,15 @@ pub trait Method: Send {
     ///
     /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget gave. `Err` says that the
     /// branch was lost.
-    fn follow(&mut self, problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace, cancel: &Cancel) -> Result<Equilibrium, Lost>;
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost>;
 }
 
 /// What every method needs to know of the problem.
@@ -89,11 +97,20 @@ impl Method for NewtonKrylov {
         true
     }
 
-    fn follow(&mut self, problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace, cancel: &Cancel) -> Result<Equilibrium, Lost> {
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
         let before = ws.transforms;
         let guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
         let predicted_change = distance(&guess, &from.field);
-        let state = solve(problem.system, guess.clone(), u0, problem.preconditioner, problem.slides, NewtonLimits::default(), ws, cancel);
+        let state =
+            solve(problem.system, guess.clone(), u0, problem.preconditioner, problem.slides, NewtonLimits::default(), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),

@@ -11,6 +11,8 @@ const STEP_MAX: f64 = 0.05;
 const STEERING: f64 = 0.05;
 /// Time step in units of the inverse largest frequency (the stability limit is 2).
 const TIME_STEP: f64 = 1.6;
+/// Steps after which a release is given up: hundreds are normal.
+const STEPS_MAX: usize = 20_000;
 /// Root mean square force over sigma_max at which Newton is tried first.
 const FIRST_TRY: f64 = 1e-2;
 
@@ -65,11 +67,22 @@ impl Release {
     }
 
     /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of `preconditioner`), so that all waves move alike.
-    pub fn advance(&mut self, system: &System, count: usize, preconditioner: &[f64], slides: bool, ws: &mut Workspace, cancel: &Cancel) -> Slice {
+    pub fn advance(
+        &mut self,
+        system: &System,
+        count: usize,
+        preconditioner: &[f64],
+        slides: bool,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Slice {
         let sigma = system.law().traction_max();
         for _ in 0..count {
             if cancel.requested() {
                 return Slice::Cancelled;
+            }
+            if self.steps >= STEPS_MAX {
+                return Slice::Stuck;
             }
             let mut gradient = std::mem::take(&mut self.gradient);
             let at = system.evaluate(&self.z, self.u0, &mut gradient, ws);

@@ -33,7 +33,15 @@ impl Tracker {
     ///
     /// The first check after a reset starts from random vectors and converges; later ones take two iterations, and more only where
     /// the value is not clear of its error. `slides`: sliding modes are removed.
-    pub fn check(&mut self, system: &System, z: &[f64], slides: bool, preconditioner: &[f64], ws: &mut Workspace, cancel: &Cancel) -> (Stiffness, Vec<f64>) {
+    pub fn check(
+        &mut self,
+        system: &System,
+        z: &[f64],
+        slides: bool,
+        preconditioner: &[f64],
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> (Stiffness, Vec<f64>) {
         let fresh = self.modes.is_empty();
         let removed = if slides { sliding_basis(system, z) } else { Vec::new() };
         let mut start = std::mem::take(&mut self.modes);

@@ -1,6 +1,6 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
-use super::protocol::{Command, Event, Frame, LoopSummary, MethodChoice, Ready, RunId, Sweep};
+use super::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
 use super::run_loop::Output;
 use crate::experiment::record::LoopRecord;
 use crate::experiment::scene::{Scene, Turn};
@@ -21,7 +21,7 @@ const PACE_FILM: Duration = Duration::from_millis(16);
 #[derive(Default)]
 pub struct Session {
     run: RunId,
-    scene: Option<(Arc<Scene>, MethodChoice)>,
+    scene: Option<(Arc<Scene>, MethodKind)>,
     walk: Option<Walk>,
     sweep: Option<Leg>,
     record: LoopRecord,
@@ -101,14 +101,14 @@ impl Session {
         let scene = self.scene.take();
         *self = Self { run: self.run, scene, ..Self::default() };
         if let Some((scene, method)) = &self.scene {
-            self.walk = Walk::new(scene, kind(*method)).ok();
+            self.walk = Walk::new(scene, *method).ok();
         }
         self.run
     }
 
-    fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodChoice, sink: &mut dyn FnMut(Output)) {
+    fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodKind, sink: &mut dyn FnMut(Output)) {
         *self = Self { run, ..Self::default() };
-        match Walk::new(&scene, kind(method)) {
+        match Walk::new(&scene, method) {
             Ok(mut walk) => {
                 let system = walk.system();
                 let flat_limits = if system.is_flat() { flat::limits(system.law(), system.grid().length) } else { None };
@@ -150,7 +150,7 @@ impl Session {
             Sweep::Retract => (self.sweep, self.paused) = (Some(Leg::Retract { closes: false }), false),
             Sweep::Loop => {
                 // A loop is only closed if it begins at the start of the drive, with the scene's own seed.
-                self.walk = Walk::new(&scene, kind(method)).ok();
+                self.walk = Walk::new(&scene, method).ok();
                 self.record = LoopRecord::default();
                 sink(Output::Event(Event::LoopStarted { run: self.run }));
                 if let Some(walk) = &mut self.walk {
@@ -224,14 +224,13 @@ impl Session {
     }
 }
 
-fn kind(method: MethodChoice) -> MethodKind {
-    match method {
-        MethodChoice::NewtonKrylov => MethodKind::NewtonKrylov,
-        MethodChoice::Gfmd => MethodKind::Gfmd,
-    }
-}
-
 fn resting_frame(walk: &mut Walk) -> Frame {
     let state = walk.record().clone();
-    Frame { mean_displacement: state.mean_displacement, stress: state.stress, gap: Arc::new(walk.gap()), relaxing: false, state: Some(state) }
+    Frame {
+        mean_displacement: state.mean_displacement,
+        stress: state.stress,
+        gap: Arc::new(walk.gap()),
+        relaxing: false,
+        state: Some(state),
+    }
 }
