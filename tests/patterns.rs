@@ -63,6 +63,15 @@ fn a_net_of_contact_around_an_island_of_air_is_a_dimple() {
 }
 
 #[test]
+fn a_loop_is_not_forgotten_when_a_larger_piece_takes_it_in() {
+    // The full first row is one run; the island of many runs meets it only below the last row.
+    assert_eq!(on_flat(&drawn(&["######", "......", ".#.#..", ".###..", ".#.#..", ".#...."])), Pattern::Ridge);
+    // The comb has more runs than row and column together when they meet; the loop along y closes afterwards.
+    let comb = ["#########", "#........", "#.#.#.#..", "#.#.#.#..", "#.#.#.#..", "#.#####..", "#######..", "#........"];
+    assert_eq!(on_flat(&drawn(&comb)), Pattern::Dimple);
+}
+
+#[test]
 fn several_islands_are_a_bulge_and_a_line_among_islands_is_a_ridge() {
     assert_eq!(on_flat(&drawn(&["#...", "..#.", "....", "...."])), Pattern::Bulge);
     assert_eq!(on_flat(&drawn(&["####", "....", ".#..", "....", "..#.", "...."])), Pattern::Ridge);

@@ -2,7 +2,7 @@
 //!
 //! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it:
 //! gamma(g) = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
-//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in [`forms`].
+//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in `forms!`.
 
 mod cosine;
 mod double_exponential;

@@ -38,6 +38,7 @@ pub(super) fn rank(gap: ArrayView2<f64>, threshold: f64) -> u8 {
         let (below, turns) = if j + 1 < ny { (j + 1, [0, 0]) } else { (0, [0, 1]) };
         join_rows(&mut forest, &runs, (first, end), (rows[below], rows[below + 1]), turns);
     }
+    // Over roots and former roots alike: a rank once reached stays.
     forest.trees.iter().map(|tree| tree.rank).max().unwrap_or(0)
 }
 
@@ -59,7 +60,7 @@ struct Tree {
     /// Copy of the cell in which this node lies, relative to its parent's, when the component is unrolled into the plane.
     offset: Turns,
     size: usize,
-    /// Rank of the loops found so far, and the first of them (valid at the root).
+    /// Rank of the loops found so far, and the latest independent one of them; kept up to date at the root only.
     rank: u8,
     generator: Turns,
 }
@@ -108,11 +109,7 @@ impl Forest {
         let dropped = self.trees[drop];
         self.trees[drop] = Tree { parent: keep, offset, ..dropped };
         self.trees[keep].size += dropped.size;
-        if dropped.rank == 2 {
-            self.trees[keep].rank = 2;
-        } else {
-            self.note_loop(keep, dropped.generator);
-        }
+        self.note_loop(keep, dropped.generator);
     }
 
     /// Adds the winding of a closed loop to the lattice of a root; zero adds nothing.

@@ -2,7 +2,9 @@
 //!
 //! A share alpha of the cell is out of contact. With u~ = u0/sqrt(gamma L/E*) and energies per area in units of gamma,
 //!
-//!     W = u~^2 vhat(alpha) - (1 - alpha),   vhat = -pi/(4 ln cos(pi alpha/2)),
+//! ```text
+//! W = u~^2 vhat(alpha) - (1 - alpha),   vhat = -pi/(4 ln cos(pi alpha/2)),
+//! ```
 //!
 //! and equilibrium is dW/dalpha = 0. It is stable where vhat'' > 0, which ends at alpha_c: there the ridge flattens.
 
