@@ -9,6 +9,7 @@ use super::scene::{Model, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
 use crate::physics::pattern::{Pattern, classify, contact_area};
+use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
 use crate::solver::branch::{History, distance};
@@ -98,7 +99,7 @@ pub struct Walk {
     step: f64,
     start: f64,
     system: System,
-    preconditioner: Vec<f64>,
+    preconditioner: Preconditioner,
     slides: bool,
     method: Box<dyn Method>,
     flat: Option<FlatBranch>,
@@ -129,7 +130,7 @@ impl Walk {
         let model = scene.model()?;
         let system = System::new(model.grid, model.law, &model.indenter);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
-        let preconditioner = system.preconditioner(well * if system.is_flat() { 0.25 } else { 0.04 });
+        let preconditioner = Preconditioner::new(&system, well * if system.is_flat() { 0.25 } else { 0.04 });
         let method = method.build(scene.seed);
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
@@ -368,6 +369,9 @@ impl Walk {
         let released = (energy + work - state.energy) / self.model.law.surface_energy;
         self.history.push(state.mean_displacement, state.field.clone());
         self.state = state;
+        if self.method.locates() {
+            self.preconditioner.refresh(&self.system, &mut self.ws);
+        }
         let pattern = self.pattern();
         if !self.method.locates() && pattern != before.pattern {
             observe(Happening::Jump(JumpRecord {
@@ -416,7 +420,7 @@ impl Walk {
     }
 
     fn relax(&mut self, mut jumping: Jumping, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let slice = jumping.release.advance(&self.system, SLICE, &self.preconditioner, self.slides, &mut self.ws, cancel);
+        let slice = jumping.release.advance(&self.system, SLICE, &mut self.preconditioner, self.slides, &mut self.ws, cancel);
         let u0 = jumping.release.u0;
         match slice {
             Slice::Moving => {
@@ -487,6 +491,7 @@ impl Walk {
         }
         let mut gradient = vec![0.0; settled.z.len()];
         self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
+        self.preconditioner.refresh(&self.system, &mut self.ws);
         self.tracker.reset();
         let (stiffness, mode) =
             self.tracker.check(&self.system, &settled.z, self.slides, &self.preconditioner, &mut self.ws, cancel);

@@ -34,12 +34,12 @@ pub struct EigenLimits {
 /// Block LOBPCG from the vectors `start`, orthogonal to the orthonormal vectors `removed`.
 ///
 /// A. V. Knyazev, SIAM J. Sci. Comput. 23, 517 (2001), with an orthonormalised basis (robust against nearly dependent vectors).
-/// `preconditioner` is a diagonal approximation of the inverse.
+/// `precondition` is an approximate inverse, symmetric positive definite.
 pub fn smallest(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     start: Vec<Vec<f64>>,
     removed: &[Vec<f64>],
-    preconditioner: &[f64],
+    precondition: impl Fn(&[f64], &mut [f64]),
     limits: EigenLimits,
     cancel: &Cancel,
 ) -> EigenPairs {
@@ -74,11 +74,10 @@ pub fn smallest(
             if i == 0 {
                 residual = norm(&r);
             }
-            for (r, m) in r.iter_mut().zip(preconditioner) {
-                *r *= m;
-            }
-            project_out(&mut r, removed);
-            w.push(r);
+            let mut step = vec![0.0; r.len()];
+            precondition(&r, &mut step);
+            project_out(&mut step, removed);
+            w.push(step);
         }
         let good = residual <= (limits.relative * values.first().map_or(0.0, |v| v.abs())).max(limits.absolute);
         if cancel.requested() || iteration == limits.most || (good && iteration >= limits.least) {

@@ -25,14 +25,14 @@ pub struct CgLimits {
     pub products: usize,
 }
 
-/// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the diagonal `preconditioner` (an approximate inverse) and
-/// in the complement of the orthonormal `removed` directions.
+/// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the approximate inverse `precondition` (symmetric
+/// positive definite) and in the complement of the orthonormal `removed` directions.
 ///
 /// At negative curvature the solution so far is kept (it is a descent direction); if there is none, the steepest one is.
 pub fn conjugate_gradients(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     b: &[f64],
-    preconditioner: &[f64],
+    precondition: impl Fn(&[f64], &mut [f64]),
     removed: &[Vec<f64>],
     limits: CgLimits,
     cancel: &Cancel,
@@ -41,7 +41,9 @@ pub fn conjugate_gradients(
     let mut x = vec![0.0; n];
     let mut r = b.to_vec();
     project_out(&mut r, removed);
-    let mut z = preconditioned(&r, preconditioner, removed);
+    let mut z = vec![0.0; n];
+    precondition(&r, &mut z);
+    project_out(&mut z, removed);
     let mut p = z.clone();
     let mut ap = vec![0.0; n];
     let mut rz = dot(&r, &z);
@@ -63,7 +65,8 @@ pub fn conjugate_gradients(
         if norm(&r) <= goal {
             return (x, CgEnd::Converged);
         }
-        z = preconditioned(&r, preconditioner, removed);
+        precondition(&r, &mut z);
+        project_out(&mut z, removed);
         let rz_new = dot(&r, &z);
         let beta = rz_new / rz;
         rz = rz_new;
@@ -72,10 +75,4 @@ pub fn conjugate_gradients(
         }
     }
     (x, CgEnd::Budget)
-}
-
-fn preconditioned(r: &[f64], preconditioner: &[f64], removed: &[Vec<f64>]) -> Vec<f64> {
-    let mut z: Vec<f64> = r.iter().zip(preconditioner).map(|(r, m)| r * m).collect();
-    project_out(&mut z, removed);
-    z
 }

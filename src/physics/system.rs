@@ -113,13 +113,6 @@ impl System {
         }
     }
 
-    /// The diagonal 1/(q E*/2 + `stiffness`), an approximate inverse of the Hessian whose quality does not depend on the mesh.
-    pub fn preconditioner(&self, stiffness: f64) -> Vec<f64> {
-        let mut diagonal: Vec<f64> = self.elastic.iter().map(|e| 1.0 / (e + stiffness)).collect();
-        diagonal[..2].fill(0.0);
-        diagonal
-    }
-
     /// q E*/2 of every amplitude entry (E* per length).
     pub fn elastic(&self) -> &[f64] {
         &self.elastic
@@ -166,11 +159,16 @@ impl System {
         }
     }
 
-    /// d(gradient)/du0 at the last evaluated state: sqrt(w) FT[gamma'']. One transform.
-    pub fn gradient_slope(&self, out: &mut [f64], ws: &mut Workspace) {
+    /// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness at the last evaluated state, by wave numbers in units of 2 pi/L
+    /// of either sign, short of the end of the mesh's spectrum. One transform.
+    pub fn stiffness_spectrum<'w>(&self, ws: &'w mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<'w> {
         self.fourier.forward(&ws.stiffness, &mut ws.spectrum, &mut ws.scratch);
         ws.transforms += 1;
-        self.from_spectrum(&ws.spectrum, out);
+        let (spectrum, ny) = (&ws.spectrum, self.grid.ny as i64);
+        move |[k, l]| {
+            let at = |k: i64, l: i64| spectrum[[k as usize, l.rem_euclid(ny) as usize]];
+            if k < 0 { at(-k, -l).conj() } else { at(k, l) }
+        }
     }
 
     /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of

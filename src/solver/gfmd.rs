@@ -83,13 +83,14 @@ impl Method for Gfmd {
         let (before, system, b) = (ws.transforms, problem.system, self.budget);
         let mut z = from.field.clone();
         self.velocity.resize(z.len(), 0.0);
+        let inverse_inertia = problem.preconditioner.diagonal();
         let mut g = vec![0.0; z.len()];
         // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per amplitude.
         let area = system.grid().length.powi(2);
         let law = system.law();
         let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
         let kick = (3.0 * 2.0 * b.damping * thermal * b.time_step).sqrt();
-        let amplitude: Vec<f64> = problem.preconditioner.iter().map(|m| kick * m.sqrt()).collect();
+        let amplitude: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| kick * m.sqrt()).collect();
         for step in 1..=b.ramp + b.relax {
             if cancel.requested() {
                 return Err(Lost::Cancelled);
@@ -100,8 +101,7 @@ impl Method for Gfmd {
             let noise = random_amplitudes(system, &mut self.rng);
             let keep = 1.0 - b.damping * b.time_step;
             for i in 0..z.len() {
-                self.velocity[i] =
-                    keep * self.velocity[i] - b.time_step * problem.preconditioner[i] * g[i] + amplitude[i] * noise[i];
+                self.velocity[i] = keep * self.velocity[i] - b.time_step * inverse_inertia[i] * g[i] + amplitude[i] * noise[i];
             }
             add(&mut z, b.time_step, &self.velocity);
         }

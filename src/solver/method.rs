@@ -5,6 +5,7 @@ use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, solve};
 use super::{Stop, gfmd::Gfmd};
 use crate::numerics::cancel::Cancel;
+use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
 /// Carries a state from one mean displacement to a near one.
@@ -37,7 +38,7 @@ pub struct Problem<'s> {
     /// The mechanics.
     pub system: &'s System,
     /// Diagonal approximate inverse of the Hessian.
-    pub preconditioner: &'s [f64],
+    pub preconditioner: &'s Preconditioner,
     /// True where patterns can slide freely (flat ground, fine mesh).
     pub slides: bool,
 }

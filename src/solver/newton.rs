@@ -3,6 +3,7 @@
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
 use crate::numerics::vector::{add, norm, project_out};
+use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{Evaluation, System, Workspace};
 
 /// Tolerances of [`solve`].
@@ -57,7 +58,7 @@ pub fn solve(
     system: &System,
     mut z: Vec<f64>,
     u0: f64,
-    preconditioner: &[f64],
+    preconditioner: &Preconditioner,
     slides: bool,
     limits: NewtonLimits,
     ws: &mut Workspace,
@@ -85,9 +86,16 @@ pub fn solve(
         }
         let removed = if slides { sliding_basis(system, &z) } else { Vec::new() };
         project_out(&mut g, &removed);
-        let forcing = (0.3 * limits.tolerance * scale / force).max((force / scale).sqrt().min(0.1)).min(0.3);
+        let forcing = (0.15 * limits.tolerance * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
-        let (dz, cg_end) = conjugate_gradients(|v, out| system.hessian(v, out, ws), &g, preconditioner, &removed, cg, cancel);
+        let (dz, cg_end) = conjugate_gradients(
+            |v, out| system.hessian(v, out, ws),
+            &g,
+            |r, out| preconditioner.apply(r, out),
+            &removed,
+            cg,
+            cancel,
+        );
         match cg_end {
             CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, z),
             CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, z),

@@ -3,6 +3,7 @@
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
+use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
 /// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
@@ -71,7 +72,7 @@ impl Release {
         &mut self,
         system: &System,
         count: usize,
-        preconditioner: &[f64],
+        preconditioner: &mut Preconditioner,
         slides: bool,
         ws: &mut Workspace,
         cancel: &Cancel,
@@ -97,6 +98,7 @@ impl Release {
             (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
             if force < self.try_newton_at * sigma {
                 self.try_newton_at *= 0.1;
+                preconditioner.refresh(system, ws);
                 let limits = NewtonLimits { steps: 20, ..NewtonLimits::default() };
                 let state = solve(system, self.z.clone(), self.u0, preconditioner, slides, limits, ws, cancel);
                 match state.end {
@@ -112,8 +114,8 @@ impl Release {
         Slice::Moving
     }
 
-    fn step(&mut self, system: &System, preconditioner: &[f64], ws: &Workspace) {
-        let push: Vec<f64> = self.gradient.iter().zip(preconditioner).map(|(g, m)| -g * m).collect();
+    fn step(&mut self, system: &System, preconditioner: &Preconditioner, ws: &Workspace) {
+        let push: Vec<f64> = self.gradient.iter().zip(preconditioner.diagonal()).map(|(g, m)| -g * m).collect();
         if dot(&self.velocity, &self.gradient) > 0.0 {
             self.velocity.fill(0.0);
         }
@@ -122,7 +124,7 @@ impl Release {
             scale(&mut self.velocity, 1.0 - STEERING);
             add(&mut self.velocity, STEERING * speed / length, &push);
         }
-        let inertia = 1.0 / preconditioner.iter().cloned().fold(0.0, f64::max);
+        let inertia = 1.0 / preconditioner.diagonal().iter().cloned().fold(0.0, f64::max);
         let stiffest = ws.stiffness.iter().cloned().fold(0.0, f64::max);
         let dt = self.shrink * TIME_STEP / ((stiffest / inertia).max(1.0)).sqrt();
         add(&mut self.velocity, dt, &push);

@@ -4,6 +4,7 @@ use super::equilibrium::Stiffness;
 use super::newton::sliding_basis;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
+use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use rand::Rng;
 use rand_pcg::Pcg64;
@@ -38,7 +39,7 @@ impl Tracker {
         system: &System,
         z: &[f64],
         slides: bool,
-        preconditioner: &[f64],
+        preconditioner: &Preconditioner,
         ws: &mut Workspace,
         cancel: &Cancel,
     ) -> (Stiffness, Vec<f64>) {
@@ -54,7 +55,8 @@ impl Tracker {
         } else {
             EigenLimits { pairs: 2, least: 1, most: 12, relative: 0.25, absolute }
         };
-        let found = smallest(|v, out| system.hessian(v, out, ws), start, &removed, preconditioner, limits, cancel);
+        let found =
+            smallest(|v, out| system.hessian(v, out, ws), start, &removed, |r, out| preconditioner.apply(r, out), limits, cancel);
         let stiffness = Stiffness { value: found.values[0], error: found.residual };
         self.modes = found.vectors;
         (stiffness, self.modes[0].clone())
