@@ -200,7 +200,9 @@ fn presets_are_listed_with_title_and_facts() {
     let output = tackscope().arg("presets").output().expect("the binary runs");
     let list = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0));
-    for part in ["fig2 ", "Fig. 2: four patterns", "64 x 64 points", "mu_rho = 0.387", "ridge-line", "256 x 1 points", "What to look for"] {
+    for part in
+        ["fig2 ", "Fig. 2: four patterns", "64 x 64 points", "mu_rho = 0.387", "ridge-line", "256 x 1 points", "What to look for"]
+    {
         assert!(list.contains(part), "{part:?} is missing in: {list}");
     }
 }

@@ -97,8 +97,6 @@ fn a_loop_becomes_an_svg_and_a_png() {
     let blue = picture.pixels().filter(|p| p.0[2] > 150 && p.0[0] < 90).count();
     let red = picture.pixels().filter(|p| p.0[0] > 150 && p.0[2] < 90 && p.0[1] < 90).count();
     assert!(blue > 2000 && red > 2000, "approach {blue} and retraction {red} pixels");
-    let _ = folder.keep();
-    eprintln!("{}", png.display());
 }
 
 #[test]
