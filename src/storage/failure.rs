@@ -31,7 +31,7 @@ pub enum Failure {
         allowed: String,
     },
     /// A scene file has a key or table that means nothing.
-    #[error("{file}: {key} is not a key of the scene file{near}: allowed in {place} are {allowed}")]
+    #[error("{file}: {key} is not a key of the scene file{near}: allowed in {place}: {allowed}")]
     UnknownKey {
         /// The scene file.
         file: String,

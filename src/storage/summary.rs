@@ -13,7 +13,8 @@ pub struct Number(pub f64);
 
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.0.is_finite() { serializer.serialize_f64(self.0) } else { serializer.serialize_str(NOT_AVAILABLE) }
+        // Adding zero turns -0.0, the sum of nothing, into 0.0.
+        if self.0.is_finite() { serializer.serialize_f64(self.0 + 0.0) } else { serializer.serialize_str(NOT_AVAILABLE) }
     }
 }
 

@@ -64,14 +64,19 @@ impl Curves {
         self.lines.iter().filter(move |line| line.branch == branch)
     }
 
-    /// Where to write the name of which pattern: the middle of every long piece that is not flat.
-    pub(super) fn names(&self, branch: Branch) -> Vec<(Point, &'static str)> {
+    /// Where to write the name of which pattern, and whether the curve rises there: the middle of every long piece that is not flat.
+    pub(super) fn names(&self, branch: Branch) -> Vec<(Point, &'static str, bool)> {
         let width = self.window.x.end - self.window.x.start;
         let long = self.lines_of(branch).filter(|line| {
             let (first, last) = (line.points[0], line.points[line.points.len() - 1]);
             line.pattern != Pattern::Flat && (last.0 - first.0).abs() > 0.03 * width
         });
-        long.map(|line| (line.points[line.points.len() / 2], line.pattern.word())).collect()
+        let name = |line: &Line| {
+            let middle = line.points.len() / 2;
+            let (a, b) = (line.points[middle - 1], line.points[middle]);
+            (b, line.pattern.word(), (b.1 - a.1) * (b.0 - a.0) >= 0.0)
+        };
+        long.map(name).collect()
     }
 }
 

@@ -136,7 +136,7 @@ impl<'a> Plot<'a> {
         chart
             .configure_mesh()
             .x_desc("mean displacement u\u{2080} / \u{3c1}  (\u{3c1}: range of the law)")
-            .y_desc("mean stress \u{3c3} / \u{3c3}max  (tension positive)")
+            .y_desc("mean stress \u{3c3} / \u{3c3}_max  (tension positive)")
             .axis_desc_style(self.text(17.0, INK))
             .label_style(self.text(15.0, INK))
             .x_label_formatter(&number)
@@ -206,14 +206,14 @@ impl<'a> Plot<'a> {
     where
         DB::ErrorType: 'static,
     {
-        for (branch, side) in
-            [(Branch::Approach, Pos::new(HPos::Right, VPos::Top)), (Branch::Retraction, Pos::new(HPos::Left, VPos::Bottom))]
-        {
-            let style = self.text(15.0, colour_of(branch)).pos(side);
-            let (dx, dy) = if branch == Branch::Approach { (-7.0, 5.0) } else { (7.0, -5.0) };
-            for (place, word) in self.curves.names(branch) {
-                let text = Text::new(word, (self.px(dx), self.px(dy)), style.clone());
-                chart.draw_series([EmptyElement::at(place) + text])?;
+        for branch in [Branch::Approach, Branch::Retraction] {
+            for (place, word, rises) in self.curves.names(branch) {
+                // Below the approach and above the retraction, on the side from which the curve bends away.
+                let below = branch == Branch::Approach;
+                let (h, dx) = if below == rises { (HPos::Left, 7.0) } else { (HPos::Right, -7.0) };
+                let (v, dy) = if below { (VPos::Top, 5.0) } else { (VPos::Bottom, -5.0) };
+                let style = self.text(15.0, colour_of(branch)).pos(Pos::new(h, v));
+                chart.draw_series([EmptyElement::at(place) + Text::new(word, (self.px(dx), self.px(dy)), style)])?;
             }
         }
         Ok(())

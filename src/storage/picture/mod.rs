@@ -3,6 +3,8 @@
 mod curves;
 mod gap;
 mod loop_plot;
+#[cfg(test)]
+mod tests;
 
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
 pub use loop_plot::{write_loop_png, write_loop_svg};
