@@ -12,7 +12,7 @@ use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
-use crate::solver::branch::{History, distance};
+use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 use crate::solver::method::{Lost, Method, MethodKind, Problem};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
@@ -27,6 +27,8 @@ use std::time::Instant;
 const LOCATED: f64 = 1e-4;
 /// Root mean square kick along the soft mode, in ranges.
 const KICK: f64 = 0.1;
+/// Released energy, in gamma, below which a landing on the same pattern is no jump.
+const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
 /// How often an unstable landing may be kicked on before the walk gives up.
@@ -320,7 +322,7 @@ impl Walk {
             return self.release(barrier, true);
         }
         let next = self.next_displacement();
-        let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides };
+        let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
         let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
@@ -484,7 +486,8 @@ impl Walk {
         if self.slides {
             let centred = self.centred(&settled.z);
             let limits = NewtonLimits::default();
-            let polished = solve(&self.system, centred, u0, &self.preconditioner, self.slides, limits, &mut self.ws, cancel);
+            let polished =
+                solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
             if polished.end == NewtonEnd::Converged {
                 settled = polished;
             }
@@ -535,7 +538,6 @@ impl Walk {
         let law = self.model.law;
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
         let (from, stress_before) = (self.record.pattern, self.state.stress);
-        let moved = distance(&landed.field, &self.state.field);
         self.counts.iterations += landed.cost.iterations;
         if released < -1e-7 {
             return Progress::Stuck(format!(
@@ -543,11 +545,13 @@ impl Walk {
                 landed.mean_displacement
             ));
         }
-        self.history = History::starting(landed.mean_displacement, landed.field.clone());
         self.state = landed;
         let to = self.pattern();
-        // Newton can fail on a branch that goes on; then the release leads back to it, and nothing has jumped.
-        if !(from == to && released < 1e-6 && moved < 0.02 * law.range) {
+        // Newton can fail on a branch that goes on, and a mode can soften without a jump; then nothing is released.
+        if from == to && released <= EVENT {
+            self.history.push(self.state.mean_displacement, self.state.field.clone());
+        } else {
+            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
             observe(Happening::Jump(JumpRecord {
                 branch: self.direction,
                 mean_displacement: self.state.mean_displacement,
@@ -570,7 +574,8 @@ impl Walk {
                 let z = self.state.field.clone();
                 let limits = NewtonLimits { steps: 40, ..NewtonLimits::default() };
                 let cancel = Cancel::default();
-                let found = solve(&self.system, z, self.start, &self.preconditioner, self.slides, limits, &mut self.ws, &cancel);
+                let found =
+                    solve(&problem(&self.system, &self.preconditioner, self.slides), z, self.start, limits, &mut self.ws, &cancel);
                 self.state.residual = found.residual;
                 (self.state.energy, self.state.stress) = (found.at.energy, found.at.stress);
                 self.state.field = found.z;
@@ -637,4 +642,8 @@ impl Walk {
         self.clock = now;
         observe(Happening::State(self.record.clone()));
     }
+}
+
+fn problem<'s>(system: &'s System, preconditioner: &'s Preconditioner, slides: bool) -> Problem<'s> {
+    Problem { system, preconditioner, slides }
 }

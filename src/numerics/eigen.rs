@@ -1,7 +1,7 @@
 //! Smallest eigenpairs of a symmetric operator: block LOBPCG, and Jacobi rotations for the small dense problem inside.
 
 use super::cancel::Cancel;
-use super::vector::{add, dot, norm, orthonormalise, project_out};
+use super::vector::{add, dot, norm, orthonormalise, project_out, scale};
 
 /// Approximate eigenpairs, smallest first.
 #[derive(Clone, Debug, Default)]
@@ -64,7 +64,7 @@ pub fn smallest(
     let pairs = limits.pairs.min(basis.len());
     let mut x = combine(&basis, &rotation, pairs);
     let mut ax = combine(&images, &rotation, pairs);
-    let mut p: Vec<Vec<f64>> = Vec::new();
+    let mut p: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
     let mut residual = f64::INFINITY;
     for iteration in 0..=limits.most {
         let mut w: Vec<Vec<f64>> = Vec::new();
@@ -84,26 +84,67 @@ pub fn smallest(
             break;
         }
         let width = x.len();
-        let basis = orthonormalise(x.iter().cloned().chain(w).chain(p).collect(), 1e-8);
-        // The first `width` vectors span x itself; their images need no new product.
-        let mut images = ax.clone();
-        images.extend(basis[width..].iter().map(&mut image));
-        let (ritz, rotation) = rayleigh_ritz(&basis, &images);
-        let x_new = combine(&basis, &rotation, width);
-        ax = combine(&images, &rotation, width);
-        p = x_new
+        let mut space = Subspace { basis: x, images: ax };
+        for v in w {
+            space.add(v, None, &mut image);
+        }
+        for (v, av) in std::mem::take(&mut p) {
+            space.add(v, Some(av), &mut image);
+        }
+        let (ritz, rotation) = rayleigh_ritz(&space.basis, &space.images);
+        let x_new = combine(&space.basis, &rotation, width);
+        ax = combine(&space.images, &rotation, width);
+        // The conjugate directions: what the new vectors owe to the part outside the old ones.
+        let outside: Vec<Vec<f64>> = rotation
             .iter()
-            .map(|v| {
-                let mut d = v.clone();
-                project_out(&mut d, &x);
-                d
-            })
+            .take(width)
+            .map(|c| c.iter().enumerate().map(|(k, c)| if k < width { 0.0 } else { *c }).collect())
             .collect();
+        p = combine(&space.basis, &outside, width).into_iter().zip(combine(&space.images, &outside, width)).collect();
         x = x_new;
         values = ritz;
     }
     values.truncate(x.len());
     EigenPairs { values, vectors: x, residual, products }
+}
+
+/// An orthonormal basis with its images under the operator.
+struct Subspace {
+    basis: Vec<Vec<f64>>,
+    images: Vec<Vec<f64>>,
+}
+
+impl Subspace {
+    /// Adds the part of `v` that is new, unless it is nearly nothing. A known image is carried along, which saves a product.
+    fn add(&mut self, mut v: Vec<f64>, known: Option<Vec<f64>>, image: &mut impl FnMut(&Vec<f64>) -> Vec<f64>) {
+        let before = norm(&v);
+        let mut carried = known;
+        for _twice in 0..2 {
+            for (b, ab) in self.basis.iter().zip(&self.images) {
+                let c = dot(&v, b);
+                add(&mut v, -c, b);
+                if let Some(av) = &mut carried {
+                    add(av, -c, ab);
+                }
+            }
+        }
+        let after = norm(&v);
+        // A carried image loses digits to cancellation: it is dropped earlier than a fresh vector.
+        let tiny = if carried.is_some() { 1e-5 } else { 1e-10 };
+        if !(after > tiny * before) {
+            return;
+        }
+        scale(&mut v, 1.0 / after);
+        let av = match carried {
+            Some(mut av) => {
+                scale(&mut av, 1.0 / after);
+                av
+            }
+            None => image(&v),
+        };
+        self.basis.push(v);
+        self.images.push(av);
+    }
 }
 
 /// Eigen-decomposition of the operator in the span of an orthonormal basis: values ascending, and one coefficient column each.

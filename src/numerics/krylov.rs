@@ -16,6 +16,17 @@ pub enum CgEnd {
     Cancelled,
 }
 
+/// What one solve found.
+#[derive(Clone, Debug)]
+pub struct CgSolution {
+    /// The solution, or as far as it came.
+    pub x: Vec<f64>,
+    /// The last search direction; after [`CgEnd::NegativeCurvature`] the one of negative curvature, downhill from `x`.
+    pub direction: Vec<f64>,
+    /// Why it ended.
+    pub end: CgEnd,
+}
+
 /// Limits of one solve.
 #[derive(Clone, Copy, Debug)]
 pub struct CgLimits {
@@ -28,7 +39,7 @@ pub struct CgLimits {
 /// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the approximate inverse `precondition` (symmetric
 /// positive definite) and in the complement of the orthonormal `removed` directions.
 ///
-/// At negative curvature the solution so far is kept (it is a descent direction); if there is none, the steepest one is.
+/// At negative curvature the solution so far is kept (it is a descent direction, or zero).
 pub fn conjugate_gradients(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     b: &[f64],
@@ -36,7 +47,7 @@ pub fn conjugate_gradients(
     removed: &[Vec<f64>],
     limits: CgLimits,
     cancel: &Cancel,
-) -> (Vec<f64>, CgEnd) {
+) -> CgSolution {
     let n = b.len();
     let mut x = vec![0.0; n];
     let mut r = b.to_vec();
@@ -48,22 +59,22 @@ pub fn conjugate_gradients(
     let mut ap = vec![0.0; n];
     let mut rz = dot(&r, &z);
     let goal = limits.tolerance * norm(&r);
-    for product in 0..limits.products {
+    for _ in 0..limits.products {
         if cancel.requested() {
-            return (x, CgEnd::Cancelled);
+            return CgSolution { x, direction: p, end: CgEnd::Cancelled };
         }
         apply(&p, &mut ap);
         project_out(&mut ap, removed);
         let curvature = dot(&p, &ap);
         // NaN must not pass as positive.
         if !(curvature > 0.0) {
-            return (if product == 0 { p } else { x }, CgEnd::NegativeCurvature);
+            return CgSolution { x, direction: p, end: CgEnd::NegativeCurvature };
         }
         let alpha = rz / curvature;
         add(&mut x, alpha, &p);
         add(&mut r, -alpha, &ap);
         if norm(&r) <= goal {
-            return (x, CgEnd::Converged);
+            return CgSolution { x, direction: p, end: CgEnd::Converged };
         }
         precondition(&r, &mut z);
         project_out(&mut z, removed);
@@ -74,5 +85,5 @@ pub fn conjugate_gradients(
             *p = z + beta * *p;
         }
     }
-    (x, CgEnd::Budget)
+    CgSolution { x, direction: p, end: CgEnd::Budget }
 }

@@ -7,8 +7,9 @@
 use super::system::{System, Workspace};
 use std::f64::consts::SQRT_2;
 
-/// Waves up to this many per cell side are in the block (48 unknowns in a square cell, 8 in a line cell).
-const WAVES: f64 = 4.0;
+/// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a line cell): all that can go soft in
+/// the cells of Figs 2 and 3, and few enough that the factorisation is cheaper than two transforms of 64 x 64 points.
+const WAVES: f64 = 6.0;
 
 /// A symmetric positive definite approximate inverse of the Hessian.
 #[derive(Clone, Debug)]

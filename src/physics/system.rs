@@ -233,11 +233,6 @@ impl System {
         z[..2].fill(0.0);
     }
 
-    /// The wave vector (q_x, q_y) of the amplitude pair `i`.
-    pub fn wave_vector(&self, i: usize) -> [f64; 2] {
-        self.gradient[i]
-    }
-
     /// Root mean square of u - u0 (length).
     pub fn roughness(z: &[f64]) -> f64 {
         dot(z, z).sqrt()

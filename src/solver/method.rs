@@ -2,9 +2,10 @@
 
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
-use super::newton::{NewtonEnd, NewtonLimits, solve};
+use super::newton::{NewtonEnd, NewtonLimits, sliding_basis, solve};
 use super::{Stop, gfmd::Gfmd};
 use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{add, project_out};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
@@ -108,10 +109,17 @@ impl Method for NewtonKrylov {
         cancel: &Cancel,
     ) -> Result<Equilibrium, Lost> {
         let before = ws.transforms;
-        let guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
+        let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
+        if problem.slides {
+            // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.
+            let mut change = guess;
+            add(&mut change, -1.0, &from.field);
+            project_out(&mut change, &sliding_basis(problem.system, &from.field));
+            add(&mut change, 1.0, &from.field);
+            guess = change;
+        }
         let predicted_change = distance(&guess, &from.field);
-        let state =
-            solve(problem.system, guess.clone(), u0, problem.preconditioner, problem.slides, NewtonLimits::default(), ws, cancel);
+        let state = solve(problem, guess.clone(), u0, NewtonLimits::default(), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
@@ -120,8 +128,9 @@ impl Method for NewtonKrylov {
         }
         let du = (u0 - from.mean_displacement).abs();
         let stray = distance(&guess, &state.z);
-        let reach = if predicted_change > 0.0 { STRAY * predicted_change + 0.1 * du } else { 10.0 * du };
-        if stray > reach || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
+        // Without a second state there is no prediction to stray from; the audit alone decides.
+        let strayed = predicted_change > 0.0 && stray > STRAY * predicted_change + 0.1 * du;
+        if strayed || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
             return Err(Lost::Gone);
         }
         Ok(Equilibrium {

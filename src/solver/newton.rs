@@ -1,9 +1,9 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
+use super::method::Problem;
 use crate::numerics::cancel::Cancel;
-use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::numerics::vector::{add, norm, project_out};
-use crate::physics::preconditioner::Preconditioner;
+use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
+use crate::numerics::vector::{add, dot, norm, project_out};
 use crate::physics::system::{Evaluation, System, Workspace};
 
 /// Tolerances of [`solve`].
@@ -53,17 +53,16 @@ pub struct NewtonState {
 
 /// Solves for equilibrium at `u0` from the guess `z`. Leaves the workspace evaluated at the result.
 ///
-/// `slides`: on flat ground patterns can slide freely; those directions are left out of the steps (not out of the residual).
+/// Where patterns slide freely those directions are left out of the steps (not out of the residual).
 pub fn solve(
-    system: &System,
+    problem: &Problem<'_>,
     mut z: Vec<f64>,
     u0: f64,
-    preconditioner: &Preconditioner,
-    slides: bool,
     limits: NewtonLimits,
     ws: &mut Workspace,
     cancel: &Cancel,
 ) -> NewtonState {
+    let Problem { system, preconditioner, slides } = *problem;
     let scale = system.law().traction_max();
     let mut g = vec![0.0; z.len()];
     let mut at = system.evaluate(&z, u0, &mut g, ws);
@@ -88,7 +87,7 @@ pub fn solve(
         project_out(&mut g, &removed);
         let forcing = (0.15 * limits.tolerance * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
-        let (dz, cg_end) = conjugate_gradients(
+        let CgSolution { x: dz, end: cg_end, .. } = conjugate_gradients(
             |v, out| system.hessian(v, out, ws),
             &g,
             |r, out| preconditioner.apply(r, out),
@@ -119,9 +118,69 @@ pub fn solve(
     unreachable!("the last step returns")
 }
 
+/// Descends to a minimum at `u0` from anywhere by Newton steps within a trust region: where the curvature is negative it goes to the
+/// region's edge along that direction (T. Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer
+/// than `radius` (root mean square, length). Leaves the workspace evaluated at the result.
+pub fn descend(
+    problem: &Problem<'_>,
+    mut z: Vec<f64>,
+    u0: f64,
+    radius: f64,
+    limits: NewtonLimits,
+    ws: &mut Workspace,
+    cancel: &Cancel,
+) -> NewtonState {
+    let system = problem.system;
+    let (scale, rounding) = (system.law().traction_max(), 1e-13 * system.law().surface_energy);
+    let mut g = vec![0.0; z.len()];
+    let mut at = system.evaluate(&z, u0, &mut g, ws);
+    let mut reach = radius;
+    for step in 0..=limits.steps {
+        let force = norm(&g);
+        let residual = system.residual(&g, ws);
+        let end = match residual <= limits.tolerance {
+            true => Some(NewtonEnd::Converged),
+            false if cancel.requested() => Some(NewtonEnd::Cancelled),
+            false if step == limits.steps || !residual.is_finite() || reach < 1e-9 * radius => Some(NewtonEnd::Stalled),
+            false => None,
+        };
+        if let Some(end) = end {
+            return NewtonState { z, at, residual, steps: step, end };
+        }
+        let removed = if problem.slides { sliding_basis(system, &z) } else { Vec::new() };
+        let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, 0.1), products: limits.products };
+        let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
+        let found = conjugate_gradients(apply, &g, |r, out| problem.preconditioner.apply(r, out), &removed, cg, cancel);
+        let mut dz = found.x;
+        if found.end == CgEnd::NegativeCurvature {
+            // To the edge: |x + t p| = reach.
+            let (pp, xp, xx) = (dot(&found.direction, &found.direction), dot(&dz, &found.direction), dot(&dz, &dz));
+            let t = (-xp + (xp * xp + pp * (reach * reach - xx).max(0.0)).sqrt()) / pp;
+            add(&mut dz, t, &found.direction);
+        }
+        let length = norm(&dz);
+        let share = (reach / length).min(1.0);
+        let mut trial = z.clone();
+        add(&mut trial, -share, &dz);
+        let mut trial_g = vec![0.0; z.len()];
+        let trial_at = system.evaluate(&trial, u0, &mut trial_g, ws);
+        let lower = trial_at.energy < at.energy - rounding || trial_at.energy <= at.energy + rounding && norm(&trial_g) < force;
+        if lower {
+            (z, g, at) = (trial, trial_g, trial_at);
+            reach = (2.0 * reach).min(radius);
+        } else {
+            reach = 0.25 * share * length;
+            system.evaluate(&z, u0, &mut g, ws);
+        }
+    }
+    unreachable!("the last step returns")
+}
+
 /// Orthonormal basis of the directions in which the pattern of `z` slides; none for a flat surface, one for a ridge.
 pub fn sliding_basis(system: &System, z: &[f64]) -> Vec<Vec<f64>> {
-    let weakest = 1e-7 * system.grid().q1() * norm(z);
+    // A ridge carries a trace of its softest modulation, whose derivative is that modulation moved by a quarter wave: taken for a
+    // sliding mode it would hide the coming instability.
+    let weakest = 1e-3 * system.grid().q1() * norm(z);
     let modes = system.sliding_modes(z).into_iter().filter(|m| norm(m) > weakest).collect();
     crate::numerics::vector::orthonormalise(modes, 1e-6)
 }

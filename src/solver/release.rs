@@ -1,6 +1,7 @@
 //! The release after an instability: damped dynamics at fixed u0 that cannot gain energy, until Newton can take over.
 
-use super::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
+use super::method::Problem;
+use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::preconditioner::Preconditioner;
@@ -11,11 +12,16 @@ const STEP_MAX: f64 = 0.05;
 /// Share of the velocity that turns into the direction of the force in each step.
 const STEERING: f64 = 0.05;
 /// Time step in units of the inverse largest frequency (the stability limit is 2).
-const TIME_STEP: f64 = 1.6;
+const TIME_STEP: f64 = 1.2;
 /// Steps after which a release is given up: hundreds are normal.
 const STEPS_MAX: usize = 20_000;
 /// Root mean square force over sigma_max at which Newton is tried first.
 const FIRST_TRY: f64 = 1e-2;
+
+/// Steps after which the descent by Newton steps is tried in any case: in a flat valley dynamics is slow.
+const RETRY: usize = 60;
+/// Newton steps of one such descent.
+const DESCENT: usize = 12;
 
 /// A release under way.
 #[derive(Clone, Debug)]
@@ -96,17 +102,21 @@ impl Release {
                 continue;
             }
             (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
-            if force < self.try_newton_at * sigma {
+            if force < self.try_newton_at * sigma || self.steps.is_multiple_of(RETRY) {
                 self.try_newton_at *= 0.1;
                 preconditioner.refresh(system, ws);
-                let limits = NewtonLimits { steps: 20, ..NewtonLimits::default() };
-                let state = solve(system, self.z.clone(), self.u0, preconditioner, slides, limits, ws, cancel);
+                let limits = NewtonLimits { steps: DESCENT, ..NewtonLimits::default() };
+                let problem = Problem { system, preconditioner, slides };
+                let state = descend(&problem, self.z.clone(), self.u0, STEP_MAX * system.law().range, limits, ws, cancel);
                 match state.end {
-                    NewtonEnd::Converged if state.at.energy <= self.energy + 1e-9 * system.law().surface_energy => {
-                        return Slice::Settled(state);
-                    }
+                    NewtonEnd::Converged => return Slice::Settled(state),
                     NewtonEnd::Cancelled => return Slice::Cancelled,
-                    _ => {}
+                    // Lower, if not there yet: go on from where it got to.
+                    _ => {
+                        self.z = state.z;
+                        self.velocity.fill(0.0);
+                        continue;
+                    }
                 }
             }
             self.step(system, preconditioner, ws);
@@ -135,7 +145,7 @@ impl Release {
         }
         self.previous.copy_from_slice(&self.z);
         add(&mut self.z, dt, &self.velocity);
-        self.shrink = (self.shrink * 1.1).min(1.0);
+        self.shrink = (self.shrink * 1.02).min(1.0);
     }
 
     /// Takes the last step back, comes to rest and halves the next step; false when there is nothing left to halve.

@@ -1,0 +1,274 @@
+//! Energy, residual and Hessian of the half-space: derivatives by finite differences, and the symmetries of the problem.
+
+use ndarray::Array2;
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use std::f64::consts::{PI, TAU};
+use tackscope::numerics::eigen::symmetric_eigen;
+use tackscope::numerics::vector::{add, dot, norm, scale};
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Mie, Morse, Shape};
+use tackscope::physics::preconditioner::Preconditioner;
+use tackscope::physics::system::System;
+use tackscope::solver::stability::random_smooth;
+
+const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+
+fn system(grid: Grid) -> System {
+    System::new(grid, LAW, &Indenter::Flat)
+}
+
+fn surface(system: &System, seed: u64, rms: f64) -> Vec<f64> {
+    let mut z = random_smooth(system, &mut Pcg64::seed_from_u64(seed));
+    let s = rms / norm(&z);
+    scale(&mut z, s);
+    z
+}
+
+/// Energy at z + t v, by the system's own sum.
+fn energy(system: &System, z: &[f64], v: &[f64], t: f64, u0: f64) -> f64 {
+    let mut moved = z.to_vec();
+    add(&mut moved, t, v);
+    let mut g = vec![0.0; z.len()];
+    system.evaluate(&moved, u0, &mut g, &mut system.workspace()).energy
+}
+
+#[test]
+fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() {
+    let grid = Grid::square(100.0, 32);
+    let (system, amplitude, u0) = (system(grid), 0.7, 1.5);
+    let q = TAU / grid.length * 5f64.sqrt();
+    let wave = |x: f64, y: f64| amplitude * (TAU * (2.0 * x + y)).cos();
+    let field = Array2::from_shape_fn(grid.shape(), |(j, i)| wave(i as f64 / 32.0, j as f64 / 32.0));
+    let mut ws = system.workspace();
+    let z = system.amplitudes(&field, &mut ws);
+    let mut g = vec![0.0; z.len()];
+    let at = system.evaluate(&z, u0, &mut g, &mut ws);
+    // |u_q|^2 = (a/2)^2 for q and for -q.
+    let elastic = q / 4.0 * 2.0 * (amplitude / 2.0f64).powi(2);
+    let phases = (0..4000).map(|i| u0 + amplitude * (TAU * (i as f64 + 0.5) / 4000.0).cos());
+    let (adhesive, stress) = phases.fold((0.0, 0.0), |(e, s), gap| {
+        let r = LAW.at(gap);
+        (e + r.energy / 4000.0, s + r.traction / 4000.0)
+    });
+    assert!((at.energy - elastic - adhesive).abs() < 1e-13, "{} {}", at.energy, elastic + adhesive);
+    assert!((at.stress - stress).abs() < 1e-13);
+}
+
+#[test]
+fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
+    for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
+        let system = system(grid);
+        let (z, v) = (surface(&system, 1, 0.6), surface(&system, 2, 1.0));
+        let mut g = vec![0.0; z.len()];
+        system.evaluate(&z, 1.2, &mut g, &mut system.workspace());
+        let slope = dot(&g, &v);
+        let error = |h: f64| ((energy(&system, &z, &v, h, 1.2) - energy(&system, &z, &v, -h, 1.2)) / (2.0 * h) - slope).abs();
+        let ratio = error(1e-2) / error(1e-3);
+        assert!((50.0..200.0).contains(&ratio), "error falls by {ratio}, not by 100");
+        assert!(error(1e-4) < 1e-8);
+    }
+}
+
+#[test]
+fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
+    for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
+        let system = system(grid);
+        let (z, v, w) = (surface(&system, 3, 0.6), surface(&system, 4, 1.0), surface(&system, 5, 1.0));
+        let mut ws = system.workspace();
+        let mut g = vec![0.0; z.len()];
+        system.evaluate(&z, 1.2, &mut g, &mut ws);
+        let (mut hv, mut hw) = (g.clone(), g.clone());
+        system.hessian(&v, &mut hv, &mut ws);
+        system.hessian(&w, &mut hw, &mut ws);
+        assert!((dot(&hv, &w) - dot(&hw, &v)).abs() < 1e-15);
+        let gradient = |t: f64| {
+            let mut moved = z.clone();
+            add(&mut moved, t, &v);
+            let mut g = vec![0.0; z.len()];
+            system.evaluate(&moved, 1.2, &mut g, &mut system.workspace());
+            g
+        };
+        let error = |h: f64| {
+            let (mut d, minus) = (gradient(h), gradient(-h));
+            add(&mut d, -1.0, &minus);
+            scale(&mut d, 0.5 / h);
+            add(&mut d, -1.0, &hv);
+            norm(&d)
+        };
+        let ratio = error(1e-2) / error(1e-3);
+        assert!((50.0..200.0).contains(&ratio), "error falls by {ratio}, not by 100");
+    }
+}
+
+#[test]
+fn mean_stress_is_the_derivative_of_the_energy_along_u0() {
+    let system = system(Grid::square(60.0, 12));
+    let z = surface(&system, 6, 0.5);
+    let mut g = vec![0.0; z.len()];
+    let stress = system.evaluate(&z, 1.0, &mut g, &mut system.workspace()).stress;
+    let still = vec![0.0; z.len()];
+    let h = 1e-4;
+    let slope = (energy(&system, &z, &still, 0.0, 1.0 + h) - energy(&system, &z, &still, 0.0, 1.0 - h)) / (2.0 * h);
+    assert!((slope - stress).abs() < 1e-9);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn energy_does_not_change_under_mesh_translation_reflection_and_exchange_of_axes(seed in 0u64..10_000, dx in 0usize..16, dy in 0usize..16) {
+        let grid = Grid::square(80.0, 16);
+        let system = system(grid);
+        let mut ws = system.workspace();
+        let z = surface(&system, seed, 0.8);
+        let field = system.field(&z, &mut ws).clone();
+        let mut value = |f: &Array2<f64>| {
+            let z = system.amplitudes(f, &mut ws);
+            let mut g = vec![0.0; z.len()];
+            system.evaluate(&z, 1.1, &mut g, &mut ws).energy
+        };
+        let e = value(&field);
+        let moved = Array2::from_shape_fn((16, 16), |(j, i)| field[[(j + dy) % 16, (i + dx) % 16]]);
+        let mirrored = Array2::from_shape_fn((16, 16), |(j, i)| field[[j, 15 - i]]);
+        for other in [moved, mirrored, field.t().as_standard_layout().to_owned()] {
+            prop_assert!((value(&other) - e).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn lengths_and_energies_in_other_units_give_the_same_state(unit in 0.01f64..100.0, seed in 0u64..1000) {
+        let grid = Grid::square(80.0, 12);
+        let one = system(grid);
+        let law = Law { surface_energy: LAW.surface_energy * unit, range: LAW.range * unit, ..LAW };
+        let other = System::new(Grid { length: grid.length * unit, ..grid }, law, &Indenter::Flat);
+        let z = surface(&one, seed, 0.6);
+        let scaled: Vec<f64> = z.iter().map(|z| z * unit).collect();
+        let (mut g, mut h) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        let a = one.evaluate(&z, 1.3, &mut g, &mut one.workspace());
+        let b = other.evaluate(&scaled, 1.3 * unit, &mut h, &mut other.workspace());
+        prop_assert!((a.energy * unit - b.energy).abs() < 1e-13 * unit);
+        prop_assert!((a.stress - b.stress).abs() < 1e-13);
+    }
+}
+
+/// The Hessian as a dense matrix over real fields with zero mean, assembled in real space from cosines: nothing of the system's own
+/// transforms. Returns its eigenvalues in the metric mean(v^2), ascending.
+fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
+    let (ny, nx) = grid.shape();
+    let n = nx * ny;
+    let signed = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
+    let kernel = Array2::from_shape_fn((ny, nx), |(j, i)| {
+        let mut sum = 0.0;
+        for l in 0..ny {
+            for k in 0..nx {
+                let q = TAU / grid.length * signed(k, nx).hypot(signed(l, ny));
+                sum += q / 2.0 * (TAU * (k * i) as f64 / nx as f64 + TAU * (l * j) as f64 / ny as f64).cos();
+            }
+        }
+        sum / n as f64
+    });
+    let stiffness: Vec<f64> = gap.iter().map(|g| LAW.at(*g).stiffness).collect();
+    let mut a = vec![vec![0.0; n]; n];
+    for r in 0..n {
+        for s in 0..n {
+            let (dj, di) = ((r / nx + ny - s / nx) % ny, (r % nx + nx - s % nx) % nx);
+            // A large multiple of the mean's projector lifts the uniform field out of the way.
+            a[r][s] = kernel[[dj, di]] + 10.0 / n as f64;
+        }
+        a[r][r] += stiffness[r];
+    }
+    // Project: P A P with P = 1 - mean, plus the lift.
+    let mean_row: Vec<f64> = (0..n).map(|s| (0..n).map(|r| a[r][s]).sum::<f64>() / n as f64).collect();
+    let mean = mean_row.iter().sum::<f64>() / n as f64;
+    for r in 0..n {
+        for s in 0..n {
+            a[r][s] += -mean_row[r] - mean_row[s] + mean + 10.0 / n as f64;
+        }
+    }
+    symmetric_eigen(a).0
+}
+
+#[test]
+fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_space() {
+    use tackscope::numerics::cancel::Cancel;
+    use tackscope::solver::stability::Tracker;
+    for (grid, seed) in [(Grid::square(60.0, 8), 8), (Grid::line(90.0, 32), 9), (Grid::square(40.0, 10), 10)] {
+        let system = system(grid);
+        let mut ws = system.workspace();
+        let z = surface(&system, seed, 0.5);
+        let mut g = vec![0.0; z.len()];
+        system.evaluate(&z, 1.4, &mut g, &mut ws);
+        let dense = dense_eigenvalues(&grid, &ws.gap);
+        let mut preconditioner = Preconditioner::new(&system, 0.075);
+        preconditioner.refresh(&system, &mut ws);
+        let mut tracker = Tracker::new(Pcg64::seed_from_u64(1));
+        let (found, _) = tracker.check(&system, &z, false, &preconditioner, &mut ws, &Cancel::default());
+        assert!((found.value - dense[0]).abs() <= found.error + 1e-12, "{grid:?}: {found:?}, dense {}", dense[0]);
+        assert!((found.value - dense[0]).abs() < 2e-3 * PI / grid.length, "{grid:?}: {found:?}, dense {}", dense[0]);
+    }
+}
+
+#[test]
+fn preconditioner_inverts_the_hessian_exactly_within_its_block_of_long_waves() {
+    for grid in [Grid::square(60.0, 24), Grid::line(60.0, 24)] {
+        let system = system(grid);
+        let mut ws = system.workspace();
+        // The waves up to six per side: a stated property of the preconditioner, or 5 where 24 points allow no more.
+        const BLOCK: f64 = 5.0;
+        // A stiff state (deep in contact): no pivot is at its floor.
+        let z = surface(&system, 11, 0.1);
+        let mut g = vec![0.0; z.len()];
+        system.evaluate(&z, 0.1, &mut g, &mut ws);
+        let mut preconditioner = Preconditioner::new(&system, 0.075);
+        preconditioner.refresh(&system, &mut ws);
+        let long = |v: &mut [f64]| {
+            for (pair, z) in v.chunks_exact_mut(2).enumerate() {
+                let waves = 2.0 * system.elastic()[2 * pair] / grid.q1();
+                if waves > BLOCK + 0.001 || waves == 0.0 {
+                    z.fill(0.0);
+                }
+            }
+        };
+        let mut r = surface(&system, 12, 1.0);
+        long(&mut r);
+        let mut x = vec![0.0; r.len()];
+        preconditioner.apply(&r, &mut x);
+        let mut back = vec![0.0; r.len()];
+        system.hessian(&x, &mut back, &mut ws);
+        long(&mut back);
+        add(&mut back, -1.0, &r);
+        assert!(norm(&back) < 1e-12, "{grid:?}: {:e}", norm(&back));
+    }
+}
+
+#[test]
+fn a_moved_surface_has_the_field_of_the_surface_moved() {
+    let grid = Grid::square(50.0, 16);
+    let system = system(grid);
+    let mut ws = system.workspace();
+    // Waves at the end of the mesh's spectrum cannot move: leave them out.
+    let mut z = surface(&system, 13, 1.0);
+    for (z, e) in z.iter_mut().zip(system.elastic()) {
+        if 2.0 * e > 7.5 * grid.q1() {
+            *z = 0.0;
+        }
+    }
+    let before = system.field(&z, &mut ws).clone();
+    let moved = system.moved(&z, 3.0 * grid.spacing(), 0.0);
+    let after = system.field(&moved, &mut ws);
+    for ((j, i), u) in after.indexed_iter() {
+        assert!((u - before[[j, (i + 13) % 16]]).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn a_mie_law_across_zero_gap_has_no_finite_energy() {
+    let law = Law { shape: Shape::Mie(Mie { m: 8.0, n: 2.0 }), ..LAW };
+    let system = System::new(Grid::square(60.0, 12), law, &Indenter::Flat);
+    let z = surface(&system, 14, 2.0);
+    let mut g = vec![0.0; z.len()];
+    assert!(!system.evaluate(&z, 0.5, &mut g, &mut system.workspace()).energy.is_finite());
+}

@@ -1,0 +1,137 @@
+//! The transforms and the iterative linear algebra, against slow and obvious versions of themselves.
+
+use ndarray::Array2;
+use proptest::prelude::*;
+use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::eigen::{EigenLimits, smallest, symmetric_eigen};
+use tackscope::numerics::fourier::Fourier;
+use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
+use tackscope::numerics::vector::{dot, max_abs, norm};
+
+fn naive(field: &Array2<f64>) -> Array2<Complex<f64>> {
+    let (ny, nx) = field.dim();
+    Array2::from_shape_fn((nx / 2 + 1, ny), |(k, l)| {
+        let terms = field.indexed_iter().map(|((j, i), u)| {
+            Complex::cis(-TAU * (k * i) as f64 / nx as f64) * Complex::cis(-TAU * (l * j) as f64 / ny as f64) * u
+        });
+        terms.sum::<Complex<f64>>() / (nx * ny) as f64
+    })
+}
+
+fn noise(ny: usize, nx: usize, seed: u64) -> Array2<f64> {
+    // A linear congruential sequence is random enough for a field of test values.
+    let mut x = seed.wrapping_mul(2).wrapping_add(1);
+    Array2::from_shape_fn((ny, nx), |_| {
+        x = x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (x >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    })
+}
+
+#[test]
+fn transform_agrees_with_the_naive_sum_for_squares_lines_and_awkward_sizes() {
+    for (ny, nx) in [(2, 2), (4, 4), (6, 10), (16, 16), (14, 22), (1, 2), (1, 64), (1, 34), (30, 30)] {
+        let field = noise(ny, nx, 7);
+        let plan = Fourier::new(ny, nx);
+        let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
+        plan.forward(&field, &mut spectrum, &mut scratch);
+        let worst = spectrum.iter().zip(&naive(&field)).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(worst < 1e-15 * (nx * ny) as f64, "{ny} x {nx}: {worst:e}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn inverse_undoes_forward_and_keeps_the_mean_square(half_x in 1usize..40, half_y in 0usize..24, seed in 0u64..1000) {
+        let (nx, ny) = (2 * half_x, if half_y == 0 { 1 } else { 2 * half_y });
+        let field = noise(ny, nx, seed);
+        let plan = Fourier::new(ny, nx);
+        let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
+        plan.forward(&field, &mut spectrum, &mut scratch);
+        let parseval: f64 = spectrum.indexed_iter().map(|((k, _), u)| if k == 0 || 2 * k == nx { 1.0 } else { 2.0 } * u.norm_sqr()).sum();
+        let mean_square = field.iter().map(|u| u * u).sum::<f64>() / (nx * ny) as f64;
+        prop_assert!((parseval - mean_square).abs() < 1e-14);
+        let mut back = Array2::zeros((ny, nx));
+        plan.inverse(&mut spectrum, &mut back, &mut scratch);
+        prop_assert!(max_abs((&back - &field).as_slice().unwrap()) < 1e-14);
+    }
+}
+
+/// A symmetric matrix with the given eigenvalues, by Householder reflections of the diagonal.
+fn matrix(eigenvalues: &[f64]) -> Vec<Vec<f64>> {
+    let n = eigenvalues.len();
+    let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| if i == j { eigenvalues[i] } else { 0.0 }).collect()).collect();
+    for seed in 1..4 {
+        let mut v = noise(1, n, seed).into_raw_vec_and_offset().0;
+        let length = norm(&v);
+        v.iter_mut().for_each(|v| *v /= length);
+        let av: Vec<f64> = a.iter().map(|row| dot(row, &v)).collect();
+        let vav = dot(&v, &av);
+        for i in 0..n {
+            for j in 0..n {
+                a[i][j] += -2.0 * v[i] * av[j] - 2.0 * av[i] * v[j] + 4.0 * vav * v[i] * v[j];
+            }
+        }
+    }
+    a
+}
+
+fn times(a: &[Vec<f64>]) -> impl FnMut(&[f64], &mut [f64]) + '_ {
+    move |v, out| out.iter_mut().zip(a).for_each(|(o, row)| *o = dot(row, v))
+}
+
+#[test]
+fn jacobi_finds_the_eigenvalues_a_matrix_was_made_of() {
+    let wanted = [-3.0, -0.5, 0.0, 1e-6, 2.0, 2.0, 7.5];
+    let a = matrix(&wanted);
+    let (values, vectors) = symmetric_eigen(a.clone());
+    for (value, want) in values.iter().zip(wanted) {
+        assert!((value - want).abs() < 1e-13);
+    }
+    for (value, v) in values.iter().zip(&vectors) {
+        let mut av = vec![0.0; v.len()];
+        times(&a)(v, &mut av);
+        assert!(av.iter().zip(v).all(|(av, v)| (av - value * v).abs() < 1e-13));
+    }
+}
+
+#[test]
+fn lobpcg_finds_the_smallest_pair_and_leaves_out_removed_directions() {
+    let spectrum: Vec<f64> = (0..40).map(|i| if i == 0 { -0.3 } else { 0.2 + i as f64 }).collect();
+    let a = matrix(&spectrum);
+    let limits = EigenLimits { pairs: 2, least: 2, most: 200, relative: 1e-9, absolute: 1e-9 };
+    let start = |s| vec![noise(1, 40, s).into_raw_vec_and_offset().0, noise(1, 40, s + 1).into_raw_vec_and_offset().0];
+    let identity = |r: &[f64], out: &mut [f64]| out.copy_from_slice(r);
+    let found = smallest(times(&a), start(20), &[], identity, limits, &Cancel::default());
+    assert!((found.values[0] + 0.3).abs() < 1e-12 && (found.values[1] - 1.2).abs() < 1e-9, "{:?}", found.values);
+    let removed = vec![found.vectors[0].clone()];
+    let next = smallest(times(&a), start(30), &removed, identity, limits, &Cancel::default());
+    assert!((next.values[0] - 1.2).abs() < 1e-9, "{:?}", next.values);
+}
+
+#[test]
+fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
+    let identity = |r: &[f64], out: &mut [f64]| out.copy_from_slice(r);
+    let limits = CgLimits { tolerance: 1e-12, products: 200 };
+    let b = noise(1, 30, 3).into_raw_vec_and_offset().0;
+    let good = matrix(&(1..=30).map(f64::from).collect::<Vec<_>>());
+    let CgSolution { x, end, .. } = conjugate_gradients(times(&good), &b, identity, &[], limits, &Cancel::default());
+    let mut ax = vec![0.0; 30];
+    times(&good)(&x, &mut ax);
+    assert_eq!(end, CgEnd::Converged);
+    assert!(ax.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11));
+    let bad = matrix(&(0..30).map(|i| i as f64 - 0.5).collect::<Vec<_>>());
+    assert_eq!(conjugate_gradients(times(&bad), &b, identity, &[], limits, &Cancel::default()).end, CgEnd::NegativeCurvature);
+    let nan = vec![vec![f64::NAN; 30]; 30];
+    assert_eq!(conjugate_gradients(times(&nan), &b, identity, &[], limits, &Cancel::default()).end, CgEnd::NegativeCurvature);
+    let cancel = Cancel::default();
+    cancel.request();
+    assert_eq!(conjugate_gradients(times(&good), &b, identity, &[], limits, &cancel).end, CgEnd::Cancelled);
+}
+
+#[test]
+fn the_largest_value_of_a_field_with_nan_is_nan() {
+    assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
+    assert_eq!(max_abs(&[1.0, -3.0, 2.0]), 3.0);
+}
