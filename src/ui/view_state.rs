@@ -1,5 +1,8 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
+mod axes;
+mod motion;
+
 use super::action::ViewOptions;
 use super::curves::{self, Curve, Shade};
 use super::history::History;
@@ -224,89 +227,6 @@ impl ViewState {
         self.closed_loop = None;
     }
 
-    /// Asks the solver to walk to `u0`, held inside the drive.
-    pub fn set_target(&mut self, u0: f64) {
-        let u0 = u0.clamp(self.limits.0, self.limits.1);
-        if u0 == self.target && self.sweep.is_none() {
-            return;
-        }
-        if u0 != self.actual {
-            self.branch = if u0 < self.actual { Branch::Approach } else { Branch::Retraction };
-        }
-        self.target = u0;
-        self.target_pending = true;
-        self.sweep = None;
-        self.busy = true;
-        self.resume();
-    }
-
-    /// Starts a sweep.
-    pub fn play(&mut self, sweep: Sweep) {
-        self.sweep = Some(sweep);
-        self.last_sweep = sweep;
-        self.busy = true;
-        self.target_pending = false;
-        self.resume();
-        // The run id is filled in when the command leaves: a scene edit of the same frame may still change it.
-        self.outbox.push(Command::Sweep { run: self.run, sweep });
-    }
-
-    /// Space: pause, go on, or start.
-    pub fn toggle_play(&mut self) {
-        if self.paused {
-            self.pause(false);
-        } else if self.busy {
-            self.pause(true);
-        } else {
-            self.play(self.last_sweep);
-        }
-    }
-
-    /// Holds or goes on.
-    pub fn pause(&mut self, paused: bool) {
-        self.paused = paused;
-        self.outbox.push(Command::Pause { paused });
-    }
-
-    fn resume(&mut self) {
-        if self.paused {
-            self.pause(false);
-        }
-    }
-
-    /// Drops target and sweep; the thumb goes where the surface is.
-    pub fn stop(&mut self) {
-        self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
-        self.resume();
-        self.outbox.push(Command::Stop);
-        self.sweep = None;
-        self.busy = false;
-        self.target_pending = false;
-        self.target = self.actual;
-    }
-
-    /// Moves the target by so many increments; further key presses add up although the solver is still on its way.
-    pub fn step(&mut self, increments: f64) {
-        self.set_target(self.target + increments * self.scene.drive.step);
-    }
-
-    /// One increment in the present direction.
-    pub fn increment(&mut self) {
-        self.step(if self.branch == Branch::Approach { -1.0 } else { 1.0 });
-    }
-
-    /// Turns round.
-    pub fn reverse(&mut self) {
-        let (sweep, branch) = match self.branch {
-            Branch::Approach => (Sweep::Retract, Branch::Retraction),
-            Branch::Retraction => (Sweep::Approach, Branch::Approach),
-        };
-        if self.sweep.is_some() {
-            self.play(sweep);
-        }
-        self.branch = branch;
-    }
-
     /// Back to rest at the start.
     pub fn reset(&mut self) {
         self.target = self.limits.1;
@@ -415,48 +335,6 @@ impl ViewState {
             other => other,
         }));
         commands
-    }
-
-    /// Fits the plot's axes to the data, or back to the scene.
-    pub fn fit_axes(&mut self, to_data: bool) {
-        self.axes_version += 1;
-        let points: Vec<[f64; 2]> = self.curve.points().chain(self.ghosts.iter().flat_map(Curve::points)).collect();
-        let Some(&first) = points.first().filter(|_| to_data) else {
-            self.fit = None;
-            return;
-        };
-        let (mut low, mut high) = (first, first);
-        for p in points {
-            for k in 0..2 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        for k in 0..2 {
-            let margin = 0.06 * (high[k] - low[k]).max(1e-3);
-            low[k] -= margin;
-            high[k] += margin;
-        }
-        self.fit = Some((low, high));
-    }
-
-    /// Axes of the plot: (lower left, upper right) in u0/rho and stress/sigma_max.
-    pub fn axes(&self) -> ([f64; 2], [f64; 2]) {
-        if let Some(fit) = self.fit {
-            return fit;
-        }
-        let (low, high) = scene_edit::stress_scale(&self.scene, &self.model);
-        let (left, right) = (self.limits.0 / self.rho(), self.limits.1 / self.rho());
-        let margin = 0.03 * (right - left);
-        ([left - margin, low], [right + margin, high])
-    }
-
-    /// True if recorded data lie outside the axes.
-    pub fn data_leave_view(&self) -> bool {
-        let (low, high) = self.axes();
-        let out = |p: [f64; 2]| (0..2).any(|k| p[k] < low[k] || p[k] > high[k]);
-        self.curve.pieces.last().and_then(|piece| piece.points.last()).is_some_and(|&p| out(p))
-            || self.curve.pieces.iter().any(|piece| piece.points.first().is_some_and(|&p| out(p)))
     }
 
     /// A jump in words.
