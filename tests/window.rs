@@ -14,12 +14,13 @@ use tackscope::experiment::scene::{Model, Points, Scene};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::solver::Stop;
+use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::ui::App;
 use tackscope::ui::handle::SolverHandle;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
-use tackscope::worker::protocol::{Command, Event, Frame, LoopSummary, MethodChoice, Ready, RunId, Sweep};
+use tackscope::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
@@ -222,7 +223,7 @@ impl Bench {
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
     let bench = Bench::new();
     let heard = bench.heard();
-    assert!(matches!(&heard[..], [Command::SetScene { run: 1, method: MethodChoice::NewtonKrylov, .. }]), "{heard:?}");
+    assert!(matches!(&heard[..], [Command::SetScene { run: 1, method: MethodKind::NewtonKrylov, .. }]), "{heard:?}");
     assert!(bench.state().hint);
     assert_eq!(bench.state().target, bench.state().limits.1);
 }

@@ -1,13 +1,154 @@
 //! Floor 5: the command line (clap) and terminal progress. No physics formulas.
+//!
+//! Exit codes: 0 done, 2 bad input (nothing was computed, or nothing could be written), 3 not converged, 130 interrupted; after
+//! 3 and 130 everything computed so far is written. Results go to files, one closing line to standard output, progress and
+//! refusals to standard error. May use every room below.
 
+mod presets;
+mod progress;
+mod report;
+mod run;
+mod window;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
 use std::process::ExitCode;
+
+use crate::solver::method::MethodKind;
+
+/// Done.
+const DONE: u8 = 0;
+/// Bad input.
+const BAD_INPUT: u8 = 2;
+/// A state was not found.
+const NOT_CONVERGED: u8 = 3;
+/// Stopped by Ctrl-C.
+const INTERRUPTED: u8 = 130;
+
+/// A desktop explorer of adhesive hysteresis: lower a soft body onto a sticky surface, pull it off, and watch where it jumps.
+///
+/// Without a command it opens the window; without a display it runs the scene fig2 into tackscope-out/.
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    after_help = "Exit codes: 0 done, 2 bad input, 3 not converged, 130 interrupted (3 and 130: what was computed is written)."
+)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute a closed loop without a window
+    ///
+    /// Writes loop.csv, events.csv, summary.json, loop.svg, loop.png and gaps/*.png into the folder, replacing those of an
+    /// earlier run.
+    Run(RunArguments),
+    /// List the built-in scenes
+    Presets,
+}
+
+/// What `tackscope run` is told.
+#[derive(Args, Clone, Debug)]
+struct RunArguments {
+    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    scene: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    /// Which method follows the branches
+    #[arg(long, value_enum, default_value_t = Method::Newton)]
+    method: Method,
+    /// Seed in place of the scene's: it chooses between equivalent patterns
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Points a side in place of the scene's (a line cell stays a line)
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+    /// Largest step of u0 in place of the scene's
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Afterwards run the paper's method on the same loop and write the ratio of processor time into summary.json
+    #[arg(long)]
+    yardstick: bool,
+}
+
+/// The methods by their words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Newton-Krylov with tracked stability
+    Newton,
+    /// The paper's mass-weighted dynamics, 50 + 150 time steps per increment
+    Gfmd,
+}
+
+impl Method {
+    fn kind(self) -> MethodKind {
+        match self {
+            Method::Newton => MethodKind::NewtonKrylov,
+            Method::Gfmd => MethodKind::Gfmd,
+        }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Method::Newton => "newton",
+            Method::Gfmd => "gfmd",
+        }
+    }
+}
 
 /// Runs the program and returns its exit code: 0 done, 2 bad input, 3 not converged, 130 interrupted.
 pub fn main() -> ExitCode {
-    #[cfg(feature = "gui")]
-    if let Err(e) = crate::ui::run(crate::ui::Options::default()) {
-        eprintln!("{e}");
-        return ExitCode::from(2);
+    ExitCode::from(match CommandLine::parse().command {
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Presets) => presets::list(),
+        None => window_or_default_scene(),
+    })
+}
+
+/// The window, or where there is no display the default scene without it.
+fn window_or_default_scene() -> u8 {
+    match window::open() {
+        Ok(()) => DONE,
+        Err(window::NoWindow::Broken(reason)) => {
+            eprintln!("tackscope: the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead");
+            BAD_INPUT
+        }
+        Err(window::NoWindow::NoDisplay(reason)) => {
+            eprintln!("tackscope: no window here ({reason}): running the scene fig2 into tackscope-out/ instead");
+            run::run(&RunArguments {
+                scene: "fig2".to_owned(),
+                out: PathBuf::from("tackscope-out"),
+                quiet: false,
+                method: Method::Newton,
+                seed: None,
+                points: None,
+                step: None,
+                yardstick: false,
+            })
+        }
     }
-    ExitCode::SUCCESS
+}
+
+/// Prints a line to standard output; a reader that has gone away (`| head`) is no error.
+fn say(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
 }

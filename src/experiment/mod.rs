@@ -2,5 +2,8 @@
 //!
 //! May use `solver`, `physics` and `numerics`; no threads, channels or files.
 
+pub mod flat_branch;
 pub mod record;
+pub mod run;
 pub mod scene;
+pub mod walk;

@@ -57,6 +57,29 @@ pub struct StateRecord {
     pub milliseconds: f64,
 }
 
+impl StateRecord {
+    /// A record to stand in until the first state is measured.
+    pub(crate) fn placeholder(mean_displacement: f64) -> Self {
+        Self {
+            branch: Branch::Approach,
+            mean_displacement,
+            stress: f64::NAN,
+            stress_over_max: f64::NAN,
+            contact_area: f64::NAN,
+            pattern: Pattern::Other,
+            residual: f64::NAN,
+            stiffness_min: f64::NAN,
+            stiffness_error: f64::NAN,
+            energy: f64::NAN,
+            model: "",
+            stop: Stop::NotConverged,
+            iterations: 0,
+            transforms: 0,
+            milliseconds: 0.0,
+        }
+    }
+}
+
 /// What made a state give way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
@@ -112,11 +135,24 @@ pub struct LoopRecord {
 }
 
 impl LoopRecord {
-    /// The loop integral of stress du0 by the trapezoid over the recorded states, energy per area (E* times length).
+    /// The loop integral of stress du0 over the recorded states, energy per area (E* times length).
     ///
-    /// Jumps are vertical lines and contribute nothing. Positive for a closed approach and retraction.
+    /// Trapezoid along branches; at a jump the stress before it holds up to the jump, which is a vertical line. Positive for a closed
+    /// approach and retraction.
     pub fn work(&self) -> f64 {
-        self.states.windows(2).map(|w| 0.5 * (w[0].stress + w[1].stress) * (w[1].mean_displacement - w[0].mean_displacement)).sum()
+        let mut jumps = self.jumps.iter().peekable();
+        let mut sum = 0.0;
+        for pair in self.states.windows(2) {
+            let (a, b) = (&pair[0], &pair[1]);
+            let du = b.mean_displacement - a.mean_displacement;
+            let jump = jumps
+                .next_if(|j| j.branch == b.branch && j.mean_displacement == b.mean_displacement && j.cause != Cause::PatternChange);
+            sum += match jump {
+                Some(jump) => 0.5 * (a.stress + jump.stress_before) * du,
+                None => 0.5 * (a.stress + b.stress) * du,
+            };
+        }
+        sum
     }
 
     /// Sum of the released energies, in units of gamma.

@@ -226,7 +226,7 @@ fn fast_even(n: f64) -> usize {
     loop {
         let mut rest = candidate;
         for p in [2, 3, 5] {
-            while rest % p == 0 {
+            while rest.is_multiple_of(p) {
                 rest /= p;
             }
         }

@@ -1,5 +1,11 @@
-//! Floor 0: two-dimensional real Fourier transforms, vector kernels, iterative linear algebra, random numbers, the cancel token.
+//! Floor 0: two-dimensional real Fourier transforms, vector kernels, iterative linear algebra, the cancel token.
 //!
-//! Nothing here knows a physical word. Fields are `ndarray` arrays in standard layout, row = y, column = x.
+//! Nothing here knows a physical word. Fields are `ndarray` arrays in standard layout, row = y, column = x. The forward transform
+//! carries the factor 1/N, so that an amplitude is in the unit of its field.
 
 pub mod cancel;
+pub mod eigen;
+pub mod exponential;
+pub mod fourier;
+pub mod krylov;
+pub mod vector;

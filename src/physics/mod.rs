@@ -8,4 +8,6 @@ pub mod indenter;
 pub mod law;
 pub mod mesh_rule;
 pub mod pattern;
+pub mod preconditioner;
+pub mod system;
 pub mod theory;

@@ -1,5 +1,16 @@
 //! Floor 2: equilibria along a branch, their stability, and the release after an instability.
+//!
+//! A state is a vector of amplitudes z (see [`crate::physics::system`]) at a mean displacement u0. Eigenvalues are of the Hessian
+//! per area in the metric mean(v^2), in E* per length; where a record says E*/L they are multiplied by L. Knows neither scenes nor
+//! clocks. May use `physics` and `numerics`.
 
+pub mod branch;
+pub mod equilibrium;
+pub mod gfmd;
+pub mod method;
+pub mod newton;
+pub mod release;
+pub mod stability;
 mod stop;
 
 pub use stop::Stop;

@@ -1,11 +1,15 @@
-//! Floor 4: the only room that touches the file system. (Stub of branch `ui`, replaced at merge.)
+//! Floor 4: the only room that touches the file system.
+//!
+//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`]).
+//! Every file is written whole or not at all ([`files`]); everything that can go wrong is a [`Failure`], one sentence that names
+//! the file and says how to mend it. May use `experiment`, `solver`, `physics` and `numerics`; computes nothing, opens no dialogs.
 
 pub mod export;
+mod failure;
+pub mod files;
 pub mod picture;
 pub mod presets;
 pub mod scene_file;
+pub mod summary;
 
-/// What went wrong with a file.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct Failure(pub String);
+pub use failure::Failure;

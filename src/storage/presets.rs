@@ -1,23 +1,68 @@
-//! Stub of branch `ui`.
+//! Scenes built into the program.
+
+use super::failure::near;
+use super::{Failure, scene_file};
+use crate::experiment::scene::Scene;
+use std::path::Path;
 
 /// A built-in scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preset {
-    /// Name.
+    /// The word of the command line and the menu.
     pub name: &'static str,
-    /// Scene file.
+    /// Its scene file; the comment it opens with says what to look for.
     pub text: &'static str,
 }
 
-static ALL: [Preset; 3] =
-    [Preset { name: "fig2", text: "fig2" }, Preset { name: "fig3", text: "fig3" }, Preset { name: "tip", text: "tip" }];
+macro_rules! presets {
+    ($($name:literal)*) => {
+        const ALL: &[Preset] = &[$(Preset {
+            name: $name,
+            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/presets/", $name, ".toml")),
+        },)*];
+    };
+}
 
-/// All presets.
+presets! { "fig2" "fig3" "no-hysteresis" "coarse-mesh" "ridge-line" }
+
+/// Every preset, in the order of the menu.
 pub fn all() -> &'static [Preset] {
-    &ALL
+    ALL
 }
 
 /// The preset of this name.
 pub fn find(name: &str) -> Option<&'static Preset> {
-    ALL.iter().find(|p| p.name == name)
+    ALL.iter().find(|preset| preset.name == name)
+}
+
+/// The scene that a word of the command line means: a preset's name, or else the path of a scene file.
+///
+/// # Errors
+/// A word that is neither, or a file that is not an allowed scene.
+pub fn resolve(word: &str) -> Result<Scene, Failure> {
+    if let Some(preset) = find(word) {
+        return preset.scene();
+    }
+    let path = Path::new(word);
+    if path.exists() {
+        return scene_file::load(path);
+    }
+    let names: Vec<_> = ALL.iter().map(|preset| preset.name).collect();
+    Err(Failure::NoScene { name: word.to_owned(), near: near(word, names.iter().copied()), presets: names.join(", ") })
+}
+
+impl Preset {
+    /// Its scene.
+    ///
+    /// # Errors
+    /// None for the built-in ones, as a test makes sure.
+    pub fn scene(&self) -> Result<Scene, Failure> {
+        scene_file::parse(self.text, &format!("presets/{}.toml", self.name))
+    }
+
+    /// What to look for: the comment that its file opens with, as one paragraph.
+    pub fn hint(&self) -> String {
+        let comment = self.text.lines().map_while(|line| line.strip_prefix('#'));
+        comment.map(str::trim).collect::<Vec<_>>().join(" ")
+    }
 }

@@ -2,7 +2,8 @@
 
 use super::scene_edit::Follows;
 use crate::experiment::scene::Scene;
-use crate::worker::protocol::{MethodChoice, Sweep};
+use crate::solver::method::MethodKind;
+use crate::worker::protocol::Sweep;
 use std::path::PathBuf;
 
 /// An intent of the user.
@@ -29,7 +30,7 @@ pub enum Action {
     /// Replace the scene by an edited one.
     EditScene(Box<Scene>),
     /// Choose the method.
-    SetMethod(MethodChoice),
+    SetMethod(MethodKind),
     /// Choose what follows mu_rho.
     SetFollows(Follows),
     /// Load the preset of this index.

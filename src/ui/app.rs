@@ -170,8 +170,8 @@ impl App {
         let done = match task {
             FileTask::OpenScene => scene_file::load(path).map(|scene| self.state.open_scene(scene)),
             FileTask::SaveScene => scene_file::save(path, &state.scene),
-            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record),
-            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record),
+            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
+            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
             FileTask::ExportLoopPng => picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title),
             FileTask::ExportGapPng => match &state.frame {
                 Some(frame) => picture::write_gap_png(path, &frame.gap),

@@ -10,13 +10,12 @@ use crate::experiment::record::Branch;
 use crate::experiment::scene::{Points, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
-use crate::worker::protocol::MethodChoice;
+use crate::solver::method::MethodKind;
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
 use std::ops::RangeInclusive;
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    // Wide enough for the scroll bar not to cover what is typed.
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         heading(ui, "Mean displacement u₀");
         displacement(ui, state, actions);
@@ -56,7 +55,8 @@ fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, unit:
 fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let rho = state.rho();
     ui.horizontal_top(|ui| {
-        u0_slider::show(ui, state, actions, 190.0);
+        let tall = ui.ctx().content_rect().height() > 740.0;
+        u0_slider::show(ui, state, actions, if tall { 236.0 } else { 180.0 });
         ui.vertical(|ui| {
             ui.set_width(ui.available_width().min(130.0));
             let label = ui.label("Target");
@@ -208,7 +208,7 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         edit(actions, scene);
     }
     ui.label("Method");
-    for (method, word) in [(MethodChoice::NewtonKrylov, "Newton-Krylov"), (MethodChoice::Gfmd, "GFMD, as in the paper")] {
+    for (method, word) in [(MethodKind::NewtonKrylov, "Newton-Krylov"), (MethodKind::Gfmd, "GFMD, as in the paper")] {
         if ui.radio(state.method == method, word).clicked() {
             actions.push(Action::SetMethod(method));
         }

@@ -1,8 +1,10 @@
 //! The curve of stress against mean displacement, ready to draw: u0/rho and stress/sigma_max, cut at jumps, never more than a few thousand points.
 
-use crate::experiment::record::{Branch, StateRecord};
+use crate::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
 use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::ui::scene_edit;
 
@@ -14,6 +16,8 @@ const POINTS_MAX: usize = 4000;
 pub struct Piece {
     /// Direction of the drive.
     pub branch: Branch,
+    /// The pattern of its newest state.
+    pub pattern: Pattern,
     /// (u0/rho, stress/sigma_max) in the order they were reached.
     pub points: Vec<[f64; 2]>,
 }
@@ -24,18 +28,23 @@ pub struct Curve {
     /// Its pieces in order.
     pub pieces: Vec<Piece>,
     count: usize,
+    broken: bool,
 }
 
 impl Curve {
-    /// Adds a state. Equal u0 means a jump, which begins a new piece; a change of direction begins one too, joined to the old.
-    pub fn push(&mut self, state: &StateRecord, range: f64) {
-        let point = [state.mean_displacement / range, state.stress_over_max];
+    /// Adds a state. After a jump it begins a new piece; a change of direction begins one too, joined to the old.
+    pub fn push(&mut self, state: &StateRecord, law: &Law) {
+        let point = [state.mean_displacement / law.range, state.stress_over_max];
+        let jumped = std::mem::take(&mut self.broken);
         let last = self.pieces.last().and_then(|piece| piece.points.last().copied());
-        match (self.pieces.last_mut(), last) {
-            (Some(piece), Some(last)) if last[0] != point[0] && piece.branch == state.branch => piece.points.push(point),
-            (_, last) => {
-                let joint = last.filter(|last| last[0] != point[0]);
-                self.pieces.push(Piece { branch: state.branch, points: joint.into_iter().chain([point]).collect() });
+        match self.pieces.last_mut() {
+            Some(piece) if !jumped && piece.branch == state.branch => {
+                piece.pattern = state.pattern;
+                piece.points.push(point);
+            }
+            _ => {
+                let points = last.filter(|_| !jumped).into_iter().chain([point]).collect();
+                self.pieces.push(Piece { branch: state.branch, pattern: state.pattern, points });
             }
         }
         self.count += 1;
@@ -44,14 +53,20 @@ impl Curve {
         }
     }
 
+    /// Adds a jump: the branch ends at its foot, and the next state begins a new piece.
+    pub fn jump(&mut self, jump: &JumpRecord, law: &Law) {
+        // Where nothing was located the foot is not known better than the last state.
+        if jump.cause != Cause::PatternChange
+            && let Some(piece) = self.pieces.last_mut().filter(|piece| piece.branch == jump.branch)
+        {
+            piece.points.push([jump.mean_displacement / law.range, jump.stress_before / law.traction_max()]);
+        }
+        self.broken = true;
+    }
+
     /// Every point.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.pieces.iter().flat_map(|piece| piece.points.iter().copied())
-    }
-
-    /// True if nothing was added yet.
-    pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty()
     }
 
     /// Drops every second inner point; the ends of pieces (jumps, turns) stay where they are.

@@ -66,11 +66,19 @@ fn missing_library() -> Option<(&'static str, &'static str)> {
     if missing.len() == X11_LIBRARIES.len() { None } else { missing.first().copied() }
 }
 
+/// Opens the window on the first preset and returns when it is closed.
+///
+/// # Errors
+/// One line that says why it could not be opened.
+pub fn run() -> Result<(), String> {
+    run_with(Options::default())
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// One line that says why it could not be opened.
-pub fn run(options: Options) -> Result<(), String> {
+pub fn run_with(options: Options) -> Result<(), String> {
     display_available()?;
     let scene = match options.scene {
         Some(scene) => scene,

@@ -32,4 +32,4 @@ mod u0_slider;
 
 pub use app::App;
 pub use dialogs::{FileRequest, PathFuture};
-pub use display::{Options, display_available, run};
+pub use display::{Options, display_available, run, run_with};

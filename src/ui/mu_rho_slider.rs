@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let x_of = |mu: f64| rail.left() + ((mu / MU_RHO.0).ln() / (MU_RHO.1 / MU_RHO.0).ln()).clamp(0.0, 1.0) as f32 * rail.width();
     let mut wanted = None;
     if let Some(pointer) = response.interact_pointer_pos()
-        && (response.dragged() || response.clicked())
+        && response.is_pointer_button_down_on()
     {
         let share = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
         wanted = Some(MU_RHO.0 * (MU_RHO.1 / MU_RHO.0).powf(share));

@@ -89,19 +89,11 @@ fn frozen(scene: &Scene, model: &Model) -> Scene {
     scene
 }
 
-/// Gaps at which the flat state loses stability (lower, upper), `None` if it never does.
-pub fn flat_limits(law: &Law, length: f64) -> Option<(f64, f64)> {
-    let unstable = |i: i32| flat::stiffness_min(law, length, f64::from(i) * 0.01 * law.range) < 0.0;
-    let lower = (1..4000).find(|&i| unstable(i))?;
-    let upper = (1..4000).rev().find(|&i| unstable(i))?;
-    Some((f64::from(lower) * 0.01 * law.range, f64::from(upper) * 0.01 * law.range))
-}
-
 /// On flat ground: moves the drive if it no longer encloses the instabilities of the edited law, else leaves it alone.
 fn fit_drive(scene: &mut Scene) {
     let (Indenter::Flat, Ok(model)) = (scene.indenter, Scene { drive: SAFE, ..scene.clone() }.model()) else { return };
     let law = model.law;
-    let Some((lower, upper)) = flat_limits(&law, model.grid.length) else { return };
+    let Some((lower, upper)) = flat::limits(&law, model.grid.length) else { return };
     let Drive { start, turn: Turn::At(turn), .. } = scene.drive else { return };
     let pressed = -law.at(turn).traction / law.traction_max();
     let fits =
@@ -177,6 +169,19 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
     (-0.5 * top, top)
 }
 
+/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
+pub fn tick_spacing(span: f64, count: f64) -> f64 {
+    let x = (span / count).max(1e-12);
+    let decade = 10f64.powf(x.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
+}
+
+/// The words of a tick, without the noise of its last digits and without a minus before zero.
+pub fn tick_words(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10, ... at or above `x`.
 pub fn nice(x: f64) -> f64 {
     let decade = 10f64.powf(x.max(1e-12).log10().floor());
@@ -201,7 +206,7 @@ mod tests {
         edited.extend([0.25, 0.35, 0.5, 0.7].map(|mu| with_mu_rho(&scene, &model, mu, Follows::Range)));
         for scene in edited {
             let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
-            let Some((lower, upper)) = flat_limits(&model.law, model.grid.length) else { continue };
+            let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else { continue };
             let (turn, start) = limits(&scene, &model);
             assert!(turn < lower && upper < start, "{turn} {lower} {upper} {start} of {}", scene.law.shape.word());
         }

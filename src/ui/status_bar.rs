@@ -5,7 +5,7 @@ use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::record::StateRecord;
 use crate::solver::Stop;
-use crate::worker::protocol::MethodChoice;
+use crate::solver::method::MethodKind;
 use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
@@ -53,8 +53,8 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     ));
     part(ui, now.model);
     let method = match state.method {
-        MethodChoice::NewtonKrylov => "Newton-Krylov",
-        MethodChoice::Gfmd => "GFMD",
+        MethodKind::NewtonKrylov => "Newton-Krylov",
+        MethodKind::Gfmd => "GFMD",
     };
     part(ui, method);
     part(ui, &format!("{} iterations", now.iterations));

@@ -15,19 +15,20 @@ pub fn id() -> Id {
 
 /// Draws the slider and turns drags into targets.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
-    let (_, rect) = ui.allocate_space(vec2(116.0, height));
+    let (_, rect) = ui.allocate_space(vec2(122.0, height));
     let response = ui.interact(rect, id(), Sense::click_and_drag());
-    let rail = Rect::from_min_max(pos2(rect.left() + 34.0, rect.top() + 10.0), pos2(rect.left() + 42.0, rect.bottom() - 10.0));
+    let rail = Rect::from_min_max(pos2(rect.left() + 38.0, rect.top() + 10.0), pos2(rect.left() + 47.0, rect.bottom() - 10.0));
     let (low, high) = state.limits;
     let y_of = |u0: f64| rail.bottom() - ((u0 - low) / (high - low)).clamp(0.0, 1.0) as f32 * rail.height();
     let u0_at = |y: f32| high - f64::from((y - rail.top()) / rail.height()).clamp(0.0, 1.0) * (high - low);
 
     if let Some(pointer) = response.interact_pointer_pos()
-        && (response.dragged() || response.clicked() || response.drag_started())
+        // Not `dragged()`, which waits for six pixels: the thumb must move within the frame.
+        && response.is_pointer_button_down_on()
     {
         response.request_focus();
         let fine = ui.input(|i| i.modifiers.shift);
-        let moved = f64::from(response.drag_delta().y / rail.height()) * (high - low);
+        let moved = f64::from(ui.input(|i| i.pointer.delta().y) / rail.height()) * (high - low);
         let wanted = if fine { state.target - 0.1 * moved } else { u0_at(pointer.y) };
         actions.push(Action::SetTarget(wanted));
     }
@@ -40,8 +41,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let walked = Rect::from_min_max(pos2(rail.left(), y_of(state.actual)), rail.right_bottom());
     painter.rect_filled(walked, 4.0, palette.elastomer);
     let actual = y_of(state.actual);
-    let tip = pos2(rail.right() + 3.0, actual);
-    let arrow = vec![tip, tip + vec2(11.0, -6.5), tip + vec2(11.0, 6.5)];
+    let tip = pos2(rail.center().x + 18.0, actual);
+    let arrow = vec![tip, tip + vec2(9.0, -6.0), tip + vec2(9.0, 6.0)];
     painter.add(Shape::convex_polygon(arrow, palette.retraction, Stroke::NONE));
     let visuals = ui.style().interact(&response);
     let thumb = Rect::from_center_size(pos2(rail.center().x, y_of(state.target)), vec2(30.0, 13.0));
@@ -53,7 +54,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
 /// "target" and "actual" beside their marks, pushed apart where they would overlap.
 fn words(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
     let palette = theme::palette(ui.visuals().dark_mode);
-    let x = rail.right() + 18.0;
+    let x = rail.center().x + 31.0;
     let (mut target_y, mut actual_y) = (target.y, actual.y);
     if (target_y - actual_y).abs() < 14.0 {
         let middle = 0.5 * (target_y + actual_y);
@@ -74,14 +75,14 @@ fn words(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
 fn ticks(ui: &Ui, state: &ViewState, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
     let rho = state.rho();
     let (low, high) = (state.limits.0 / rho, state.limits.1 / rho);
-    let spacing = super::scene_edit::nice((high - low) / 7.0);
+    let spacing = super::scene_edit::tick_spacing(high - low, 9.0);
     let colour = ui.visuals().weak_text_color();
     let mut i = (low / spacing).ceil();
     while i * spacing <= high + 1e-9 {
         let y = y_of(i * spacing * rho);
-        ui.painter().hline(rail.left() - 8.0..=rail.left() - 3.0, y, Stroke::new(1.0, colour));
-        let text = format!("{}", (i * spacing * 1e6).round() / 1e6);
-        ui.painter().text(pos2(rail.left() - 11.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
+        ui.painter().hline(rail.left() - 9.0..=rail.left() - 4.0, y, Stroke::new(1.0, colour));
+        let text = super::scene_edit::tick_words(i * spacing);
+        ui.painter().text(pos2(rail.left() - 15.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
         i += 1.0;
     }
 }

@@ -9,7 +9,8 @@ use super::history::History;
 use super::scene_edit::{self, Follows};
 use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
-use crate::worker::protocol::{Command, Event, Frame, LoopSummary, MethodChoice, Ready, RunId, Sweep};
+use crate::solver::method::MethodKind;
+use crate::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -46,7 +47,7 @@ pub struct ViewState {
     /// What the scene was decided to be.
     pub model: Model,
     /// The method.
-    pub method: MethodChoice,
+    pub method: MethodKind,
     /// What follows mu_rho.
     pub follows: Follows,
     /// Facts of the scene, once the solver has sent them.
@@ -113,7 +114,7 @@ impl ViewState {
             flat_state: curves::flat_state(&scene, &model),
             scene: Arc::new(scene),
             model,
-            method: MethodChoice::default(),
+            method: MethodKind::default(),
             follows: Follows::default(),
             ready: None,
             limits,
@@ -167,6 +168,7 @@ impl ViewState {
             Event::State { state, .. } => self.add_state(state),
             Event::Jump { jump, .. } => {
                 self.hint = false;
+                self.curve.jump(&jump, &self.model.law);
                 self.record.jumps.push(jump);
             }
             Event::LoopStarted { .. } => self.archive(),
@@ -176,7 +178,8 @@ impl ViewState {
                 if self.sweep.take().is_some() {
                     self.target = mean_displacement;
                 }
-                self.busy = self.target_pending;
+                // At rest elsewhere without a failure: a newer target is already on its way to the solver.
+                self.busy = self.failure.is_none() && mean_displacement != self.target;
             }
             Event::Failed { message, remedy, .. } => {
                 self.failure = Some(Failure { message, remedy });
@@ -198,7 +201,7 @@ impl ViewState {
     fn add_state(&mut self, state: StateRecord) {
         self.moved_to(state.mean_displacement);
         self.branch = state.branch;
-        self.curve.push(&state, self.model.law.range);
+        self.curve.push(&state, &self.model.law);
         if self.record.states.len() >= STATES_MAX {
             self.record.states.drain(..STATES_MAX / 4);
         }
@@ -217,7 +220,7 @@ impl ViewState {
     /// A fresh loop begins: what there was becomes a ghost.
     fn archive(&mut self) {
         let old = std::mem::take(&mut self.curve);
-        if !old.is_empty() {
+        if old.points().nth(2).is_some() {
             self.ghosts.push_back(old);
             if self.ghosts.len() > GHOSTS_MAX {
                 self.ghosts.pop_front();
@@ -292,7 +295,7 @@ impl ViewState {
     }
 
     /// Chooses the method, which begins a new run.
-    pub fn set_method(&mut self, method: MethodChoice) {
+    pub fn set_method(&mut self, method: MethodKind) {
         if method != self.method {
             self.method = method;
             self.restart();
@@ -308,7 +311,8 @@ impl ViewState {
             self.pause(false);
         }
         self.sweep = None;
-        self.busy = self.target_pending;
+        // At rest elsewhere without a failure: a newer target is already on its way to the solver.
+        self.busy = self.failure.is_none() && mean_displacement != self.target;
         self.ready = None;
         self.state = None;
         self.actual = self.limits.1;

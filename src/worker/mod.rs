@@ -2,5 +2,6 @@
 
 pub mod protocol;
 mod run_loop;
+pub mod session;
 
-pub use run_loop::Worker;
+pub use run_loop::{Output, Worker};

@@ -2,6 +2,7 @@
 
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
+use crate::solver::method::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
 
@@ -19,16 +20,6 @@ pub enum Sweep {
     Loop,
 }
 
-/// Which relaxation method follows the branches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum MethodChoice {
-    /// Newton-Krylov with tracked eigenpair.
-    #[default]
-    NewtonKrylov,
-    /// The paper's mass-weighted GFMD, 50 + 150 time steps per increment.
-    Gfmd,
-}
-
 /// From the window to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
@@ -39,7 +30,7 @@ pub enum Command {
         /// The scene.
         scene: Arc<Scene>,
         /// The method.
-        method: MethodChoice,
+        method: MethodKind,
     },
     /// Walk towards this mean displacement (latest wins; the path already gone is kept).
     SetTarget {

@@ -1,6 +1,7 @@
 //! The difference of two exponentials (Fig. 14), the coarse-grained law of a rough interface.
 
 use super::Form;
+use crate::numerics::exponential::{dispatch, exp, map_sum};
 
 /// f = (r e^{-x/r} - e^{-x}) / (1 - r) with 0 < r < 1, the ratio of the repulsive to the attractive range.
 ///
@@ -13,10 +14,11 @@ pub struct DoubleExponential {
 
 impl Form for DoubleExponential {
     fn at(&self, x: f64) -> [f64; 3] {
+        // With m = e^{-x(1-r)/r} - 1 nothing cancels, neither as r -> 1 nor as infinity minus infinity deep in compression.
         let r = self.ratio;
-        let (a, b) = ((-x / r).exp(), (-x).exp());
-        let c = 1.0 / (1.0 - r);
-        [c * (r * a - b), c * (b - a), c * (a / r - b)]
+        let (b, m) = ((-x).exp(), (-x * (1.0 - r) / r).exp_m1());
+        let cm = m / (1.0 - r);
+        [b * (r * cm - 1.0), -b * cm, b * (cm + 1.0) / r]
     }
 
     fn strongest(&self) -> (f64, f64) {
@@ -29,5 +31,26 @@ impl Form for DoubleExponential {
         let r = self.ratio;
         let x = -2.0 * r.ln() * r / (1.0 - r);
         (x, -self.at(x)[2])
+    }
+
+    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+        let r = self.ratio;
+        let c = 1.0 / (1.0 - r);
+        let (inverse, inverse_repulsive) = (-1.0 / range, -1.0 / (range * r));
+        dispatch(
+            #[inline(always)]
+            || {
+                map_sum(
+                    gap,
+                    first,
+                    second,
+                    #[inline(always)]
+                    |g| {
+                        let (a, b) = (exp(g * inverse_repulsive), exp(g * inverse));
+                        [c * (r * a - b), c * (b - a), c * (a / r - b)]
+                    },
+                )
+            },
+        )
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Form;
 
-/// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0; infinite at x = 0 and not defined (NaN) for x <= 0.
+/// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is singular at zero gap,
+/// and even exponents would give a plausible number on the wrong side of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mie {
     /// Exponent m of the repulsion.
@@ -13,6 +14,9 @@ pub struct Mie {
 
 impl Form for Mie {
     fn at(&self, x: f64) -> [f64; 3] {
+        if x <= 0.0 {
+            return [f64::NAN; 3];
+        }
         let (m, n) = (self.m, self.n);
         let c = m * n / (m - n);
         let l = x.ln();
@@ -30,5 +34,9 @@ impl Form for Mie {
         let (m, n) = (self.m, self.n);
         let x = ((m + 1.0) * (m + 2.0) / ((n + 1.0) * (n + 2.0))).powf(1.0 / (m - n));
         (x, -self.at(x)[2])
+    }
+
+    fn equilibrium(&self) -> f64 {
+        1.0
     }
 }

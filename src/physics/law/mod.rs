@@ -2,7 +2,7 @@
 //!
 //! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it:
 //! gamma(g) = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
-//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in [`forms`].
+//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in `forms!`.
 
 mod cosine;
 mod double_exponential;
@@ -14,7 +14,7 @@ pub use double_exponential::DoubleExponential;
 pub use mie::Mie;
 pub use morse::Morse;
 
-/// A dimensionless cohesive law f(x), x = g/rho, with min f = -1 (or a well of that depth for the cosine's wall).
+/// A dimensionless cohesive law f(x), x = g/rho, with min f = -1.
 pub trait Form {
     /// f, f' and f'' at x. Not finite where the law is not defined (a Mie law at x <= 0).
     fn at(&self, x: f64) -> [f64; 3];
@@ -22,8 +22,13 @@ pub trait Form {
     /// Gap x and value of the largest traction, max f'.
     fn strongest(&self) -> (f64, f64);
 
-    /// Gap x and value of the largest negative stiffness, max(-f'').
+    /// Gap x and value of the largest negative stiffness, max(-f''). Where f'' jumps (the cosine's cut-off) the one-sided limit.
     fn softest(&self) -> (f64, f64);
+
+    /// Gap x of the minimum, f = -1 and f' = 0. Between here and [`Form::softest`] f'' falls steadily from above to below zero.
+    fn equilibrium(&self) -> f64 {
+        0.0
+    }
 
     /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f.
     ///
@@ -88,7 +93,7 @@ pub struct Response {
 }
 
 impl Law {
-    /// Energy, traction and stiffness at gap `g`.
+    /// Energy, traction and stiffness at gap `g` (length). All NaN where the law is not defined (a Mie law at g <= 0).
     pub fn at(&self, g: f64) -> Response {
         let [f, f1, f2] = self.shape.form().at(g / self.range);
         let (gamma, rho) = (self.surface_energy, self.range);
@@ -104,22 +109,27 @@ impl Law {
         gamma * sum
     }
 
-    /// Largest tensile traction sigma_max.
+    /// Largest tensile traction sigma_max (E*).
     pub fn traction_max(&self) -> f64 {
         self.surface_energy / self.range * self.shape.form().strongest().1
     }
 
-    /// Gap of the largest traction; a point with a smaller gap counts as contact.
+    /// Gap of the largest traction (length); a point with a smaller gap counts as contact.
     pub fn contact_gap(&self) -> f64 {
         self.range * self.shape.form().strongest().0
     }
 
-    /// Largest negative stiffness max(-gamma'').
+    /// Gap of the minimum of the energy: gamma(g) = -surface_energy, no traction (0, for a Mie law its range).
+    pub fn equilibrium_gap(&self) -> f64 {
+        self.range * self.shape.form().equilibrium()
+    }
+
+    /// Largest negative stiffness max(-gamma''). For the cosine law the limit at its cut-off from inside.
     pub fn softening_max(&self) -> f64 {
         self.surface_energy / (self.range * self.range) * self.shape.form().softest().1
     }
 
-    /// Gap of the largest negative stiffness.
+    /// Gap of the largest negative stiffness (length).
     pub fn softest_gap(&self) -> f64 {
         self.range * self.shape.form().softest().0
     }

@@ -1,0 +1,83 @@
+//! What a run says while it goes: a bar on a terminal, plain lines otherwise, both on standard error.
+
+use crate::experiment::record::{JumpRecord, StateRecord};
+use crate::experiment::run::Report;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+
+/// Resolution of the bar.
+const TICKS: u64 = 1000;
+
+/// Listens to a walk and tells the user.
+pub(super) enum Teller {
+    /// `--quiet`.
+    Silent,
+    /// A terminal.
+    Bar(ProgressBar),
+    /// A file or a pipe: a line per jump and every tenth of the way.
+    Lines {
+        /// Tenths already told.
+        tenths: u64,
+    },
+}
+
+impl Teller {
+    /// The fitting teller, which at once says what begins.
+    pub(super) fn new(quiet: bool, heading: &str) -> Self {
+        if quiet {
+            return Teller::Silent;
+        }
+        if !std::io::stderr().is_terminal() {
+            line(heading);
+            return Teller::Lines { tenths: 0 };
+        }
+        let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(15));
+        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}, {eta} left  {msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.println(heading);
+        Teller::Bar(bar)
+    }
+
+    /// Tells one piece of news.
+    pub(super) fn tell(&mut self, news: &Report<'_>) {
+        match (self, news) {
+            (Teller::Silent, _) => {}
+            (Teller::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump)),
+            (Teller::Bar(bar), Report::State { record, fraction }) => {
+                bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
+                bar.set_message(state_words(record));
+            }
+            (Teller::Lines { .. }, Report::Jump(jump)) => line(&jump_words(jump)),
+            (Teller::Lines { tenths }, Report::State { record, fraction }) => {
+                let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
+                if reached > *tenths {
+                    *tenths = reached;
+                    line(&format!("{:>3} %  {}", 10 * reached, state_words(record)));
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub(super) fn finish(&self) {
+        if let Teller::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn state_words(state: &StateRecord) -> String {
+    format!("{} at u0 = {:.4}: {}", state.branch, state.mean_displacement, state.pattern)
+}
+
+fn jump_words(jump: &JumpRecord) -> String {
+    format!(
+        "jump   {} at u0 = {:.4}: {} to {}, released {:.4} gamma ({})",
+        jump.branch, jump.mean_displacement, jump.from, jump.to, jump.released_energy, jump.cause
+    )
+}
+
+/// A line on standard error; nobody listening is no error.
+fn line(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}

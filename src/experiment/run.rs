@@ -1,0 +1,147 @@
+//! A whole loop in one call: approach, retraction, and what they add up to.
+
+use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
+use super::scene::{Scene, SceneError, Turn};
+use super::walk::{Counts, Happening, Progress, Walk};
+use crate::numerics::cancel::Cancel;
+use crate::physics::pattern::Pattern;
+use crate::solver::method::MethodKind;
+use ndarray::Array2;
+
+/// A loop, complete or as far as it came.
+#[derive(Clone, Debug)]
+pub struct LoopRun {
+    /// States and jumps.
+    pub record: LoopRecord,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// What it cost.
+    pub counts: Counts,
+    /// A picture of each pattern where it was first reached.
+    pub landings: Vec<Landing>,
+}
+
+/// How a loop ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Closed.
+    Completed,
+    /// The solver could not go on; everything before stands.
+    NotConverged {
+        /// Last u0 reached (length).
+        mean_displacement: f64,
+        /// What happened.
+        reason: String,
+    },
+    /// Somebody asked to stop; everything before stands.
+    Cancelled,
+}
+
+/// The surface just after a jump (or at the start).
+#[derive(Clone, Debug)]
+pub struct Landing {
+    /// Direction of the drive.
+    pub branch: Branch,
+    /// Where (length).
+    pub mean_displacement: f64,
+    /// What it shows.
+    pub pattern: Pattern,
+    /// Gap field (length), shape (ny, nx).
+    pub gap: Array2<f64>,
+}
+
+/// What a loop reports while it runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Report<'a> {
+    /// A new state, and the share of the loop that is done.
+    State {
+        /// The state.
+        record: &'a StateRecord,
+        /// 0 to 1.
+        fraction: f64,
+    },
+    /// A jump.
+    Jump(&'a JumpRecord),
+}
+
+/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back.
+///
+/// # Errors
+/// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
+pub fn run_loop(
+    scene: &Scene,
+    method: MethodKind,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
+    let mut walk = Walk::new(scene, method)?;
+    let mut run =
+        LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
+    run.record.states.push(walk.record().clone());
+    let start = scene.drive.start;
+    let (mut turn, wait_for_load) = match scene.drive.turn {
+        Turn::At(turn) => (turn, false),
+        // Far below anything a tip under tension can need; the sign of the stress ends the approach.
+        Turn::ZeroLoad => (start - 1e3 * (start.abs() + scene.cell.length), true),
+    };
+    let mut lowest = start;
+    walk.set_target(turn);
+    let mut retracting = false;
+    let mut landed = true;
+    loop {
+        let mut fresh = false;
+        let progress = walk.step(cancel, &mut |happening| match happening {
+            Happening::Moving { .. } => {}
+            Happening::Jump(jump) => {
+                landed = true;
+                observe(Report::Jump(&jump));
+                run.record.jumps.push(jump);
+            }
+            Happening::State(state) => {
+                fresh = true;
+                lowest = lowest.min(state.mean_displacement);
+                let depth = if wait_for_load { f64::INFINITY } else { start - turn };
+                let gone = if retracting {
+                    1.0 + (state.mean_displacement - lowest) / (start - lowest)
+                } else {
+                    (start - state.mean_displacement) / depth
+                };
+                observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
+                run.record.states.push(state);
+            }
+        });
+        if fresh && std::mem::take(&mut landed) {
+            let gap = walk.gap();
+            let record = walk.record();
+            run.landings.push(Landing {
+                branch: record.branch,
+                mean_displacement: record.mean_displacement,
+                pattern: record.pattern,
+                gap,
+            });
+        }
+        let record = walk.record();
+        if fresh && wait_for_load && !retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {
+            turn = record.mean_displacement;
+            walk.set_target(turn);
+        }
+        match progress {
+            Progress::Working => {}
+            Progress::Resting if retracting => break,
+            Progress::Resting => {
+                retracting = true;
+                walk.set_target(start);
+            }
+            Progress::Cancelled => {
+                run.outcome = Outcome::Cancelled;
+                break;
+            }
+            Progress::Stuck(reason) => {
+                run.outcome = Outcome::NotConverged { mean_displacement: walk.record().mean_displacement, reason };
+                break;
+            }
+        }
+    }
+    run.counts = walk.counts();
+    Ok(run)
+}

@@ -1,0 +1,143 @@
+//! An approximate inverse of the Hessian: diagonal in Fourier space, and exact in the block of the longest waves.
+//!
+//! The diagonal 1/(q E*/2 + k) makes the number of iterations independent of the mesh. What it misses is the coupling of the few
+//! longest waves through the pattern, where all soft modes live. Between waves a and b the Hessian is a look-up in the transform D of
+//! gamma'': mean(gamma'' 2 cos a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
+
+use super::system::{System, Workspace};
+use std::f64::consts::SQRT_2;
+
+/// Waves up to this many per cell side are in the block (48 unknowns in a square cell, 8 in a line cell).
+const WAVES: f64 = 4.0;
+
+/// A symmetric positive definite approximate inverse of the Hessian.
+#[derive(Clone, Debug)]
+pub struct Preconditioner {
+    diagonal: Vec<f64>,
+    modes: Vec<Mode>,
+    /// Lower triangle of the Cholesky factor, row by row; empty until [`Preconditioner::refresh`].
+    factor: Vec<f64>,
+}
+
+/// One wave of the block: cosine and sine.
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    /// Wave numbers in units of 2 pi/L.
+    wave: [i64; 2],
+    /// Index of its amplitude pair, and that of its conjugate where both are stored.
+    pair: usize,
+    mirror: Option<usize>,
+}
+
+impl Preconditioner {
+    /// The diagonal part with constant `stiffness` k (E* per length); the block waits for a state.
+    pub fn new(system: &System, stiffness: f64) -> Self {
+        let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
+        diagonal[..2].fill(0.0);
+        Self { diagonal, modes: modes(system), factor: Vec::new() }
+    }
+
+    /// The diagonal 1/(q E*/2 + k); zero for the mean.
+    pub fn diagonal(&self) -> &[f64] {
+        &self.diagonal
+    }
+
+    /// Drops the block: it belongs to a state that is left behind.
+    pub fn forget(&mut self) {
+        self.factor.clear();
+    }
+
+    /// Assembles and factorises the block at the state at which `ws` was last evaluated. One transform.
+    ///
+    /// Pivots are kept above a share of the softest elastic stiffness: along a sliding or an unstable mode the inverse is bounded,
+    /// and stays positive. The longest waves come last, so that only they are touched.
+    pub fn refresh(&mut self, system: &System, ws: &mut Workspace) {
+        let stiffness = system.stiffness_spectrum(ws);
+        let n = 2 * self.modes.len();
+        let floor = 0.02 * system.grid().q1();
+        self.factor.clear();
+        self.factor.resize(n * (n + 1) / 2, 0.0);
+        for i in 0..n {
+            for j in 0..=i {
+                let (a, b) = (self.modes[i / 2], self.modes[j / 2]);
+                let sum = stiffness([a.wave[0] + b.wave[0], a.wave[1] + b.wave[1]]);
+                let difference = stiffness([a.wave[0] - b.wave[0], a.wave[1] - b.wave[1]]);
+                let mut h = match (i % 2, j % 2) {
+                    (0, 0) => difference.re + sum.re,
+                    (1, 1) => difference.re - sum.re,
+                    (0, _) => sum.im - difference.im,
+                    _ => sum.im + difference.im,
+                };
+                if i == j {
+                    h += system.elastic()[2 * a.pair];
+                }
+                let (row, column) = (i * (i + 1) / 2, j * (j + 1) / 2);
+                let dot: f64 = (0..j).map(|k| self.factor[row + k] * self.factor[column + k]).sum();
+                self.factor[row + j] = if i == j { (h - dot).max(floor).sqrt() } else { (h - dot) / self.factor[column + j] };
+            }
+        }
+    }
+
+    /// `out` = approximate inverse Hessian times `r`.
+    pub fn apply(&self, r: &[f64], out: &mut [f64]) {
+        for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
+            *o = r * m;
+        }
+        if self.factor.is_empty() {
+            return;
+        }
+        let mut x: Vec<f64> =
+            self.modes.iter().flat_map(|m| [r[2 * m.pair] * m.weight(), r[2 * m.pair + 1] * m.weight()]).collect();
+        self.solve(&mut x);
+        for (m, x) in self.modes.iter().zip(x.chunks_exact(2)) {
+            let (re, im) = (x[0] / m.weight(), x[1] / m.weight());
+            (out[2 * m.pair], out[2 * m.pair + 1]) = (re, im);
+            if let Some(mirror) = m.mirror {
+                (out[2 * mirror], out[2 * mirror + 1]) = (re, -im);
+            }
+        }
+    }
+
+    /// Forward and backward substitution in place.
+    fn solve(&self, x: &mut [f64]) {
+        let row = |i: usize| &self.factor[i * (i + 1) / 2..];
+        for i in 0..x.len() {
+            let dot: f64 = row(i).iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
+            x[i] = (x[i] - dot) / row(i)[i];
+        }
+        for i in (0..x.len()).rev() {
+            x[i] /= row(i)[i];
+            let xi = x[i];
+            for (x, l) in x[..i].iter_mut().zip(row(i)) {
+                *x -= l * xi;
+            }
+        }
+    }
+}
+
+impl Mode {
+    /// Where both an amplitude and its conjugate are stored, a wave of norm 1 has 1/sqrt 2 in each.
+    fn weight(&self) -> f64 {
+        if self.mirror.is_some() { SQRT_2 } else { 1.0 }
+    }
+}
+
+/// One of each pair (q, -q) of the long waves, shortest first.
+fn modes(system: &System) -> Vec<Mode> {
+    let grid = system.grid();
+    // Sums of two waves must not reach the end of the mesh's spectrum.
+    let most = WAVES.min(grid.nx as f64 / 4.0 - 1.0);
+    let reach = most.max(0.0) as i64;
+    let reach_y = if grid.is_line() { 0 } else { reach };
+    let index = |k: i64, l: i64| k as usize * grid.ny + l.rem_euclid(grid.ny as i64) as usize;
+    let mut modes = Vec::new();
+    for k in 0..=reach {
+        for l in -reach_y..=reach_y {
+            if (k > 0 || l > 0) && ((k * k + l * l) as f64).sqrt() <= most {
+                modes.push(Mode { wave: [k, l], pair: index(k, l), mirror: (k == 0).then(|| index(0, -l)) });
+            }
+        }
+    }
+    modes.sort_by_key(|m| std::cmp::Reverse(m.wave[0] * m.wave[0] + m.wave[1] * m.wave[1]));
+    modes
+}

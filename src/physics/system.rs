@@ -1,0 +1,274 @@
+//! The mechanical system: energy, residual and Hessian of a half-space above an indenter, in Fourier amplitudes.
+//!
+//! A displacement u = u0 + sum_{q != 0} u_q e^{iqr} is stored as **amplitudes** z: the half spectrum of [`Fourier`] as pairs of
+//! reals, each times sqrt(w_q) with w_q = 2 where the mirrored half is left out and 1 else. Then z.z = mean((u - u0)^2), and per
+//! area of the cell
+//!
+//! V = sum_q (q E*/4) z_q^2 + mean gamma(g),   dV/dz_q = (q E*/2) z_q + sqrt(w_q) FT[gamma'(g)]_q,
+//! Hessian v -> (q E*/2) v + sqrt(w) FT[gamma''(g) v(r)],   mean stress = mean gamma'(g).
+//!
+//! The entry q = 0 of every amplitude vector is zero: the mean displacement u0 is the control.
+
+use super::grid::Grid;
+use super::indenter::Indenter;
+use super::law::Law;
+use crate::numerics::fourier::{Fourier, Scratch};
+use crate::numerics::vector::{dot, max_abs};
+use ndarray::Array2;
+use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+
+/// Law, ground and cell with their transforms. Immutable; working memory is a [`Workspace`].
+#[derive(Clone, Debug)]
+pub struct System {
+    grid: Grid,
+    law: Law,
+    height: Option<Array2<f64>>,
+    fourier: Fourier,
+    /// q E*/2 of every amplitude entry; zero for q = 0.
+    elastic: Vec<f64>,
+    /// Wave vector (q_x, q_y) of every spectrum entry; Nyquist components are zero, where the derivative of a real field vanishes.
+    gradient: Vec<[f64; 2]>,
+}
+
+/// Working memory and the last evaluated fields of one solver.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    /// Gap g (length), shape (ny, nx), at the last evaluation.
+    pub gap: Array2<f64>,
+    /// Traction gamma'(g) there (E*).
+    pub traction: Array2<f64>,
+    /// Stiffness gamma''(g) there (E* per length).
+    pub stiffness: Array2<f64>,
+    /// Transforms done so far.
+    pub transforms: usize,
+    field: Array2<f64>,
+    spectrum: Array2<Complex<f64>>,
+    scratch: Scratch,
+}
+
+/// Scalars of one evaluation.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation {
+    /// Energy per area V (E* times length).
+    pub energy: f64,
+    /// Mean stress (E*), positive in tension.
+    pub stress: f64,
+}
+
+impl System {
+    /// The system of a law above an indenter.
+    pub fn new(grid: Grid, law: Law, indenter: &Indenter) -> Self {
+        let fourier = Fourier::new(grid.ny, grid.nx);
+        let (m, ny) = fourier.spectrum_shape();
+        let signed = |l: usize, n: usize| if 2 * l > n { l as f64 - n as f64 } else { l as f64 };
+        let mut elastic = Vec::with_capacity(2 * m * ny);
+        let mut gradient = Vec::with_capacity(m * ny);
+        for k in 0..m {
+            for l in 0..ny {
+                let (qx, qy) = (TAU * k as f64 / grid.length, TAU * signed(l, ny) / grid.length);
+                elastic.extend([qx.hypot(qy) / 2.0; 2]);
+                gradient.push([if 2 * k == grid.nx { 0.0 } else { qx }, if 2 * l == ny { 0.0 } else { qy }]);
+            }
+        }
+        Self { grid, law, height: indenter.height(&grid), fourier, elastic, gradient }
+    }
+
+    /// Cell and mesh.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The cohesive law.
+    pub fn law(&self) -> &Law {
+        &self.law
+    }
+
+    /// Height of the indenter, `None` where it is flat.
+    pub fn height(&self) -> Option<&Array2<f64>> {
+        self.height.as_ref()
+    }
+
+    /// True over a flat indenter: then flat states are closed forms, and patterns can slide.
+    pub fn is_flat(&self) -> bool {
+        self.height.is_none()
+    }
+
+    /// Length of an amplitude vector.
+    pub fn dimension(&self) -> usize {
+        self.elastic.len()
+    }
+
+    /// Fresh working memory.
+    pub fn workspace(&self) -> Workspace {
+        let zeros = || Array2::zeros(self.grid.shape());
+        Workspace {
+            gap: zeros(),
+            traction: zeros(),
+            stiffness: zeros(),
+            transforms: 0,
+            field: zeros(),
+            spectrum: self.fourier.spectrum(),
+            scratch: self.fourier.scratch(),
+        }
+    }
+
+    /// q E*/2 of every amplitude entry (E* per length).
+    pub fn elastic(&self) -> &[f64] {
+        &self.elastic
+    }
+
+    /// The gap field of amplitudes `z` at mean displacement `u0`, into `ws.gap`. One transform.
+    pub fn gap(&self, z: &[f64], u0: f64, ws: &mut Workspace) {
+        self.to_spectrum(z, &mut ws.spectrum);
+        ws.spectrum[[0, 0]] = Complex::new(u0, 0.0);
+        self.fourier.inverse(&mut ws.spectrum, &mut ws.gap, &mut ws.scratch);
+        ws.transforms += 1;
+        if let Some(height) = &self.height {
+            ws.gap -= height;
+        }
+    }
+
+    /// Energy, mean stress and `gradient` dV/dz at (`z`, `u0`); leaves gap, traction and stiffness in `ws`. Two transforms.
+    pub fn evaluate(&self, z: &[f64], u0: f64, gradient: &mut [f64], ws: &mut Workspace) -> Evaluation {
+        self.gap(z, u0, ws);
+        let (gap, traction, stiffness) = (flat(&mut ws.gap), flat(&mut ws.traction), flat(&mut ws.stiffness));
+        let adhesive = self.law.fill(gap, traction, stiffness) / self.grid.points() as f64;
+        self.fourier.forward(&ws.traction, &mut ws.spectrum, &mut ws.scratch);
+        ws.transforms += 1;
+        let stress = ws.spectrum[[0, 0]].re;
+        self.from_spectrum(&ws.spectrum, gradient);
+        let mut elastic = 0.0;
+        for ((g, z), e) in gradient.iter_mut().zip(z).zip(&self.elastic) {
+            *g += e * z;
+            elastic += e * z * z;
+        }
+        Evaluation { energy: 0.5 * elastic + adhesive, stress }
+    }
+
+    /// The Hessian at the last evaluated state times `v`. Two transforms.
+    pub fn hessian(&self, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
+        self.to_spectrum(v, &mut ws.spectrum);
+        self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
+        ws.field *= &ws.stiffness;
+        self.fourier.forward(&ws.field, &mut ws.spectrum, &mut ws.scratch);
+        ws.transforms += 2;
+        self.from_spectrum(&ws.spectrum, out);
+        for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
+            *o += e * v;
+        }
+    }
+
+    /// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness at the last evaluated state, by wave numbers in units of 2 pi/L
+    /// of either sign, short of the end of the mesh's spectrum. One transform.
+    pub fn stiffness_spectrum<'w>(&self, ws: &'w mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<'w> {
+        self.fourier.forward(&ws.stiffness, &mut ws.spectrum, &mut ws.scratch);
+        ws.transforms += 1;
+        let (spectrum, ny) = (&ws.spectrum, self.grid.ny as i64);
+        move |[k, l]| {
+            let at = |k: i64, l: i64| spectrum[[k as usize, l.rem_euclid(ny) as usize]];
+            if k < 0 { at(-k, -l).conj() } else { at(k, l) }
+        }
+    }
+
+    /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of
+    /// `gradient` at the last evaluated state. In deep compression the second scale rules. NaN if anything is. One transform.
+    pub fn residual(&self, gradient: &[f64], ws: &mut Workspace) -> f64 {
+        self.field(gradient, ws);
+        let r = max_abs(flat(&mut ws.field));
+        let t = max_abs(flat(&mut ws.traction));
+        if t.is_nan() { t } else { r / self.law.traction_max().max(t) }
+    }
+
+    /// The real field of amplitudes `v` (without mean). One transform.
+    pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
+        self.to_spectrum(v, &mut ws.spectrum);
+        self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
+        ws.transforms += 1;
+        &ws.field
+    }
+
+    /// Amplitudes of a field; its mean is dropped. One transform.
+    pub fn amplitudes(&self, field: &Array2<f64>, ws: &mut Workspace) -> Vec<f64> {
+        let mut z = vec![0.0; self.dimension()];
+        self.fourier.forward(field, &mut ws.spectrum, &mut ws.scratch);
+        ws.transforms += 1;
+        self.from_spectrum(&ws.spectrum, &mut z);
+        z
+    }
+
+    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised. No transform.
+    pub fn sliding_modes(&self, z: &[f64]) -> Vec<Vec<f64>> {
+        let axes = if self.grid.is_line() { 1 } else { 2 };
+        (0..axes)
+            .map(|axis| {
+                let pairs = z.chunks_exact(2).zip(&self.gradient);
+                pairs.flat_map(|(z, q)| [-q[axis] * z[1], q[axis] * z[0]]).collect()
+            })
+            .collect()
+    }
+
+    /// Amplitudes of the surface moved by (`dx`, `dy`) (lengths). No transform.
+    pub fn moved(&self, z: &[f64], dx: f64, dy: f64) -> Vec<f64> {
+        let pairs = z.chunks_exact(2).zip(&self.gradient);
+        pairs
+            .flat_map(|(z, q)| {
+                let moved = Complex::new(z[0], z[1]) * Complex::cis(-(q[0] * dx + q[1] * dy));
+                [moved.re, moved.im]
+            })
+            .collect()
+    }
+
+    /// Gives amplitudes the symmetry of a real field: u(-q) = conj u(q) where both halves are stored, real Nyquist terms, no mean.
+    pub fn make_real(&self, z: &mut [f64]) {
+        let ny = self.grid.ny;
+        for k in [0, self.grid.nx / 2] {
+            let row = &mut z[2 * k * ny..2 * (k + 1) * ny];
+            for l in 0..=ny / 2 {
+                let mirror = (ny - l) % ny;
+                row[2 * mirror] = row[2 * l];
+                row[2 * mirror + 1] = if mirror == l { 0.0 } else { -row[2 * l + 1] };
+            }
+        }
+        z[..2].fill(0.0);
+    }
+
+    /// The wave vector (q_x, q_y) of the amplitude pair `i`.
+    pub fn wave_vector(&self, i: usize) -> [f64; 2] {
+        self.gradient[i]
+    }
+
+    /// Root mean square of u - u0 (length).
+    pub fn roughness(z: &[f64]) -> f64 {
+        dot(z, z).sqrt()
+    }
+
+    fn weight(&self, k: usize) -> f64 {
+        if k == 0 || 2 * k == self.grid.nx { 1.0 } else { std::f64::consts::SQRT_2 }
+    }
+
+    fn to_spectrum(&self, z: &[f64], spectrum: &mut Array2<Complex<f64>>) {
+        for (k, (row, z)) in flat(spectrum).chunks_exact_mut(self.grid.ny).zip(z.chunks_exact(2 * self.grid.ny)).enumerate() {
+            let s = 1.0 / self.weight(k);
+            for (c, z) in row.iter_mut().zip(z.chunks_exact(2)) {
+                *c = Complex::new(s * z[0], s * z[1]);
+            }
+        }
+    }
+
+    fn from_spectrum(&self, spectrum: &Array2<Complex<f64>>, z: &mut [f64]) {
+        let rows = spectrum.as_slice().expect("standard layout").chunks_exact(self.grid.ny);
+        for (k, (row, z)) in rows.zip(z.chunks_exact_mut(2 * self.grid.ny)).enumerate() {
+            let s = self.weight(k);
+            for (c, z) in row.iter().zip(z.chunks_exact_mut(2)) {
+                z[0] = s * c.re;
+                z[1] = s * c.im;
+            }
+        }
+        z[..2].fill(0.0);
+    }
+}
+
+fn flat<T>(array: &mut Array2<T>) -> &mut [T] {
+    array.as_slice_mut().expect("standard layout")
+}

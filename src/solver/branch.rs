@@ -1,0 +1,56 @@
+//! The recent states of a branch, and the prediction of the next one.
+
+use crate::numerics::vector::{add, norm};
+
+/// Largest sum of |weights| of an extrapolation; the uniform cubic has 15, anything wilder amplifies noise.
+const WILDEST: f64 = 16.0;
+
+/// Up to four states of one branch, newest last.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    states: Vec<(f64, Vec<f64>)>,
+}
+
+impl History {
+    /// A branch that begins at one state.
+    pub fn starting(u0: f64, z: Vec<f64>) -> Self {
+        Self { states: vec![(u0, z)] }
+    }
+
+    /// Adds a state; one at the same u0 is replaced.
+    pub fn push(&mut self, u0: f64, z: Vec<f64>) {
+        self.states.retain(|(u, _)| *u != u0);
+        if self.states.len() == 4 {
+            self.states.remove(0);
+        }
+        self.states.push((u0, z));
+    }
+
+    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not amplify noise; empty history: `None`.
+    pub fn predict(&self, u0: f64) -> Option<Vec<f64>> {
+        (1..=self.states.len()).rev().find_map(|count| {
+            let points = &self.states[self.states.len() - count..];
+            let weights: Vec<f64> = (0..count)
+                .map(|i| {
+                    let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+                    others.map(|(_, (u, _))| (u0 - u) / (points[i].0 - u)).product()
+                })
+                .collect();
+            if weights.iter().map(|w: &f64| w.abs()).sum::<f64>() > WILDEST {
+                return None;
+            }
+            let mut sum = vec![0.0; points[0].1.len()];
+            for (w, (_, z)) in weights.iter().zip(points) {
+                add(&mut sum, *w, z);
+            }
+            Some(sum)
+        })
+    }
+}
+
+/// Euclidean distance of two amplitude vectors: root mean square difference of the surfaces (length).
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let mut d = a.to_vec();
+    add(&mut d, -1.0, b);
+    norm(&d)
+}

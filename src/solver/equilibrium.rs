@@ -1,0 +1,74 @@
+//! What a relaxation hands back.
+
+use super::Stop;
+
+/// What was spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Iterations of the method: Newton steps or time steps.
+    pub iterations: usize,
+    /// Fourier transforms.
+    pub transforms: usize,
+}
+
+impl std::ops::AddAssign for Cost {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.transforms += other.transforms;
+    }
+}
+
+/// A state with the evidence for it.
+#[derive(Clone, Debug)]
+pub struct Equilibrium {
+    /// Mean displacement u0 (length).
+    pub mean_displacement: f64,
+    /// Amplitudes of u - u0 (length).
+    pub field: Vec<f64>,
+    /// max |residual traction| / max(sigma_max, max |traction|).
+    pub residual: f64,
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// Energy per area (E* times length).
+    pub energy: f64,
+    /// Smallest Hessian eigenvalue, sliding modes removed (E* per length); `None` while not measured.
+    pub stiffness_min: Option<Stiffness>,
+    /// The mode that belongs to it, normalised to mean(v^2) = 1; empty while not measured.
+    pub soft_mode: Vec<f64>,
+    /// Why the method stopped.
+    pub stop: Stop,
+    /// What it cost.
+    pub cost: Cost,
+}
+
+/// An eigenvalue with a bound on its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffness {
+    /// Rayleigh quotient, an upper bound.
+    pub value: f64,
+    /// Some eigenvalue lies within this distance.
+    pub error: f64,
+}
+
+impl Stiffness {
+    /// False only if the eigenvalue is negative: a negative Rayleigh quotient is proof of instability.
+    pub fn is_stable(&self) -> bool {
+        self.value >= 0.0
+    }
+}
+
+impl Equilibrium {
+    /// True if the surface is uniform to the last bit.
+    pub fn is_uniform(&self) -> bool {
+        self.field.iter().all(|z| *z == 0.0)
+    }
+
+    /// Enters the measured stability; a state within tolerance is then known to be stable or not.
+    pub fn measured(&mut self, stiffness: Stiffness, soft_mode: Vec<f64>) {
+        if matches!(self.stop, Stop::Stable | Stop::Unstable) {
+            self.stop = if stiffness.is_stable() { Stop::Stable } else { Stop::Unstable };
+        }
+        self.stiffness_min = Some(stiffness);
+        self.soft_mode = soft_mode;
+    }
+}

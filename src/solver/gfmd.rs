@@ -1,0 +1,126 @@
+//! The paper's method: mass-weighted Green's function molecular dynamics with damping and a thermostat.
+//!
+//! Each amplitude moves with inertia proportional to q E*/2 + k, which collapses the intrinsic frequencies (inertia must *grow* with
+//! q; the text of Sect. 2.2 says the inverse). An increment of u0 is a ramp of 50 time steps and 150 more to relax.
+
+use super::Stop;
+use super::branch::History;
+use super::equilibrium::{Cost, Equilibrium};
+use super::method::{Lost, Method, Problem};
+use super::stability::random_amplitudes;
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::add;
+use crate::physics::system::{System, Workspace};
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+/// Time steps, damping and temperature of GFMD. Time is in units of the inverse frequency of a free wave, sqrt(inertia per stiffness).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GfmdBudget {
+    /// Time steps during which u0 moves.
+    pub ramp: usize,
+    /// Time steps after it.
+    pub relax: usize,
+    /// Time step. Stable below [`time_step_limit`].
+    pub time_step: f64,
+    /// Damping rate.
+    pub damping: f64,
+    /// Thermal energy over gamma rho^2.
+    pub temperature: f64,
+}
+
+impl Default for GfmdBudget {
+    fn default() -> Self {
+        Self { ramp: 50, relax: 150, time_step: 0.5, damping: 0.3, temperature: 1e-4 }
+    }
+}
+
+/// Mass-weighted GFMD with a thermostat.
+#[derive(Clone, Debug)]
+pub struct Gfmd {
+    budget: GfmdBudget,
+    velocity: Vec<f64>,
+    rng: Pcg64,
+}
+
+impl Gfmd {
+    /// The paper's budget, noise from `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self::with_budget(GfmdBudget::default(), seed)
+    }
+
+    /// Another budget.
+    pub fn with_budget(budget: GfmdBudget, seed: u64) -> Self {
+        Self { budget, velocity: Vec::new(), rng: Pcg64::seed_from_u64(seed) }
+    }
+}
+
+/// The largest stable time step, 2/sqrt((max gamma'' + q1 E*/2)/(k + q1 E*/2)), where the stiffest point has `stiffness_max` and the
+/// inertia is q E*/2 + `k`.
+pub fn time_step_limit(system: &System, stiffness_max: f64, k: f64) -> f64 {
+    let elastic = system.grid().q1() / 2.0;
+    2.0 / ((stiffness_max + elastic) / (k + elastic)).sqrt()
+}
+
+impl Method for Gfmd {
+    fn name(&self) -> &'static str {
+        "GFMD"
+    }
+
+    fn locates(&self) -> bool {
+        false
+    }
+
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        _branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
+        let (before, system, b) = (ws.transforms, problem.system, self.budget);
+        let mut z = from.field.clone();
+        self.velocity.resize(z.len(), 0.0);
+        let inverse_inertia = problem.preconditioner.diagonal();
+        let mut g = vec![0.0; z.len()];
+        // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per amplitude.
+        let area = system.grid().length.powi(2);
+        let law = system.law();
+        let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
+        let kick = (3.0 * 2.0 * b.damping * thermal * b.time_step).sqrt();
+        let amplitude: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| kick * m.sqrt()).collect();
+        for step in 1..=b.ramp + b.relax {
+            if cancel.requested() {
+                return Err(Lost::Cancelled);
+            }
+            let share = (step as f64 / b.ramp as f64).min(1.0);
+            let u = from.mean_displacement + share * (u0 - from.mean_displacement);
+            system.evaluate(&z, u, &mut g, ws);
+            let noise = random_amplitudes(system, &mut self.rng);
+            let keep = 1.0 - b.damping * b.time_step;
+            for i in 0..z.len() {
+                self.velocity[i] = keep * self.velocity[i] - b.time_step * inverse_inertia[i] * g[i] + amplitude[i] * noise[i];
+            }
+            add(&mut z, b.time_step, &self.velocity);
+        }
+        let at = system.evaluate(&z, u0, &mut g, ws);
+        let residual = system.residual(&g, ws);
+        if !residual.is_finite() || !at.energy.is_finite() {
+            self.velocity.fill(0.0);
+            return Err(Lost::Gone);
+        }
+        Ok(Equilibrium {
+            mean_displacement: u0,
+            field: z,
+            residual,
+            stress: at.stress,
+            energy: at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: if residual <= 1e-6 { Stop::Stable } else { Stop::NotConverged },
+            cost: Cost { iterations: b.ramp + b.relax, transforms: ws.transforms - before },
+        })
+    }
+}

@@ -1,0 +1,147 @@
+//! The one interface behind which every relaxation method stands.
+
+use super::branch::{History, distance};
+use super::equilibrium::{Cost, Equilibrium};
+use super::newton::{NewtonEnd, NewtonLimits, solve};
+use super::{Stop, gfmd::Gfmd};
+use crate::numerics::cancel::Cancel;
+use crate::physics::preconditioner::Preconditioner;
+use crate::physics::system::{System, Workspace};
+
+/// Carries a state from one mean displacement to a near one.
+pub trait Method: Send {
+    /// Its name on the screen and in the tables.
+    fn name(&self) -> &'static str;
+
+    /// True if a failed increment may be cut into smaller ones to find out where the branch ends; false for a method with a fixed
+    /// budget per increment, which simply goes where it goes.
+    fn locates(&self) -> bool;
+
+    /// From the newest state of `branch` to `u0`. Leaves `ws` evaluated at the result, whose stability is not measured yet.
+    ///
+    /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget gave. `Err` says that the
+    /// branch was lost.
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost>;
+}
+
+/// What every method needs to know of the problem.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'s> {
+    /// The mechanics.
+    pub system: &'s System,
+    /// Diagonal approximate inverse of the Hessian.
+    pub preconditioner: &'s Preconditioner,
+    /// True where patterns can slide freely (flat ground, fine mesh).
+    pub slides: bool,
+}
+
+/// Why a branch was not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lost {
+    /// No equilibrium near the prediction.
+    Gone,
+    /// Negative curvature on the way.
+    Unstable,
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+/// Which relaxation method follows the branches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum MethodKind {
+    /// Newton-Krylov with a predictor.
+    #[default]
+    NewtonKrylov,
+    /// The paper's mass-weighted GFMD, 50 + 150 time steps per increment.
+    Gfmd,
+}
+
+impl MethodKind {
+    /// The method, its randomness seeded.
+    pub fn build(self, seed: u64) -> Box<dyn Method> {
+        match self {
+            MethodKind::NewtonKrylov => Box::new(NewtonKrylov),
+            MethodKind::Gfmd => Box::new(Gfmd::new(seed)),
+        }
+    }
+
+    /// The word of the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            MethodKind::NewtonKrylov => "newton",
+            MethodKind::Gfmd => "gfmd",
+        }
+    }
+}
+
+/// Newton-Krylov from an extrapolated guess, accepted only if it is the continuation of the branch.
+#[derive(Clone, Copy, Debug)]
+pub struct NewtonKrylov;
+
+/// Largest deviation from the prediction, in units of the predicted change: beyond it Newton has found some other branch.
+const STRAY: f64 = 0.6;
+
+impl Method for NewtonKrylov {
+    fn name(&self) -> &'static str {
+        "Newton-Krylov"
+    }
+
+    fn locates(&self) -> bool {
+        true
+    }
+
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
+        let before = ws.transforms;
+        let guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
+        let predicted_change = distance(&guess, &from.field);
+        let state =
+            solve(problem.system, guess.clone(), u0, problem.preconditioner, problem.slides, NewtonLimits::default(), ws, cancel);
+        match state.end {
+            NewtonEnd::Converged => {}
+            NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
+            NewtonEnd::Stalled => return Err(Lost::Gone),
+            NewtonEnd::Cancelled => return Err(Lost::Cancelled),
+        }
+        let du = (u0 - from.mean_displacement).abs();
+        let stray = distance(&guess, &state.z);
+        let reach = if predicted_change > 0.0 { STRAY * predicted_change + 0.1 * du } else { 10.0 * du };
+        if stray > reach || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
+            return Err(Lost::Gone);
+        }
+        Ok(Equilibrium {
+            mean_displacement: u0,
+            field: state.z,
+            residual: state.residual,
+            stress: state.at.stress,
+            energy: state.at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: Stop::Stable,
+            cost: Cost { iterations: state.steps, transforms: ws.transforms - before },
+        })
+    }
+}
+
+/// The energy audit: along a smooth branch dV = stress du0. A step across a jump pays with energy and is found out.
+fn audit(system: &System, from: &Equilibrium, u0: f64, energy: f64, stress: f64) -> bool {
+    let du = u0 - from.mean_displacement;
+    let missing = (energy - from.energy - 0.5 * (stress + from.stress) * du).abs();
+    let smooth = 0.2 * (stress - from.stress).abs() + 1e-3 * system.law().traction_max();
+    missing <= smooth * du.abs() + 1e-12 * system.law().surface_energy
+}

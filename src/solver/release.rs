@@ -1,0 +1,151 @@
+//! The release after an instability: damped dynamics at fixed u0 that cannot gain energy, until Newton can take over.
+
+use super::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{add, dot, norm, scale};
+use crate::physics::preconditioner::Preconditioner;
+use crate::physics::system::{System, Workspace};
+
+/// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
+const STEP_MAX: f64 = 0.05;
+/// Share of the velocity that turns into the direction of the force in each step.
+const STEERING: f64 = 0.05;
+/// Time step in units of the inverse largest frequency (the stability limit is 2).
+const TIME_STEP: f64 = 1.6;
+/// Steps after which a release is given up: hundreds are normal.
+const STEPS_MAX: usize = 20_000;
+/// Root mean square force over sigma_max at which Newton is tried first.
+const FIRST_TRY: f64 = 1e-2;
+
+/// A release under way.
+#[derive(Clone, Debug)]
+pub struct Release {
+    /// Amplitudes of the surface now.
+    pub z: Vec<f64>,
+    /// Fixed mean displacement.
+    pub u0: f64,
+    /// Time steps done.
+    pub steps: usize,
+    /// Mean stress at the last step (E*).
+    pub stress: f64,
+    previous: Vec<f64>,
+    velocity: Vec<f64>,
+    gradient: Vec<f64>,
+    energy: f64,
+    shrink: f64,
+    try_newton_at: f64,
+}
+
+/// How a slice of the release ended.
+#[derive(Clone, Debug)]
+pub enum Slice {
+    /// Still moving.
+    Moving,
+    /// At an equilibrium (its stability is not checked yet).
+    Settled(NewtonState),
+    /// Not finite from the start, or the step shrank to nothing.
+    Stuck,
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+impl Release {
+    /// Starts at rest from amplitudes `z` at mean displacement `u0`.
+    pub fn new(z: Vec<f64>, u0: f64) -> Self {
+        let n = z.len();
+        Self {
+            previous: z.clone(),
+            z,
+            u0,
+            steps: 0,
+            stress: 0.0,
+            velocity: vec![0.0; n],
+            gradient: vec![0.0; n],
+            energy: f64::INFINITY,
+            shrink: 1.0,
+            try_newton_at: FIRST_TRY,
+        }
+    }
+
+    /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of `preconditioner`), so that all waves move alike.
+    pub fn advance(
+        &mut self,
+        system: &System,
+        count: usize,
+        preconditioner: &mut Preconditioner,
+        slides: bool,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Slice {
+        let sigma = system.law().traction_max();
+        for _ in 0..count {
+            if cancel.requested() {
+                return Slice::Cancelled;
+            }
+            if self.steps >= STEPS_MAX {
+                return Slice::Stuck;
+            }
+            let mut gradient = std::mem::take(&mut self.gradient);
+            let at = system.evaluate(&self.z, self.u0, &mut gradient, ws);
+            self.gradient = gradient;
+            let force = norm(&self.gradient);
+            if !(at.energy <= self.energy + 1e-9 * system.law().surface_energy) || !force.is_finite() {
+                if !self.undo() {
+                    return Slice::Stuck;
+                }
+                continue;
+            }
+            (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
+            if force < self.try_newton_at * sigma {
+                self.try_newton_at *= 0.1;
+                preconditioner.refresh(system, ws);
+                let limits = NewtonLimits { steps: 20, ..NewtonLimits::default() };
+                let state = solve(system, self.z.clone(), self.u0, preconditioner, slides, limits, ws, cancel);
+                match state.end {
+                    NewtonEnd::Converged if state.at.energy <= self.energy + 1e-9 * system.law().surface_energy => {
+                        return Slice::Settled(state);
+                    }
+                    NewtonEnd::Cancelled => return Slice::Cancelled,
+                    _ => {}
+                }
+            }
+            self.step(system, preconditioner, ws);
+        }
+        Slice::Moving
+    }
+
+    fn step(&mut self, system: &System, preconditioner: &Preconditioner, ws: &Workspace) {
+        let push: Vec<f64> = self.gradient.iter().zip(preconditioner.diagonal()).map(|(g, m)| -g * m).collect();
+        if dot(&self.velocity, &self.gradient) > 0.0 {
+            self.velocity.fill(0.0);
+        }
+        let (speed, length) = (norm(&self.velocity), norm(&push));
+        if length > 0.0 {
+            scale(&mut self.velocity, 1.0 - STEERING);
+            add(&mut self.velocity, STEERING * speed / length, &push);
+        }
+        let inertia = 1.0 / preconditioner.diagonal().iter().cloned().fold(0.0, f64::max);
+        let stiffest = ws.stiffness.iter().cloned().fold(0.0, f64::max);
+        let dt = self.shrink * TIME_STEP / ((stiffest / inertia).max(1.0)).sqrt();
+        add(&mut self.velocity, dt, &push);
+        let moved = dt * norm(&self.velocity);
+        let cap = STEP_MAX * system.law().range * self.shrink;
+        if moved > cap {
+            scale(&mut self.velocity, cap / moved);
+        }
+        self.previous.copy_from_slice(&self.z);
+        add(&mut self.z, dt, &self.velocity);
+        self.shrink = (self.shrink * 1.1).min(1.0);
+    }
+
+    /// Takes the last step back, comes to rest and halves the next step; false when there is nothing left to halve.
+    fn undo(&mut self) -> bool {
+        if self.steps == 0 || self.shrink < 1e-6 {
+            return false;
+        }
+        self.z.copy_from_slice(&self.previous);
+        self.velocity.fill(0.0);
+        self.shrink *= 0.5;
+        true
+    }
+}

@@ -1,0 +1,284 @@
+//! The loop as a diagram: mean stress against mean displacement, drawn once for SVG and PNG.
+
+use super::write_png;
+use crate::experiment::record::{Branch, JumpRecord, LoopRecord};
+use crate::physics::law::Law;
+use crate::storage::{Failure, files};
+use image::RgbImage;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::error::Error;
+use std::path::Path;
+use std::sync::Once;
+
+use super::curves::{Curves, Window};
+
+/// Size of the drawing in units; the SVG has one pixel a unit.
+const SIZE: (u32, u32) = (1000, 625);
+/// Pixels of the PNG, and pixels drawn for each of them along a side (which smooths the edges).
+const PNG_SIZE: (u32, u32) = (1600, 1000);
+const OVERSAMPLING: u32 = 2;
+
+const APPROACH: RGBColor = RGBColor(0x1f, 0x5f, 0xb4);
+const RETRACTION: RGBColor = RGBColor(0xc8, 0x2a, 0x2a);
+const FLAT: RGBColor = RGBColor(0x8c, 0x8c, 0x8c);
+const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+const LOSS: RGBColor = RGBColor(0xe8, 0xc8, 0x60);
+
+type Drawn = Result<(), Box<dyn Error>>;
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Writes the loop as an SVG.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_loop_svg(path: &Path, record: &LoopRecord, law: &Law, title: &str) -> Result<(), Failure> {
+    let mut text = String::new();
+    let plot = Plot::new(record, law, title, 1.0);
+    let backend = SVGBackend::with_string(&mut text, SIZE);
+    plot.draw(&backend.into_drawing_area()).map_err(|error| Failure::write(path, error))?;
+    files::write_whole(path, text.as_bytes())
+}
+
+/// Writes the loop as a PNG of 1600 x 1000 pixels.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_loop_png(path: &Path, record: &LoopRecord, law: &Law, title: &str) -> Result<(), Failure> {
+    let (width, height) = (PNG_SIZE.0 * OVERSAMPLING, PNG_SIZE.1 * OVERSAMPLING);
+    let mut image = RgbImage::new(width, height);
+    let plot = Plot::new(record, law, title, f64::from(width) / f64::from(SIZE.0));
+    let backend = BitMapBackend::with_buffer(&mut image, (width, height));
+    plot.draw(&backend.into_drawing_area()).map_err(|error| Failure::write(path, error))?;
+    write_png(path, &image::imageops::thumbnail(&image, PNG_SIZE.0, PNG_SIZE.1))
+}
+
+/// Makes the built-in font known to plotters, once.
+fn register_font() {
+    static ONCE: Once = Once::new();
+    static FONT: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/DejaVuSans.ttf"));
+    ONCE.call_once(|| {
+        // A font that cannot be read shows as a drawing error at the first text.
+        let _ = plotters::style::register_font("sans-serif", FontStyle::Normal, FONT);
+    });
+}
+
+struct Plot<'a> {
+    curves: Curves,
+    jumps: &'a [JumpRecord],
+    law: &'a Law,
+    title: String,
+    caption: String,
+    scale: f64,
+}
+
+impl<'a> Plot<'a> {
+    fn new(record: &'a LoopRecord, law: &'a Law, title: &str, scale: f64) -> Self {
+        register_font();
+        let curves = Curves::new(record, law);
+        let caption = caption(record, law, curves.closed);
+        // Control characters are no part of an XML text.
+        let title = title.chars().filter(|c| !c.is_control()).take(90).collect();
+        Self { curves, jumps: &record.jumps, law, title, caption, scale }
+    }
+
+    /// A length of the drawing in pixels.
+    fn px(&self, units: f64) -> i32 {
+        (units * self.scale).round() as i32
+    }
+
+    fn stroke(&self, colour: RGBColor, width: f64) -> ShapeStyle {
+        colour.stroke_width((width * self.scale).round().max(1.0) as u32)
+    }
+
+    fn text(&self, size: f64, colour: RGBColor) -> TextStyle<'static> {
+        ("sans-serif", size * self.scale).into_font().color(&colour)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        area.fill(&WHITE)?;
+        area.draw_text(&self.title, &self.text(23.0, INK), (self.px(24.0), self.px(16.0)))?;
+        area.draw_text(&self.caption, &self.text(16.0, INK), (self.px(24.0), self.px(50.0)))?;
+        let (_, below) = area.split_vertically(self.px(78.0));
+        let Window { x, y } = &self.curves.window;
+        let mut chart = ChartBuilder::on(&below)
+            .margin(self.px(12.0))
+            .margin_right(self.px(26.0))
+            .x_label_area_size(self.px(56.0))
+            .y_label_area_size(self.px(78.0))
+            .build_cartesian_2d(x.clone(), y.clone())?;
+        self.mesh(&mut chart)?;
+        self.areas_and_curves(&mut chart)?;
+        for jump in self.jumps {
+            self.jump(&mut chart, jump)?;
+        }
+        self.names(&mut chart)?;
+        self.legend(&mut chart)?;
+        area.present()?;
+        Ok(())
+    }
+
+    fn mesh<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        let number = |value: &f64| {
+            let text = format!("{value:.3}");
+            let text = text.trim_end_matches('0').trim_end_matches('.');
+            if text == "-0" { "0".to_owned() } else { text.replace('-', "\u{2212}") }
+        };
+        chart
+            .configure_mesh()
+            .x_desc("mean displacement u\u{2080} / \u{3c1}  (\u{3c1}: range of the law)")
+            .y_desc("mean stress \u{3c3} / \u{3c3}_max  (tension positive)")
+            .axis_desc_style(self.text(17.0, INK))
+            .label_style(self.text(15.0, INK))
+            .x_label_formatter(&number)
+            .y_label_formatter(&number)
+            .x_labels(10)
+            .y_labels(8)
+            .axis_style(self.stroke(INK, 1.0))
+            .bold_line_style(RGBColor(0xe6, 0xe6, 0xe6).stroke_width(self.px(1.0).max(1) as u32))
+            .light_line_style(TRANSPARENT)
+            .set_all_tick_mark_size(self.px(5.0))
+            .draw()?;
+        let x = &self.curves.window.x;
+        chart.draw_series([PathElement::new(vec![(x.start, 0.0), (x.end, 0.0)], self.stroke(RGBColor(0xb4, 0xb4, 0xb4), 1.0))])?;
+        Ok(())
+    }
+
+    fn areas_and_curves<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        for strip in &self.curves.loss {
+            chart.draw_series([Polygon::new(strip.clone(), LOSS.mix(0.45).filled())])?;
+        }
+        if let Some(flat) = &self.curves.flat {
+            chart.draw_series([self.dashed(flat.clone(), self.stroke(FLAT, 1.5), (5.0, 4.0))])?;
+        }
+        for line in self.curves.lines_of(Branch::Approach) {
+            chart.draw_series([PathElement::new(line.points.clone(), self.stroke(APPROACH, 3.0))])?;
+        }
+        for line in self.curves.lines_of(Branch::Retraction) {
+            chart.draw_series([self.dashed(line.points.clone(), self.stroke(RETRACTION, 3.0), (11.0, 5.0))])?;
+        }
+        Ok(())
+    }
+
+    fn dashed<P: Clone>(
+        &self,
+        points: Vec<P>,
+        style: ShapeStyle,
+        (dash, space): (f64, f64),
+    ) -> DashedPathElement<std::vec::IntoIter<P>, i32> {
+        DashedPathElement::new(points, self.px(dash), self.px(space), style)
+    }
+
+    /// A thin dashed line from the stress before to the stress after, with an arrow head at its end.
+    fn jump<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, jump: &JumpRecord) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        let sigma_max = self.law.traction_max();
+        let (x, from, to) =
+            (jump.mean_displacement / self.law.range, jump.stress_before / sigma_max, jump.stress_after / sigma_max);
+        if !(x.is_finite() && from.is_finite() && to.is_finite()) {
+            return Ok(());
+        }
+        let colour = colour_of(jump.branch);
+        chart.draw_series([self.dashed(vec![(x, from), (x, to)], self.stroke(colour, 1.5), (4.0, 3.0))])?;
+        let (wide, long) = (self.px(4.5), self.px(11.0));
+        let back = if to > from { long } else { -long };
+        let head = Polygon::new(vec![(0, 0), (-wide, back), (wide, back)], colour.filled());
+        chart.draw_series([EmptyElement::at((x, to)) + head])?;
+        Ok(())
+    }
+
+    /// The pattern's name beside each piece of curve that is long enough to be told apart.
+    fn names<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        for branch in [Branch::Approach, Branch::Retraction] {
+            for (place, word, rises) in self.curves.names(branch) {
+                // Below the approach and above the retraction, on the side from which the curve bends away.
+                let below = branch == Branch::Approach;
+                let (h, dx) = if below == rises { (HPos::Left, 7.0) } else { (HPos::Right, -7.0) };
+                let (v, dy) = if below { (VPos::Top, 5.0) } else { (VPos::Bottom, -5.0) };
+                let style = self.text(15.0, colour_of(branch)).pos(Pos::new(h, v));
+                chart.draw_series([EmptyElement::at(place) + Text::new(word, (self.px(dx), self.px(dy)), style)])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn legend<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>) -> Drawn
+    where
+        DB::ErrorType: 'static,
+    {
+        let area = chart.plotting_area().strip_coord_spec();
+        let (width, _) = area.dim_in_pixel();
+        let mut entries = vec![("approach", APPROACH, 3.0, None), ("retraction", RETRACTION, 3.0, Some((11.0, 5.0)))];
+        if !self.jumps.is_empty() {
+            entries.push(("jump", APPROACH, 1.5, Some((4.0, 3.0))));
+        }
+        if self.curves.flat.is_some() {
+            entries.push(("flat state", FLAT, 1.5, Some((5.0, 4.0))));
+        }
+        let left = width as i32 - self.px(172.0);
+        let height = self.px(12.0 + 24.0 * entries.len() as f64);
+        let frame = [(left - self.px(12.0), self.px(8.0)), (width as i32 - self.px(8.0), self.px(8.0) + height)];
+        area.draw(&Rectangle::new(frame, WHITE.mix(0.85).filled()))?;
+        area.draw(&Rectangle::new(frame, self.stroke(RGBColor(0xd0, 0xd0, 0xd0), 1.0)))?;
+        for (i, (word, colour, stroke, dashes)) in entries.into_iter().enumerate() {
+            let y = self.px(26.0 + 24.0 * i as f64);
+            let line = vec![(left, y), (left + self.px(46.0), y)];
+            let style = self.stroke(colour, stroke);
+            match dashes {
+                None => area.draw(&PathElement::new(line, style))?,
+                Some(dashes) => area.draw(&self.dashed(line, style, dashes))?,
+            }
+            let middle = self.text(15.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
+            area.draw_text(word, &middle, (left + self.px(56.0), y))?;
+        }
+        Ok(())
+    }
+}
+
+fn colour_of(branch: Branch) -> RGBColor {
+    match branch {
+        Branch::Approach => APPROACH,
+        Branch::Retraction => RETRACTION,
+    }
+}
+
+/// The numbers of the loop in one line.
+fn caption(record: &LoopRecord, law: &Law, closed: bool) -> String {
+    let jumps = match record.jumps.len() {
+        0 => "no jumps".to_owned(),
+        1 => format!("1 jump, releasing {} \u{3b3}", energy(record.released_energy_sum())),
+        n => format!("{n} jumps, releasing {} \u{3b3}", energy(record.released_energy_sum())),
+    };
+    let loss = match record.states.last() {
+        _ if closed => format!("Dissipated energy {} \u{3b3} per area and loop", energy(record.work() / law.surface_energy)),
+        Some(last) => format!("Loop not closed: it ends at u\u{2080}/\u{3c1} = {:.3}", last.mean_displacement / law.range),
+        None => "No states were computed".to_owned(),
+    };
+    format!("{loss};  {jumps}.")
+}
+
+/// An energy with four digits, and zero where rounding leaves nothing.
+fn energy(value: f64) -> String {
+    if !value.is_finite() {
+        return "(not available)".to_owned();
+    }
+    let text = format!("{value:.4}");
+    if text == "-0.0000" { "0.0000".to_owned() } else { text.replace('-', "\u{2212}") }
+}

@@ -1,0 +1,22 @@
+//! Pictures: the gap as an image, the loop as a diagram (SVG for print, PNG for a slide).
+
+mod curves;
+mod gap;
+mod loop_plot;
+#[cfg(test)]
+mod tests;
+
+pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
+pub use loop_plot::{write_loop_png, write_loop_svg};
+
+use super::{Failure, files};
+use image::{ImageFormat, RgbImage};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Encodes as PNG and writes the file whole.
+fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| Failure::write(path, error))?;
+    files::write_whole(path, bytes.get_ref())
+}

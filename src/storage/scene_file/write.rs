@@ -1,0 +1,81 @@
+//! From a scene to the text of its file.
+
+use super::FORMAT;
+use crate::experiment::scene::{Points, Range, Scene, Turn};
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Shape;
+use toml::Value;
+
+/// The scene file of a scene; [`super::parse`] gives the same scene back.
+pub fn to_text(scene: &Scene) -> String {
+    let mut text = format!("format = {FORMAT}\n");
+    let mut line = |key: &str, value: Value| text.push_str(&format!("{key} = {value}\n"));
+    line("title", scene.title.as_str().into());
+    line("source", scene.source.as_str().into());
+    for (name, keys) in [
+        ("cell", cell(scene)),
+        ("law", law(scene)),
+        ("indenter", indenter(scene)),
+        ("drive", drive(scene)),
+        ("accuracy", vec![("target", scene.accuracy.into())]),
+        ("noise", vec![("seed", seed(scene.seed))]),
+    ] {
+        text.push_str(&format!("\n[{name}]\n"));
+        for (key, value) in keys {
+            text.push_str(&format!("{key} = {value}\n"));
+        }
+    }
+    text
+}
+
+type Keys = Vec<(&'static str, Value)>;
+
+fn cell(scene: &Scene) -> Keys {
+    let points = match scene.cell.points {
+        Points::Auto => "auto".into(),
+        Points::Square(n) => whole(n),
+        Points::Line(n) => Value::Array(vec![whole(n), whole(1)]),
+    };
+    vec![("length", scene.cell.length.into()), ("points", points)]
+}
+
+fn law(scene: &Scene) -> Keys {
+    let mut keys: Keys = vec![("kind", scene.law.shape.word().into())];
+    match scene.law.shape {
+        Shape::Morse(_) => {}
+        Shape::Mie(mie) => keys.extend([("m", mie.m.into()), ("n", mie.n.into())]),
+        Shape::Cosine(cosine) => keys.push(("smooth", cosine.smooth.into())),
+        Shape::DoubleExponential(pair) => keys.push(("ratio", pair.ratio.into())),
+    }
+    keys.push(("surface_energy", scene.law.surface_energy.into()));
+    keys.push(match scene.law.range {
+        Range::Length(range) => ("range", range.into()),
+        Range::MuRho(mu_rho) => ("mu_rho", mu_rho.into()),
+    });
+    keys
+}
+
+fn indenter(scene: &Scene) -> Keys {
+    match scene.indenter {
+        Indenter::Flat => vec![("kind", "flat".into())],
+        Indenter::Hertz { radius } => vec![("kind", "hertz".into()), ("radius", radius.into())],
+    }
+}
+
+fn drive(scene: &Scene) -> Keys {
+    let turn = match scene.drive.turn {
+        Turn::At(turn) => turn.into(),
+        Turn::ZeroLoad => "zero_load".into(),
+    };
+    vec![("start", scene.drive.start.into()), ("turn", turn), ("step", scene.drive.step.into())]
+}
+
+/// A count; TOML has no integers beyond 2^63 - 1, and no allowed scene has such a count.
+fn whole(n: usize) -> Value {
+    Value::Integer(i64::try_from(n).unwrap_or(i64::MAX))
+}
+
+/// A seed; beyond 2^63 - 1, which the reader refuses, it is kept as a text that says so.
+fn seed(seed: u64) -> Value {
+    i64::try_from(seed).map_or_else(|_| Value::String(seed.to_string()), Value::Integer)
+}

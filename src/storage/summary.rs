@@ -1,0 +1,161 @@
+//! `summary.json`: what was computed, how well, and at what cost.
+
+use super::{Failure, files};
+use serde::{Serialize, Serializer};
+use std::path::Path;
+
+/// What stands in place of a number that does not exist.
+pub const NOT_AVAILABLE: &str = "not available";
+
+/// A number, or the words "not available" where it is not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number(pub f64);
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // Adding zero turns -0.0, the sum of nothing, into 0.0.
+        if self.0.is_finite() { serializer.serialize_f64(self.0 + 0.0) } else { serializer.serialize_str(NOT_AVAILABLE) }
+    }
+}
+
+impl From<Option<f64>> for Number {
+    fn from(value: Option<f64>) -> Self {
+        Self(value.unwrap_or(f64::NAN))
+    }
+}
+
+/// Everything in `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Version of the program.
+    pub tackscope: &'static str,
+    /// The scene as it was computed.
+    pub scene: SceneSummary,
+    /// The model that was chosen, and why.
+    pub plan: PlanSummary,
+    /// "newton" or "gfmd".
+    pub method: &'static str,
+    /// True if the loop is closed.
+    pub completed: bool,
+    /// "completed", "not converged" or "cancelled".
+    pub stop: &'static str,
+    /// Where and why it stopped, if it did not complete.
+    pub stop_reason: Option<String>,
+    /// Loop integral of stress du0 over gamma; not available unless the loop is closed.
+    pub dissipated_energy: Number,
+    /// Sum of the energies released in jumps, per area over gamma.
+    pub released_energy_sum: Number,
+    /// |difference of both| over the dissipated energy; not available where nothing is dissipated.
+    pub ledger_mismatch: Number,
+    /// What was counted.
+    pub counts: CountSummary,
+    /// Least smallest eigenvalue of all states (E*/L).
+    pub stiffness_min_least: Number,
+    /// Largest error bound of a smallest eigenvalue (E*/L).
+    pub stiffness_error_max: Number,
+    /// Largest residual of all states.
+    pub residual_max: Number,
+    /// Time on the wall.
+    pub wall_seconds: Number,
+    /// Time of the processor, all threads.
+    pub processor_seconds: Number,
+    /// The paper's method on the same loop, if asked for.
+    pub yardstick: Option<Yardstick>,
+}
+
+/// The scene, in words and as a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneSummary {
+    /// The word given on the command line.
+    pub given: String,
+    /// Title.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// The scene file that computes the same again.
+    pub toml: String,
+}
+
+/// The chosen model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanSummary {
+    /// Why this model.
+    pub reason: String,
+    /// Side L of the cell.
+    pub length: Number,
+    /// Points along x and y.
+    pub points: [usize; 2],
+    /// Spacing da.
+    pub spacing: Number,
+    /// The law's word.
+    pub law: &'static str,
+    /// gamma.
+    pub surface_energy: Number,
+    /// rho.
+    pub range: Number,
+    /// mu_rho of Eq. 10.
+    pub mu_rho: Number,
+}
+
+/// What was counted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CountSummary {
+    /// Recorded states.
+    pub states: usize,
+    /// Recorded states that are not "converged, stable".
+    pub states_not_stable: usize,
+    /// Jumps.
+    pub jumps: usize,
+    /// Increments that ended in a pattern other than flat.
+    pub patterned_increments: usize,
+    /// Fourier transforms.
+    pub transforms: usize,
+    /// Transforms over patterned increments; not available without any.
+    pub transforms_per_patterned_increment: Number,
+    /// Iterations of the method.
+    pub iterations: usize,
+}
+
+/// The paper's method on the same loop in the same process.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Yardstick {
+    /// "gfmd".
+    pub method: &'static str,
+    /// True if its loop is closed.
+    pub completed: bool,
+    /// "completed", "not converged" or "cancelled".
+    pub stop: &'static str,
+    /// Its loop integral over gamma.
+    pub dissipated_energy: Number,
+    /// Its jumps.
+    pub jumps: usize,
+    /// Its Fourier transforms.
+    pub transforms: usize,
+    /// Its time on the wall.
+    pub wall_seconds: Number,
+    /// Its time of the processor.
+    pub processor_seconds: Number,
+    /// Its processor time over that of the main run; not available unless both are complete.
+    pub processor_time_ratio: Number,
+}
+
+/// Writes the summary as JSON.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_summary(path: &Path, summary: &Summary) -> Result<(), Failure> {
+    let mut text = serde_json::to_string_pretty(summary).map_err(|error| Failure::write(path, error))?;
+    text.push('\n');
+    files::write_whole(path, text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_not_finite_is_said_in_words() {
+        let json = serde_json::to_string(&[Number(0.5), Number(f64::NAN), Number(f64::INFINITY), Number::from(None)]);
+        assert_eq!(json.ok().as_deref(), Some(r#"[0.5,"not available","not available","not available"]"#));
+    }
+}

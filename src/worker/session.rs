@@ -1,0 +1,236 @@
+//! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
+
+use super::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+use super::run_loop::Output;
+use crate::experiment::record::LoopRecord;
+use crate::experiment::scene::{Scene, Turn};
+use crate::experiment::walk::{Happening, Progress, Walk};
+use crate::numerics::cancel::Cancel;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+use crate::solver::method::MethodKind;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Shortest time between two states of a sweep, so that a loop can be watched.
+const PACE_STATE: Duration = Duration::from_millis(12);
+/// Shortest time between two pictures of a jump, so that it is seen as a short film.
+const PACE_FILM: Duration = Duration::from_millis(16);
+
+/// A scene being played.
+#[derive(Default)]
+pub struct Session {
+    run: RunId,
+    scene: Option<(Arc<Scene>, MethodKind)>,
+    walk: Option<Walk>,
+    sweep: Option<Leg>,
+    record: LoopRecord,
+    loop_began: Option<Instant>,
+    transforms_before: usize,
+    busy: bool,
+    paused: bool,
+    not_before: Option<Instant>,
+}
+
+/// Which part of a sweep is under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leg {
+    Approach { then_back: bool },
+    Retract { closes: bool },
+}
+
+impl Session {
+    /// How long the thread may sleep: `None` until a command comes, zero if there is work now.
+    pub fn wait(&self, now: Instant) -> Option<Duration> {
+        if !self.busy || self.paused || self.walk.is_none() {
+            return None;
+        }
+        Some(self.not_before.map_or(Duration::ZERO, |t| t.saturating_duration_since(now)))
+    }
+
+    /// Takes a command; those of another run are stale and dropped.
+    pub fn command(&mut self, command: Command, sink: &mut dyn FnMut(Output)) {
+        match command {
+            Command::SetScene { run, scene, method } => self.begin(run, scene, method, sink),
+            Command::SetTarget { run, mean_displacement } if run == self.run => {
+                self.sweep = None;
+                self.go(mean_displacement);
+            }
+            Command::Sweep { run, sweep } if run == self.run => self.start_sweep(sweep, sink),
+            Command::Pause { paused } => self.paused = paused,
+            Command::Stop => self.rest(sink),
+            Command::SetTarget { .. } | Command::Sweep { .. } | Command::Quit => {}
+        }
+    }
+
+    /// Does one bounded piece of work.
+    pub fn step(&mut self, now: Instant, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
+        let Some(walk) = &mut self.walk else { return };
+        let run = self.run;
+        let mut happenings = Vec::new();
+        let progress = walk.step(cancel, &mut |h| happenings.push(h));
+        let mut pace = Duration::ZERO;
+        for happening in happenings {
+            match happening {
+                Happening::Moving { stress } => {
+                    pace = PACE_FILM;
+                    let mean_displacement = walk.displacement();
+                    let gap = Arc::new(walk.gap());
+                    sink(Output::Frame(run, Frame { mean_displacement, stress, gap, relaxing: true, state: None }));
+                }
+                Happening::Jump(jump) => {
+                    self.record.jumps.push(jump.clone());
+                    sink(Output::Event(Event::Jump { run, jump }));
+                }
+                Happening::State(state) => {
+                    if self.sweep.is_some() {
+                        pace = PACE_STATE;
+                    }
+                    self.record.states.push(state.clone());
+                    sink(Output::Event(Event::State { run, state }));
+                    sink(Output::Frame(run, resting_frame(walk)));
+                }
+            }
+        }
+        self.not_before = Some(now + pace);
+        self.follow_up(progress, now, sink);
+    }
+
+    /// After a panic: back to the start of the scene. Returns the run it belongs to.
+    pub fn recover(&mut self) -> RunId {
+        let scene = self.scene.take();
+        *self = Self { run: self.run, scene, ..Self::default() };
+        if let Some((scene, method)) = &self.scene {
+            self.walk = Walk::new(scene, *method).ok();
+        }
+        self.run
+    }
+
+    fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodKind, sink: &mut dyn FnMut(Output)) {
+        *self = Self { run, ..Self::default() };
+        match Walk::new(&scene, method) {
+            Ok(mut walk) => {
+                let system = walk.system();
+                let flat_limits = if system.is_flat() { flat::limits(system.law(), system.grid().length) } else { None };
+                let height = system.height().map(|h| Arc::new(h.clone()));
+                let ready = Arc::new(Ready { model: walk.model().clone(), height, flat_limits });
+                sink(Output::Event(Event::Ready { run, ready }));
+                sink(Output::Event(Event::State { run, state: walk.record().clone() }));
+                sink(Output::Frame(run, resting_frame(&mut walk)));
+                sink(Output::Event(Event::Rest { run, mean_displacement: walk.record().mean_displacement }));
+                self.record.states.push(walk.record().clone());
+                self.walk = Some(walk);
+                self.scene = Some((scene, method));
+            }
+            Err(error) => sink(Output::Event(Event::Failed {
+                run,
+                message: format!("This scene cannot run: {} = {}", error.key, error.value),
+                remedy: error.allowed,
+            })),
+        }
+    }
+
+    fn go(&mut self, target: f64) {
+        if let Some(walk) = &mut self.walk {
+            walk.set_target(target);
+            self.busy = true;
+            self.not_before = None;
+        }
+    }
+
+    fn start_sweep(&mut self, sweep: Sweep, sink: &mut dyn FnMut(Output)) {
+        let Some((scene, method)) = self.scene.clone() else { return };
+        let start = scene.drive.start;
+        let depth = match scene.drive.turn {
+            Turn::At(turn) => turn,
+            Turn::ZeroLoad => start - 1e3 * (start.abs() + scene.cell.length),
+        };
+        match sweep {
+            Sweep::Approach => (self.sweep, self.paused) = (Some(Leg::Approach { then_back: false }), false),
+            Sweep::Retract => (self.sweep, self.paused) = (Some(Leg::Retract { closes: false }), false),
+            Sweep::Loop => {
+                // A loop is only closed if it begins at the start of the drive, with the scene's own seed.
+                self.walk = Walk::new(&scene, method).ok();
+                self.record = LoopRecord::default();
+                sink(Output::Event(Event::LoopStarted { run: self.run }));
+                if let Some(walk) = &mut self.walk {
+                    self.record.states.push(walk.record().clone());
+                    sink(Output::Event(Event::State { run: self.run, state: walk.record().clone() }));
+                    sink(Output::Frame(self.run, resting_frame(walk)));
+                }
+                self.loop_began = Some(Instant::now());
+                self.transforms_before = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
+                (self.sweep, self.paused) = (Some(Leg::Approach { then_back: true }), false);
+            }
+        }
+        self.go(if sweep == Sweep::Retract { start } else { depth });
+    }
+
+    /// What comes after a step: nothing, the next leg, or rest.
+    fn follow_up(&mut self, progress: Progress, now: Instant, sink: &mut dyn FnMut(Output)) {
+        let (Some((scene, _)), Some(walk)) = (&self.scene, &mut self.walk) else { return };
+        let state = walk.record();
+        let waits_for_load = scene.drive.turn == Turn::ZeroLoad && matches!(self.sweep, Some(Leg::Approach { .. }));
+        let unloaded = waits_for_load && state.pattern == Pattern::Contact && state.stress <= 0.0;
+        match progress {
+            Progress::Working if !unloaded => {}
+            Progress::Cancelled => {}
+            Progress::Working | Progress::Resting => match self.sweep {
+                Some(Leg::Approach { then_back: true }) => {
+                    self.sweep = Some(Leg::Retract { closes: true });
+                    let start = scene.drive.start;
+                    self.go(start);
+                }
+                Some(Leg::Retract { closes: true }) => {
+                    self.close_loop(now, sink);
+                    self.rest(sink);
+                }
+                _ => self.rest(sink),
+            },
+            Progress::Stuck(message) => {
+                sink(Output::Event(Event::Failed {
+                    run: self.run,
+                    message: format!("Not converged: {message}."),
+                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower mu_rho), or another seed.".into(),
+                }));
+                self.rest(sink);
+            }
+        }
+    }
+
+    fn close_loop(&mut self, now: Instant, sink: &mut dyn FnMut(Output)) {
+        let Some(walk) = &self.walk else { return };
+        let gamma = walk.model().law.surface_energy;
+        let dissipated_energy = self.record.work() / gamma;
+        let released_energy_sum = self.record.released_energy_sum();
+        let summary = LoopSummary {
+            dissipated_energy,
+            released_energy_sum,
+            ledger_mismatch: (dissipated_energy - released_energy_sum).abs() / dissipated_energy.abs().max(f64::MIN_POSITIVE),
+            transforms: walk.counts().transforms - self.transforms_before,
+            seconds: self.loop_began.map_or(0.0, |t| now.duration_since(t).as_secs_f64()),
+        };
+        sink(Output::Event(Event::Loop { run: self.run, summary }));
+    }
+
+    fn rest(&mut self, sink: &mut dyn FnMut(Output)) {
+        self.busy = false;
+        self.sweep = None;
+        if let Some(walk) = &mut self.walk {
+            let mean_displacement = walk.displacement();
+            walk.set_target(mean_displacement);
+            sink(Output::Event(Event::Rest { run: self.run, mean_displacement }));
+        }
+    }
+}
+
+fn resting_frame(walk: &mut Walk) -> Frame {
+    let state = walk.record().clone();
+    Frame {
+        mean_displacement: state.mean_displacement,
+        stress: state.stress,
+        gap: Arc::new(walk.gap()),
+        relaxing: false,
+        state: Some(state),
+    }
+}

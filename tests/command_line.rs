@@ -1,0 +1,263 @@
+//! The real binary, as a user or a script meets it: files, sentences and exit codes.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tackscope::storage::presets;
+use tempfile::TempDir;
+
+fn tackscope() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
+    command.stdin(Stdio::null());
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn run(scene: &str, out: &Path, more: &[&str]) -> Output {
+    tackscope().args(["run", scene, "--out"]).arg(out).args(more).output().expect("the binary runs")
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+/// Runs, expects exit code 2 and one sentence with all these parts, and no results.
+#[track_caller]
+fn refused(scene: &str, more: &[&str], parts: &[&str]) {
+    let out = folder();
+    let output = run(scene, &out.path().join("out"), more);
+    let sentence = errors(&output);
+    assert_eq!(output.status.code(), Some(2), "{sentence}");
+    for part in parts {
+        assert!(sentence.contains(part), "{part:?} is missing in: {sentence}");
+    }
+    assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    assert!(!out.path().join("out").exists(), "nothing is written for a refused scene");
+}
+
+/// Fig. 2 with one line replaced, refused as a file of its own whose name is in the sentence.
+#[track_caller]
+fn refused_line(line: &str, replacement: &str, parts: &[&str]) {
+    let home = folder();
+    let path = home.path().join("mine.toml");
+    let text = presets::find("fig2").expect("built in").text;
+    assert!(text.contains(line));
+    fs::write(&path, text.replacen(line, replacement, 1)).expect("written");
+    let file = path.display().to_string();
+    refused(&file, &[], &[&[file.as_str()], parts].concat());
+}
+
+#[test]
+fn a_missing_file_is_named_with_the_presets() {
+    refused("nowhere/mine.toml", &[], &["nowhere/mine.toml", "no such preset or scene file", "fig2, fig3, no-hysteresis"]);
+    refused("fig22", &[], &["fig22", "did you mean fig2"]);
+}
+
+#[test]
+fn bad_toml_is_refused_with_line_and_column() {
+    refused_line("length = 256.0", "length = = 256.0", &["line 8", "column 10", "not TOML"]);
+}
+
+#[test]
+fn an_unknown_key_is_refused() {
+    refused_line("length = 256.0", "lenght = 256.0", &["cell.lenght", "did you mean length", "length, points"]);
+}
+
+#[test]
+fn nan_is_refused() {
+    refused_line("length = 256.0", "length = nan", &["cell.length = nan", "a finite number above 0"]);
+    refused("fig2", &["--step", "nan"], &["--step NaN", "drive.step = NaN", "a finite number above 0"]);
+}
+
+#[test]
+fn an_odd_or_zero_or_enormous_number_of_points_is_refused() {
+    for n in ["63", "0", "1000000"] {
+        let value = format!("cell.points = {n}");
+        refused_line("points = 64", &format!("points = {n}"), &[&value, "an even number from 4 to 4096"]);
+        refused("fig2", &["--points", n], &["fig2 with --points", &value, "an even number from 4 to 4096"]);
+    }
+}
+
+#[test]
+fn a_negative_range_is_refused() {
+    refused_line("range = 1.0", "range = -1.0", &["law.range = -1", "a finite number above 0"]);
+}
+
+#[test]
+fn a_mie_law_with_m_not_above_n_is_refused() {
+    refused_line("kind = \"morse\"", "kind = \"mie\"\nm = 2.0\nn = 2.0", &["law.m = 2", "above law.n = 2"]);
+    refused_line("kind = \"morse\"", "kind = \"mie\"\nm = 2.0\nn = 8.0", &["law.m = 2", "above law.n = 8"]);
+}
+
+#[test]
+fn a_negative_step_is_refused_by_the_scene_and_a_bad_option_by_the_command_line() {
+    refused("fig2", &["--step", "-0.1"], &["drive.step = -0.1", "above 0"]);
+    for bad in [["--seed", "-1"], ["--method", "magic"], ["--points", "many"]] {
+        assert_eq!(run("fig2", folder().path(), &bad).status.code(), Some(2), "{bad:?}");
+    }
+    assert_eq!(tackscope().arg("run").output().expect("runs").status.code(), Some(2));
+    refused("fig2", &["--yardstick", "--method", "gfmd"], &["--yardstick", "leave one of the two out"]);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_refused_before_anything_is_computed() {
+    let home = folder();
+    let file = home.path().join("file");
+    fs::write(&file, "in the way").expect("written");
+    for out in [file.clone(), file.join("below")] {
+        let output = run("fig2", &out, &[]);
+        let sentence = errors(&output);
+        assert_eq!(output.status.code(), Some(2), "{sentence}");
+        assert!(sentence.contains(&out.display().to_string()) && sentence.contains("cannot be written"), "{sentence}");
+        assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    }
+    assert_eq!(fs::read_to_string(&file).expect("there"), "in the way");
+}
+
+#[test]
+fn a_run_writes_every_file_and_one_closing_line() {
+    let home = folder();
+    let out = home.path().join("a").join("b");
+    let output = run("no-hysteresis", &out, &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let line = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(line.contains("dissipated energy 0.0000 gamma") && line.lines().count() == 1, "{line}");
+    let loop_csv = fs::read_to_string(out.join("loop.csv")).expect("loop.csv");
+    assert!(loop_csv.starts_with(
+        "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds\n"
+    ));
+    assert!(loop_csv.lines().count() > 400);
+    let events = fs::read_to_string(out.join("events.csv")).expect("events.csv");
+    assert_eq!(events, "branch,mean_displacement,from,to,released_energy,cause\n");
+    let summary = summary(&out);
+    assert_eq!(summary["completed"], true);
+    assert_eq!(summary["stop"], "completed");
+    assert!(summary["dissipated_energy"].as_f64().expect("a number").abs() < 1e-6);
+    assert_eq!(summary["ledger_mismatch"], "not available");
+    assert_eq!(summary["counts"]["jumps"], 0);
+    let scene = summary["scene"]["toml"].as_str().expect("the scene");
+    assert_eq!(tackscope::storage::scene_file::parse(scene, "summary"), presets::find("no-hysteresis").expect("built in").scene());
+    assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("no jumps"));
+    assert!(fs::read(out.join("loop.png")).expect("loop.png").starts_with(b"\x89PNG"));
+    let hidden = fs::read_dir(&out).expect("listed").flatten().filter(|e| e.file_name().to_string_lossy().starts_with('.'));
+    assert_eq!(hidden.count(), 0, "no temporary file is left");
+}
+
+#[test]
+fn gap_pictures_of_an_earlier_run_go_and_other_files_stay() {
+    let home = folder();
+    let gaps = home.path().join("gaps");
+    fs::create_dir_all(&gaps).expect("made");
+    for name in ["7-approach-bulge.png", "notes.txt"] {
+        fs::write(gaps.join(name), "old").expect("written");
+    }
+    assert_eq!(run("no-hysteresis", home.path(), &["--quiet"]).status.code(), Some(0));
+    assert!(!gaps.join("7-approach-bulge.png").exists() && gaps.join("notes.txt").exists());
+}
+
+#[test]
+fn progress_is_plain_lines_where_there_is_no_terminal_and_quiet_is_silent() {
+    let home = folder();
+    let told = errors(&run("no-hysteresis", home.path(), &[]));
+    assert!(told.contains(" 10 %  approach at u0 = 3.4") && told.contains("100 %"), "{told}");
+    assert!(told.lines().count() <= 12 && !told.contains('\u{1b}'), "{told}");
+    let quiet = run("no-hysteresis", home.path(), &["--quiet"]);
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+}
+
+#[test]
+fn options_replace_values_of_the_scene_and_the_summary_keeps_them() {
+    let home = folder();
+    let output = run("no-hysteresis", home.path(), &["--quiet", "--points", "16", "--step", "0.1", "--seed", "7", "--yardstick"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let summary = summary(home.path());
+    assert_eq!(summary["plan"]["points"], serde_json::json!([16, 16]));
+    let scene = summary["scene"]["toml"].as_str().expect("the scene");
+    assert!(scene.contains("points = 16\n") && scene.contains("step = 0.1\n") && scene.contains("seed = 7\n"), "{scene}");
+    assert_eq!(summary["method"], "newton");
+    assert_eq!(summary["yardstick"]["method"], "gfmd");
+    assert!(summary["yardstick"]["processor_time_ratio"].as_f64().is_some_and(|ratio| ratio > 0.0));
+    assert_eq!(run("ridge-line", home.path(), &["--quiet", "--points", "32", "--step", "0.2"]).status.code(), Some(0));
+    assert_eq!(self::summary(home.path())["plan"]["points"], serde_json::json!([32, 1]), "a line stays a line");
+}
+
+#[test]
+fn a_file_of_ones_own_runs_like_a_preset() {
+    let home = folder();
+    let path = home.path().join("mine.toml");
+    fs::write(&path, presets::find("no-hysteresis").expect("built in").text).expect("written");
+    let output = run(&path.display().to_string(), &home.path().join("out"), &["--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    assert_eq!(summary(&home.path().join("out"))["scene"]["given"], path.display().to_string());
+}
+
+#[test]
+fn presets_are_listed_with_title_and_facts() {
+    let output = tackscope().arg("presets").output().expect("the binary runs");
+    let list = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(0));
+    for part in
+        ["fig2 ", "Fig. 2: four patterns", "64 x 64 points", "mu_rho = 0.387", "ridge-line", "256 x 1 points", "What to look for"]
+    {
+        assert!(list.contains(part), "{part:?} is missing in: {list}");
+    }
+}
+
+#[test]
+fn the_help_names_the_commands_that_exist_and_no_others() {
+    let help = String::from_utf8(tackscope().arg("--help").output().expect("runs").stdout).expect("UTF-8");
+    assert!(help.contains("run") && help.contains("presets") && help.contains("130"), "{help}");
+    assert!(!help.contains("chart") && !help.contains("figure"), "{help}");
+}
+
+#[test]
+fn without_a_display_it_says_so_in_one_line_and_runs_the_default_scene() {
+    let home = folder();
+    let mut command = tackscope();
+    for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(display);
+    }
+    let output = command.current_dir(home.path()).output().expect("the binary runs");
+    let told = errors(&output);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.lines().next().is_some_and(|line| line.contains("no window here") && line.contains("tackscope-out/")), "{told}");
+    assert_eq!(summary(&home.path().join("tackscope-out"))["scene"]["given"], "fig2");
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_in_mid_run_writes_what_was_computed_and_says_so() {
+    let home = folder();
+    let out: PathBuf = home.path().join("out");
+    let mut command = tackscope();
+    command.args(["run", "fig2", "--points", "512", "--step", "0.0005", "--out"]).arg(&out);
+    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("the binary runs");
+    let mut told = BufReader::new(child.stderr.take().expect("a pipe"));
+    let mut heading = String::new();
+    told.read_line(&mut heading).expect("a heading");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(killed.success(), "the run is still going half a second after it began");
+    let status = child.wait().expect("it ends");
+    let mut rest = String::new();
+    told.read_to_string(&mut rest).expect("text");
+    assert_eq!(status.code(), Some(130), "{rest}");
+    assert!(rest.contains("cancelled at u0 = ") && rest.contains("interrupted; what was computed is in"), "{rest}");
+    let summary = summary(&out);
+    assert_eq!(summary["completed"], false);
+    assert_eq!(summary["stop"], "cancelled");
+    assert_eq!(summary["dissipated_energy"], "not available");
+    let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
+    assert!(states > 0, "something was computed");
+    assert_eq!(fs::read_to_string(out.join("loop.csv")).expect("loop.csv").lines().count(), states + 1);
+    assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
+    assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
+}
+
+fn summary(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("summary.json")).expect("JSON")
+}

@@ -1,0 +1,348 @@
+//! The walls of the house: which room may name what. Read from the sources, so that a wall cannot fall unnoticed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The rooms and their floors; an arrow may point down or sideways, never up.
+const ROOMS: [(&str, u8); 9] = [
+    ("numerics", 0),
+    ("physics", 1),
+    ("solver", 2),
+    ("experiment", 3),
+    ("worker", 4),
+    ("storage", 4),
+    ("paper", 4),
+    ("ui", 5),
+    ("cli", 5),
+];
+
+/// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the window does not call the shell.
+const NEIGHBOURS: [(&str, &str); 4] = [("worker", "storage"), ("paper", "storage"), ("paper", "worker"), ("ui", "cli")];
+
+/// Paths (by their first segments) that only one room may name.
+const OWNED: [(&[&str], &str); 12] = [
+    (&["egui"], "ui"),
+    (&["eframe"], "ui"),
+    (&["egui_plot"], "ui"),
+    (&["rfd"], "ui"),
+    (&["std", "thread"], "worker"),
+    (&["std", "sync", "mpsc"], "worker"),
+    (&["crossbeam_channel"], "worker"),
+    (&["std", "fs"], "storage"),
+    (&["fs"], "storage"),
+    (&["File"], "storage"),
+    (&["OpenOptions"], "storage"),
+    (&["tempfile"], "storage"),
+];
+
+/// Rooms that must not read a clock, and the names of clocks.
+const TIMELESS: [&str; 3] = ["numerics", "physics", "solver"];
+const CLOCKS: [&str; 3] = ["Instant", "SystemTime", "cpu_time"];
+
+const LINES_MAX: usize = 420;
+
+/// How far apart (in lines) two `cfg`s may be and still be one place: both arms of one choice.
+const ONE_PLACE: usize = 12;
+
+/// The room of a file given relative to src; `None` for lib.rs and main.rs.
+fn room(path: &str) -> Option<&str> {
+    let first = path.split(['/', '.']).next()?;
+    (path.contains('/') || !["lib", "main"].contains(&first)).then_some(first)
+}
+
+fn floor(room: &str) -> Option<u8> {
+    ROOMS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
+}
+
+/// The source with comments and, unless `keep_strings`, the inside of strings blanked out; line breaks stay.
+fn code(text: &str, keep_strings: bool) -> String {
+    let c: Vec<char> = text.chars().collect();
+    let at = |i: usize| c.get(i).copied().unwrap_or('\0');
+    let mut out = String::new();
+    let mut i = 0;
+    while i < c.len() {
+        let start = i;
+        let mut keep = true;
+        if at(i) == '/' && at(i + 1) == '/' {
+            keep = false;
+            while i < c.len() && at(i) != '\n' {
+                i += 1;
+            }
+        } else if at(i) == '/' && at(i + 1) == '*' {
+            keep = false;
+            let mut depth = 0;
+            loop {
+                let pair = (at(i), at(i + 1));
+                depth += i32::from(pair == ('/', '*')) - i32::from(pair == ('*', '/'));
+                i += if pair == ('/', '*') || pair == ('*', '/') { 2 } else { 1 };
+                if depth == 0 || i >= c.len() {
+                    break;
+                }
+            }
+        } else if at(i) == 'r' && (at(i + 1) == '"' || (at(i + 1) == '#' && "\"#".contains(at(i + 2)))) {
+            keep = keep_strings;
+            let hashes = c[i + 1..].iter().take_while(|&&c| c == '#').count();
+            i += 2 + hashes;
+            let closes = |i: usize| at(i) == '"' && (0..hashes).all(|k| at(i + 1 + k) == '#');
+            while i < c.len() && !closes(i) {
+                i += 1;
+            }
+            i += 1 + hashes;
+        } else if at(i) == '"' {
+            keep = keep_strings;
+            i += 1;
+            while i < c.len() && at(i) != '"' {
+                i += if at(i) == '\\' { 2 } else { 1 };
+            }
+            i += 1;
+        } else if at(i) == '\'' && (at(i + 1) == '\\' || at(i + 2) == '\'') {
+            // A character, not a lifetime.
+            keep = false;
+            i += if at(i + 1) == '\\' { 3 } else { 2 };
+            while i < c.len() && at(i) != '\'' {
+                i += 1;
+            }
+            i += 1;
+        } else {
+            i += 1;
+        }
+        let piece = &c[start..i.min(c.len())];
+        out.extend(piece.iter().map(|&c| if keep || c == '\n' { c } else { ' ' }));
+    }
+    out
+}
+
+/// One word or one sign of the code, with `::` as one sign.
+fn tokens(code: &str) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    let mut glued = false;
+    for c in code.chars() {
+        let word = c.is_alphanumeric() || c == '_';
+        match list.last_mut() {
+            Some(last) if glued && word && last.chars().all(|c| c.is_alphanumeric() || c == '_') => last.push(c),
+            Some(last) if glued && c == ':' && last == ":" => last.push(c),
+            _ if !c.is_whitespace() => list.push(c.to_string()),
+            _ => {}
+        }
+        glued = !c.is_whitespace();
+    }
+    list
+}
+
+/// Every path of the code, with the groups of `use a::{b, c::d}` written out.
+fn paths(tokens: &[String]) -> Vec<Vec<String>> {
+    let mut found = Vec::new();
+    let mut i = 0;
+    while i < tokens.len() {
+        if is_word(&tokens[i]) { i = path(tokens, i, &[], &mut found) } else { i += 1 }
+    }
+    found
+}
+
+fn is_word(token: &str) -> bool {
+    token.chars().all(|c| c.is_alphanumeric() || c == '_')
+}
+
+/// Reads one path at `i` below `stem`, adds it (or its group) to `found`, and returns where it ends.
+fn path(tokens: &[String], mut i: usize, stem: &[String], found: &mut Vec<Vec<String>>) -> usize {
+    let mut here = stem.to_vec();
+    loop {
+        here.push(tokens[i].clone());
+        i += 1;
+        let next = |k: usize| tokens.get(i + k).map_or("", String::as_str);
+        if next(0) != "::" {
+            found.push(here);
+            return i;
+        }
+        if next(1) == "{" {
+            i += 2;
+            while i < tokens.len() && tokens[i] != "}" {
+                if is_word(&tokens[i]) { i = path(tokens, i, &here, found) } else { i += 1 }
+            }
+            return i + 1;
+        }
+        if next(1).is_empty() || !is_word(next(1)) {
+            found.push(here);
+            return i + 1;
+        }
+        i += 1;
+    }
+}
+
+/// The path as seen from the crate's root, where it starts at `crate`, `tackscope` or enough `super`s for this file.
+fn from_root<'a>(path: &str, segments: &'a [String]) -> Option<&'a [String]> {
+    let head = segments[0].as_str();
+    if head == "crate" || head == "tackscope" {
+        return Some(&segments[1..]);
+    }
+    let supers = segments.iter().take_while(|s| *s == "super").count();
+    let depth = path.split('/').filter(|part| *part != "mod.rs").count();
+    (supers > 0 && supers >= depth).then_some(&segments[supers..])
+}
+
+/// What is wrong with one source file; `path` is relative to src, as in `physics/law/mod.rs`.
+fn faults(path: &str, text: &str) -> Vec<String> {
+    let mut faults = Vec::new();
+    let room = room(path);
+    if let Some(room) = room
+        && floor(room).is_none()
+    {
+        faults.push(format!("{path}: the room {room} has no floor"));
+    }
+    let lines = text.lines().count();
+    if lines > LINES_MAX {
+        faults.push(format!("{path}: {lines} lines, at most {LINES_MAX}"));
+    }
+    let tokens = tokens(&code(text, false));
+    if tokens.iter().any(|token| token == "unsafe") {
+        faults.push(format!("{path}: unsafe"));
+    }
+    for segments in paths(&tokens) {
+        let name = segments.join("::");
+        if let (Some(room), Some([other, ..])) = (room, from_root(path, &segments)) {
+            let above = floor(other).is_some_and(|other| floor(room).is_some_and(|own| other > own));
+            if above || NEIGHBOURS.contains(&(room, other)) {
+                faults.push(format!("{path}: {room} names {name}"));
+            }
+        }
+        for (owned, owner) in OWNED {
+            let starts = segments.len() >= owned.len() && segments.iter().zip(owned).all(|(a, b)| a == b);
+            // A lone word may be a local name; as the head of a longer path it is the crate, module or type.
+            if starts && segments.len() > 1 && room != Some(owner) {
+                faults.push(format!("{path}: only {owner} names {name}"));
+            }
+        }
+        if room.is_some_and(|room| TIMELESS.contains(&room)) && segments.iter().any(|s| CLOCKS.contains(&s.as_str())) {
+            faults.push(format!("{path}: {name} is a clock"));
+        }
+    }
+    faults.extend(feature_faults(path, text));
+    faults
+}
+
+/// `feature = "..."` may name `gui` only, in lib.rs and in cli.
+fn feature_faults(path: &str, text: &str) -> Vec<String> {
+    let mut faults = Vec::new();
+    let uses = features(text);
+    for (line, value) in &uses {
+        if value != "gui" {
+            faults.push(format!("{path}:{line}: the feature {value}; there is only gui"));
+        }
+        if path != "lib.rs" && room(path) != Some("cli") {
+            faults.push(format!("{path}:{line}: a feature outside lib.rs and cli"));
+        }
+    }
+    if let (true, Some(first), Some(last)) = (path != "lib.rs", uses.first(), uses.last())
+        && last.0 - first.0 > ONE_PLACE
+    {
+        faults.push(format!("{path}: features at lines {} and {}, more than one place", first.0, last.0));
+    }
+    faults
+}
+
+/// Line (from 1) and value of every `feature = "value"` in the code.
+fn features(text: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    for (number, line) in code(text, true).lines().enumerate() {
+        for rest in line.split("feature").skip(1) {
+            if let Some(rest) = rest.trim_start().strip_prefix('=') {
+                found.push((number + 1, rest.split('"').nth(1).unwrap_or_default().to_owned()));
+            }
+        }
+    }
+    found
+}
+
+/// Every Rust file under src, relative to it.
+fn sources() -> Vec<(String, String)> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut open: Vec<PathBuf> = vec![src.clone()];
+    let mut files = Vec::new();
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let name = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
+                files.push((name, fs::read_to_string(&path).unwrap()));
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn no_source_file_breaks_a_wall() {
+    let files = sources();
+    assert!(files.len() > 20 && files.iter().any(|(path, _)| path == "physics/law/mod.rs"), "the sources were not found");
+    let faults: Vec<String> = files.iter().flat_map(|(path, text)| faults(path, text)).collect();
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn the_gui_feature_is_asked_about_at_one_place_of_cli() {
+    let files: Vec<String> =
+        sources().into_iter().filter(|(path, text)| path != "lib.rs" && !features(text).is_empty()).map(|f| f.0).collect();
+    assert!(files.len() <= 1, "{files:?}");
+}
+
+#[test]
+fn every_kind_of_bad_file_is_caught() {
+    let long = "\n".repeat(LINES_MAX + 1);
+    for (path, text, expected) in [
+        ("physics/law/mod.rs", "use crate::solver::Stop;", "physics names crate::solver::Stop"),
+        ("physics/law/mod.rs", "use crate::{physics::grid, ui::App};", "physics names crate::ui::App"),
+        ("physics/grid.rs", "fn f() { super::super::ui::open() }", "physics names super::super::ui::open"),
+        ("physics/mod.rs", "use super::experiment;", "physics names super::experiment"),
+        ("solver/mod.rs", "fn f() -> tackscope::worker::Event {}", "solver names tackscope::worker::Event"),
+        ("numerics/cancel.rs", "pub(in crate::physics) fn f() {}", "numerics names crate::physics"),
+        ("worker/mod.rs", "use crate::storage::save;", "worker names crate::storage::save"),
+        ("paper/mod.rs", "use crate::worker::Event;", "paper names crate::worker::Event"),
+        ("worker/mod.rs", "fn f(c: &egui::Context) {}", "only ui names egui::Context"),
+        ("cli/mod.rs", "use eframe::{run_native};", "only ui names eframe::run_native"),
+        ("storage/mod.rs", "rfd::FileDialog::new()", "only ui names rfd::FileDialog::new"),
+        ("solver/mod.rs", "use std::{fmt, thread};", "only worker names std::thread"),
+        ("ui/app.rs", "let (a, b) = crossbeam_channel::bounded(1);", "only worker names crossbeam_channel::bounded"),
+        ("ui/app.rs", "std::thread::spawn(f);", "only worker names std::thread::spawn"),
+        ("cli/run.rs", "use std::fs;", "only storage names std::fs"),
+        ("cli/run.rs", "use std::{io, fs::File};", "only storage names std::fs::File"),
+        ("ui/app.rs", "let f = File::open(p);", "only storage names File::open"),
+        ("ui/app.rs", "let d = tempfile::tempdir();", "only storage names tempfile::tempdir"),
+        ("main.rs", "fn main() { std::fs::read(p); }", "only storage names std::fs::read"),
+        ("solver/mod.rs", "use std::time::{Duration, Instant};", "std::time::Instant is a clock"),
+        ("physics/mod.rs", "let t = SystemTime::now();", "SystemTime::now is a clock"),
+        ("numerics/mod.rs", "unsafe { f() }", "unsafe"),
+        ("rooftop/mod.rs", "", "the room rooftop has no floor"),
+        ("rooftop.rs", "", "the room rooftop has no floor"),
+        ("ui/app.rs", &long, "lines, at most"),
+        ("ui/app.rs", "#[cfg(feature = \"gui\")]", "a feature outside lib.rs and cli"),
+        ("lib.rs", "#[cfg(not(feature=\"fast\"))]", "the feature fast; there is only gui"),
+    ] {
+        let faults = faults(path, text);
+        assert!(faults.iter().any(|fault| fault.contains(expected)), "{path}: {text:?} gave {faults:?}");
+    }
+    let twice = format!("#[cfg(feature = \"gui\")]{}#[cfg(not(feature = \"gui\"))]", "\n".repeat(ONE_PLACE + 1));
+    assert!(faults("cli/mod.rs", &twice)[0].contains("more than one place"));
+}
+
+#[test]
+fn a_good_file_is_left_alone() {
+    for (path, text) in [
+        ("physics/law/mod.rs", "use super::grid; use crate::numerics::cancel::Cancel; use super::super::numerics;"),
+        ("physics/mod.rs", "//! crate::ui, unsafe, std::fs\n/* egui::Context /* nested */ std::thread */ fn f() {}"),
+        (
+            "physics/mod.rs",
+            "const S: &str = \"crate::ui and unsafe { std::fs::read }\"; const R: &str = r#\"use crate::\"ui\";\"#;",
+        ),
+        ("physics/mod.rs", "fn f<'a>(c: &'a str) -> char { let _ = '\"'; let _ = '\\''; 'u' }"),
+        ("lib.rs", "#![forbid(unsafe_code)]\n#[cfg(feature = \"gui\")]\npub mod ui;"),
+        ("cli/mod.rs", "#[cfg(feature = \"gui\")]\nfn f() { crate::ui::open() }\n#[cfg(not(feature = \"gui\"))]\nfn f() {}"),
+        ("ui/app.rs", "use crate::worker; fn f(c: &egui::Context) { let thread = 1; let fs = 2; }"),
+        ("storage/mod.rs", "use std::fs::File; use crate::experiment::scene::Scene; use crate::paper;"),
+        ("worker/mod.rs", "use std::thread; let t = std::time::Instant::now();"),
+        ("experiment/mod.rs", "let t = std::time::Instant::now();"),
+    ] {
+        assert_eq!(faults(path, text), Vec::<String>::new(), "{text}");
+    }
+}

@@ -1,0 +1,290 @@
+//! Scene files: what is read, what is refused and how, and that no text whatever makes the reader panic.
+
+use proptest::prelude::*;
+use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+use tackscope::storage::{Failure, presets, scene_file};
+
+const NAME: &str = "my scene.toml";
+
+fn fig2() -> &'static str {
+    presets::find("fig2").expect("fig2 is built in").text
+}
+
+/// Fig. 2 with one line replaced, and why it is refused.
+fn refusal(line: &str, replacement: &str) -> String {
+    let text = fig2();
+    assert!(text.contains(line), "fig2 has the line {line}");
+    let failure = scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
+    let sentence = failure.to_string();
+    assert!(sentence.starts_with(NAME), "{sentence}");
+    sentence
+}
+
+#[track_caller]
+fn says(sentence: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(sentence.contains(part), "{part:?} is missing in: {sentence}");
+    }
+}
+
+#[test]
+fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
+    let names: Vec<_> = presets::all().iter().map(|preset| preset.name).collect();
+    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line"]);
+    for preset in presets::all() {
+        let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
+        assert!(!scene.title.is_empty() && !scene.source.is_empty());
+        assert!(preset.hint().starts_with("What to look for"), "{}", preset.name);
+        assert_eq!(preset.text.lines().take_while(|line| line.starts_with('#')).count(), 2, "{}", preset.name);
+        assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
+    }
+}
+
+#[test]
+fn the_coarse_mesh_preset_has_the_range_of_the_mesh_rule() {
+    let model = presets::find("coarse-mesh").expect("built in").scene().expect("allowed").model().expect("allowed");
+    assert!((model.law.range - 0.2582).abs() < 1e-4 && (model.mu_rho - 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn what_may_be_left_out_has_its_default() {
+    let text = "format = 1\ncell = { length = 64, points = [32, 32] }\nlaw = { kind = \"cosine\", surface_energy = 0.15, range = 1 }\n\
+                drive = { start = 4, turn = 1, step = 0.1 }\n";
+    let scene = scene_file::parse(text, NAME).expect("allowed");
+    assert_eq!((scene.indenter, scene.accuracy, scene.seed), (Indenter::Flat, 0.01, 1));
+    assert_eq!((scene.title.as_str(), scene.source.as_str()), ("untitled", ""));
+    assert_eq!(scene.cell.points, Points::Square(32));
+    assert_eq!(scene.law.shape, Shape::Cosine(Cosine { smooth: false }));
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
+    says(&refusal("length = 256.0", "lenght = 256.0"), &["cell.lenght", "did you mean length", "length, points"]);
+    says(&refusal("[noise]", "[nose]"), &["nose", "did you mean noise", "cell, law, indenter"]);
+    says(&refusal("range = 1.0", "range = 1.0\nm = 8.0"), &["law.m", "kind, surface_energy, range, mu_rho"]);
+    says(&refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"), &["indenter.radius"]);
+}
+
+#[test]
+fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
+    says(&refusal("length = 256.0", "length = \"long\""), &["cell.length = \"long\"", "allowed is a finite number above 0"]);
+    says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
+    let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
+    says(&failure.to_string(), &["cell = 3", "allowed is a table, [cell]"]);
+    says(&refusal("seed = 1", "seed = -1"), &["noise.seed = -1", "whole number from 0"]);
+    says(&refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"), &["law.smooth = 1", "true or false"]);
+    says(&refusal("turn = 0.2", "turn = \"zero\""), &["drive.turn = \"zero\"", "zero_load"]);
+}
+
+#[test]
+fn a_missing_key_or_table_is_named() {
+    says(&refusal("length = 256.0", ""), &["cell.length is missing", "finite number above 0"]);
+    says(&refusal("[drive]", "[noise2]"), &["noise2"]);
+    says(&refusal("format = 1", ""), &["format is missing", "format = 1"]);
+    let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
+    says(&failure.to_string(), &[NAME, "[cell] is missing", "length and points"]);
+}
+
+#[test]
+fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
+    says(&refusal("length = 256.0", "length = nan"), &["cell.length = nan", "finite number above 0"]);
+    says(&refusal("step = 0.02", "step = inf"), &["drive.step = inf"]);
+    says(&refusal("range = 1.0", "range = -1.0"), &["law.range = -1", "above 0"]);
+    says(&refusal("target = 0.01", "target = 2"), &["accuracy.target = 2", "below 1"]);
+    says(&refusal("turn = 0.2", "turn = 5"), &["drive.turn = 5", "below drive.start = 4.2"]);
+    for n in ["63", "0", "1000000", "-4", "[64, 2]", "[63, 1]", "64.0", "\"many\"", "9999999999999999999"] {
+        says(&refusal("points = 64", &format!("points = {n}")), &[if n.len() > 9 { "line 9" } else { "cell.points" }]);
+    }
+}
+
+#[test]
+fn a_law_has_its_own_keys_and_limits() {
+    let mie = |m, n| refusal("kind = \"morse\"", &format!("kind = \"mie\"\nm = {m}\nn = {n}"));
+    says(&mie(2, 2), &["law.m = 2", "above law.n = 2"]);
+    says(&mie(2, 8), &["law.m = 2", "above law.n = 8"]);
+    says(&refusal("kind = \"morse\"", "kind = \"mie\""), &["law.m is missing"]);
+    says(&refusal("kind = \"morse\"", "kind = \"double_exponential\"\nratio = 1.0"), &["law.ratio = 1", "below 1"]);
+    says(&refusal("kind = \"morse\"", "kind = \"mores\""), &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"]);
+    says(&refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"), &["law.mu_rho = 0.5", "not together with law.range"]);
+    says(&refusal("range = 1.0", ""), &["law.range is missing", "mu_rho"]);
+}
+
+#[test]
+fn indenters_that_are_not_built_yet_are_refused_in_words() {
+    for kind in ["wave", "rough"] {
+        let sentence = refusal("kind = \"flat\"", &format!("kind = \"{kind}\"\nrms = 1.0"));
+        says(&sentence, &["indenter.kind", kind, "not built yet", "\"flat\" and \"hertz\""]);
+    }
+}
+
+#[test]
+fn another_format_is_refused_before_anything_else() {
+    says(&refusal("format = 1", "format = 2\nnew = true"), &["format = 2", "allowed is 1"]);
+    says(&refusal("format = 1", "format = \"1\""), &["format = \"1\""]);
+}
+
+#[test]
+fn a_syntax_error_names_line_and_column() {
+    says(&refusal("length = 256.0", "length = = 3"), &["line 8", "column 10", "not TOML"]);
+    says(&refusal("points = 64", "length = 256.0"), &["line 9", "duplicate"]);
+}
+
+#[test]
+fn files_that_are_missing_too_long_or_not_text_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.toml");
+    let refused = |part: &str| {
+        let sentence = scene_file::load(&path).expect_err("refused").to_string();
+        says(&sentence, &[&path.display().to_string(), part]);
+    };
+    refused("No such file");
+    std::fs::write(&path, vec![b'#'; (1 << 20) + 1]).expect("written");
+    refused("longer than 1048576 bytes");
+    std::fs::write(&path, b"title = \"M\xfcser\"").expect("written");
+    refused("UTF-8");
+    assert!(matches!(scene_file::load(folder.path()), Err(Failure::Read { .. })), "a folder is no scene file");
+}
+
+#[test]
+fn a_scene_is_saved_whole_and_comes_back_and_an_impossible_one_is_not_saved() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("new folder").join("scene.toml");
+    let mut scene = presets::find("ridge-line").expect("built in").scene().expect("allowed");
+    scene_file::save(&path, &scene).expect("saved");
+    assert_eq!(scene_file::load(&path), Ok(scene.clone()));
+    let before = std::fs::read(&path).expect("there");
+    scene.cell.length = f64::NAN;
+    says(&scene_file::save(&path, &scene).expect_err("refused").to_string(), &["cell.length = nan"]);
+    assert_eq!(std::fs::read(&path).expect("there"), before, "the old file is untouched");
+    assert_eq!(std::fs::read_dir(path.parent().expect("a folder")).expect("listed").count(), 1, "no temporary file is left");
+    scene.cell.length = 256.0;
+    let below_a_file = path.join("other.toml");
+    says(&scene_file::save(&below_a_file, &scene).expect_err("refused").to_string(), &["cannot be written", "other.toml"]);
+}
+
+fn shapes() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        Just(Shape::Morse(Morse)),
+        (0.1..20.0, 0.01..70.0).prop_map(|(n, more)| Shape::Mie(Mie { m: n + more, n })),
+        any::<bool>().prop_map(|smooth| Shape::Cosine(Cosine { smooth })),
+        (0.01..0.99).prop_map(|ratio| Shape::DoubleExponential(DoubleExponential { ratio })),
+    ]
+}
+
+fn meshes() -> impl Strategy<Value = (Points, Range)> {
+    let (sides, positive) = (|| (2usize..=2048).prop_map(|half| 2 * half), || prop_oneof![1e-9..1e-3, 0.01..10.0, 1e3..1e12]);
+    let range = move || prop_oneof![positive().prop_map(Range::Length), positive().prop_map(Range::MuRho)];
+    prop_oneof![
+        (sides().prop_map(Points::Square), range()),
+        (sides().prop_map(Points::Line), range()),
+        (Just(Points::Auto), (0.5..2.0).prop_map(Range::Length)),
+    ]
+}
+
+prop_compose! {
+    fn scenes()(
+        title in any::<String>(), source in "\\PC*", length in 50.0..500.0, (points, range) in meshes(), shape in shapes(),
+        surface_energy in 0.01..0.5, radius in prop::option::of(1e-3..1e6), turn in prop::option::of(1e-6..3.0),
+        drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
+    ) -> Scene {
+        let indenter = radius.map_or(Indenter::Flat, |radius| Indenter::Hertz { radius });
+        let turn = if indenter == Indenter::Flat { Turn::At(turn.unwrap_or(0.5)) } else { turn.map_or(Turn::ZeroLoad, Turn::At) };
+        let bottom = if let Turn::At(turn) = turn { turn } else { 0.0 };
+        Scene {
+            title, source, cell: Cell { length, points }, law: LawChoice { shape, surface_energy, range }, indenter,
+            drive: Drive { start: bottom + drop, turn, step: drop / steps }, accuracy, seed,
+        }
+    }
+}
+
+/// A text that is almost a scene file: pieces of a preset cut out, doubled, swapped, or replaced by what means something elsewhere.
+fn mutated() -> impl Strategy<Value = String> {
+    let words = prop::sample::select(vec![
+        "nan",
+        "-inf",
+        "[",
+        "]",
+        "]]",
+        "{",
+        "}",
+        "\"",
+        "'''",
+        "=",
+        ".",
+        ",",
+        "\n",
+        "\0",
+        "\u{feff}",
+        "#",
+        "1e999",
+        "0x",
+        "-1",
+        "64",
+        "[64, 1]",
+        "\"auto\"",
+        "cell.",
+        "[cell]",
+        "[[law]]",
+        "format = 1",
+        "1979-05-27",
+        "9223372036854775808",
+        "é",
+        "\r",
+    ]);
+    let edit = (any::<prop::sample::Index>(), any::<prop::sample::Index>(), 0..4u8, words);
+    (prop::sample::select(presets::all()), prop::collection::vec(edit, 1..6)).prop_map(|(preset, edits)| {
+        let mut text: Vec<char> = preset.text.chars().collect();
+        for (from, to, what, word) in edits {
+            let (a, b) = (from.index(text.len() + 1), to.index(text.len() + 1));
+            let piece = a.min(b)..a.max(b).min(a.min(b) + 40);
+            let copy: Vec<char> = text[piece.clone()].to_vec();
+            match what {
+                0 => drop(text.drain(piece)),
+                1 => drop(text.splice(b..b, copy)),
+                2 => drop(text.splice(a..a, word.chars())),
+                _ => drop(text.splice(piece.start..(piece.start + 3).min(text.len()), word.chars())),
+            }
+        }
+        text.into_iter().collect()
+    })
+}
+
+/// Parses; a refusal must be one line of readable length that names the file, an acceptance must come back the same.
+fn parses_or_says_why(text: &str) -> Result<(), TestCaseError> {
+    match scene_file::parse(text, NAME) {
+        Ok(scene) => prop_assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene)),
+        Err(failure) => {
+            let sentence = failure.to_string();
+            prop_assert!(sentence.starts_with(NAME), "{}", sentence);
+            prop_assert!(sentence.chars().count() < 500 && !sentence.contains('\n'), "{}", sentence);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn an_allowed_scene_comes_back_from_its_text(scene in scenes()) {
+        prop_assume!(scene.validate().is_ok());
+        prop_assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
+    }
+
+    #[test]
+    fn any_text_is_read_or_refused_by_name(text in any::<String>()) {
+        parses_or_says_why(&text)?;
+    }
+
+    #[test]
+    fn any_lines_of_key_and_value_are_read_or_refused_by_name(text in "(\\[?[a-z_.]{1,9}\\]? ?=? ?[-0-9a-z\"\\[\\]{},.]{0,9}\n){0,12}") {
+        parses_or_says_why(&text)?;
+    }
+
+    #[test]
+    fn a_damaged_scene_file_is_read_or_refused_by_name(text in mutated()) {
+        parses_or_says_why(&text)?;
+    }
+}
