@@ -458,7 +458,7 @@ fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
     bench.jump(3.102);
     assert!(!bench.state().hint);
     let names = bench.names();
-    for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jumps"] {
+    for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jump,"] {
         assert!(names.contains(words), "{words} in {names}");
     }
 }

@@ -158,3 +158,72 @@ pub fn flat_state(scene: &Scene, model: &Model) -> Vec<(bool, Vec<[f64; 2]>)> {
     }
     pieces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::law::{Morse, Shape};
+
+    const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range: 2.0 };
+
+    fn state(branch: Branch, u0: f64, stress_over_max: f64) -> StateRecord {
+        StateRecord { branch, stress_over_max, ..StateRecord::placeholder(u0) }
+    }
+
+    #[test]
+    fn a_jump_ends_the_branch_at_its_foot_and_begins_a_new_piece() {
+        let mut curve = Curve::default();
+        curve.push(&state(Branch::Approach, 8.0, 0.1), &LAW);
+        let jump = JumpRecord {
+            branch: Branch::Approach,
+            mean_displacement: 7.0,
+            from: Pattern::Flat,
+            to: Pattern::Ridge,
+            stress_before: 0.2 * LAW.traction_max(),
+            stress_after: 0.4 * LAW.traction_max(),
+            released_energy: 0.1,
+            cause: Cause::FlatLimit,
+        };
+        curve.jump(&jump, &LAW);
+        curve.push(&state(Branch::Approach, 7.0, 0.4), &LAW);
+        curve.push(&state(Branch::Approach, 6.0, 0.5), &LAW);
+        let points: Vec<_> = curve.pieces.iter().map(|piece| piece.points.clone()).collect();
+        assert_eq!(points, [vec![[4.0, 0.1], [3.5, 0.2]], vec![[3.5, 0.4], [3.0, 0.5]]]);
+    }
+
+    #[test]
+    fn a_turn_joins_its_pieces() {
+        let mut curve = Curve::default();
+        curve.push(&state(Branch::Approach, 4.0, 0.1), &LAW);
+        curve.push(&state(Branch::Retraction, 6.0, 0.2), &LAW);
+        assert_eq!(curve.pieces[1].points, [[2.0, 0.1], [3.0, 0.2]]);
+    }
+
+    #[test]
+    fn a_long_curve_stays_short_and_keeps_its_ends() {
+        let mut curve = Curve::default();
+        for i in 0..50_000 {
+            curve.push(&state(Branch::Approach, -f64::from(i), 0.0), &LAW);
+        }
+        assert!(curve.points().count() <= POINTS_MAX + 1);
+        assert_eq!(curve.points().next(), Some([0.0, 0.0]));
+        assert_eq!(curve.points().last(), Some([-24_999.5, 0.0]));
+    }
+
+    #[test]
+    fn the_shade_has_the_area_between_the_branches() {
+        let mut curve = Curve::default();
+        for (branch, u0, stress) in [
+            (Branch::Approach, 8.0, 0.1),
+            (Branch::Approach, 2.0, 0.1),
+            (Branch::Retraction, 2.0, 0.5),
+            (Branch::Retraction, 8.0, 0.3),
+        ] {
+            curve.push(&state(branch, u0, stress), &LAW);
+        }
+        let shade = Shade::of(&curve);
+        let width = shade.x[1] - shade.x[0];
+        let area: f64 = shade.high.iter().zip(&shade.low).map(|(high, low)| (high - low) * width).sum();
+        assert!((area - 0.9).abs() < 0.01, "{area}");
+    }
+}

@@ -13,8 +13,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, announced: &str) {
     let jumps = &state.record.jumps;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Events").heading().strong());
-        let sum =
-            ui.label(RichText::new(format!("{} jumps, {:.4} γ released", jumps.len(), state.record.released_energy_sum())).weak());
+        let sum = ui.label(
+            RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
+        );
         // Invisible, only read aloud: the last jump, not more often than the ear can follow.
         ui.ctx().accesskit_node_builder(sum.id, |node| {
             node.set_live(egui::accesskit::Live::Polite);
@@ -46,4 +47,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, announced: &str) {
             }
         });
     });
+}
+
+fn counted(jumps: usize) -> String {
+    if jumps == 1 { "1 jump".to_owned() } else { format!("{jumps} jumps") }
 }

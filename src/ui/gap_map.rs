@@ -95,7 +95,9 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let before = state.view;
     let mut view: ViewOptions = before;
     ui.horizontal(|ui| {
-        ui.label(egui::RichText::new("Gap map").heading().strong());
+        if ui.available_width() > 310.0 {
+            ui.label(egui::RichText::new("Gap map").heading().strong());
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.checkbox(&mut view.smooth, "Smooth");
             if state.model.indenter == Indenter::Flat {
@@ -167,13 +169,13 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     }
     let text = ui.visuals().text_color();
     ui.painter().text(pos2(bar.left() - 2.0, map.top()), Align2::LEFT_TOP, "gap / ρ", theme::small(), text);
-    let spacing = scene_edit::nice(top / 6.0);
+    let spacing = scene_edit::tick_spacing(top, 8.0);
     let mut value = 0.0;
     while value <= top * 1.001 {
         let y = bar.bottom() - (value / top) as f32 * bar.height();
         ui.painter().hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
         let above = value + spacing > top * 1.001 && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
-        let label = if above { format!("≥{value:.4}") } else { format!("{}", (value * 1e6).round() / 1e6) };
+        let label = if above { format!("≥{}", scene_edit::tick_words(value)) } else { scene_edit::tick_words(value) };
         ui.painter().text(pos2(bar.right() + 7.0, y), Align2::LEFT_CENTER, label, theme::small(), text);
         value += spacing;
     }
@@ -226,7 +228,7 @@ fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<
     let traction = state.model.law.at(gap).traction / state.model.law.traction_max();
     let force = if traction >= 0.0 { "pulls" } else { "pushes" };
     Some(format!(
-        "x {:.1} ρ   y {:.1} ρ   gap {:.3} ρ   stress {:.3} σ_max ({force})",
+        "x {:.1} ρ   y {:.1} ρ   gap {:.3} ρ   stress {:.3} σₘₐₓ ({force})",
         f64::from(x) * length / rho,
         f64::from(y) * length / rho,
         gap / rho,

@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 fn card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
-    let (_, rect) = ui.allocate_space(vec2(width, 50.0));
+    let (_, rect) = ui.allocate_space(vec2(width, 56.0));
     let response = ui.interact(rect, Id::unique(("law", shape.word())), Sense::click());
     let name = shape.word().replace('_', " ");
     response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, selected, format!("law {name}")));
@@ -43,20 +43,20 @@ fn card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
         egui::StrokeKind::Inside,
     );
     let law = Law { shape, surface_energy: 1.0, range: 1.0 };
-    let (top, axis) = (rect.top() + 7.0, rect.bottom() - 15.0);
+    let (top, axis) = (rect.top() + 7.0, rect.bottom() - 17.0);
     painter.hline(rect.x_range().shrink(6.0), axis, Stroke::new(1.0, ui.visuals().weak_text_color()));
     let points = (0..=60)
         .map(|i| f64::from(i) / 60.0)
         .filter_map(|t| {
             let traction = law.at(0.02 + 3.4 * t).traction / law.traction_max();
-            (traction > -0.6)
+            (traction > -0.15)
                 .then(|| pos2(rect.left() + 6.0 + t as f32 * (rect.width() - 12.0), axis - traction as f32 * (axis - top)))
         })
         .collect();
     painter.line(points, Stroke::new(1.8, palette.retraction));
     painter.text(
-        pos2(rect.right() - 6.0, rect.top() + 5.0),
-        Align2::RIGHT_TOP,
+        pos2(rect.center().x, rect.bottom() - 2.0),
+        Align2::CENTER_BOTTOM,
         name,
         theme::small(),
         ui.visuals().strong_text_color(),

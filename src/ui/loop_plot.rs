@@ -22,6 +22,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         *axes_seen = state.axes_version;
         new_axes = Some(state.axes());
     }
+    let grid = ui.visuals().text_color().gamma_multiply(0.45);
     let response = Plot::new("loop")
         .height((height - 88.0).max(120.0))
         .allow_drag(false)
@@ -32,14 +33,15 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         .allow_double_click_reset(false)
         .auto_bounds(false)
         .x_axis_label("u₀ / ρ")
-        .y_axis_label("stress / σ_max  (pulling up)")
+        .y_axis_label("stress / σₘₐₓ  (pulling up)")
         .y_axis_min_width(30.0)
+        .grid_color(grid)
         .show_crosshair(false)
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
             };
-            Some(format!("u₀ {:.3} ρ\nstress {:.3} σ_max", p.x, p.y))
+            Some(format!("u₀ {:.3} ρ\nstress {:.3} σₘₐₓ", p.x, p.y))
         })
         .show(ui, |plot| {
             if let Some((low, high)) = new_axes {
@@ -111,6 +113,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
         }
     }
     curve(plot, &state.curve, palette);
+    pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
     if let Some(now) = &state.state {
         let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
@@ -152,6 +155,31 @@ fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
     }
 }
 
+/// The pattern of every stretch that is long enough to carry its name: above the retraction, below the approach.
+fn pattern_names(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
+    let bounds = plot.plot_bounds();
+    let mut named: Vec<(Branch, &str, f64)> = Vec::new();
+    for piece in curve.pieces.iter().rev() {
+        let (Some(first), Some(last)) = (piece.points.first(), piece.points.last()) else { continue };
+        let name = piece.pattern.word();
+        let x = 0.5 * (first[0] + last[0]);
+        let near = |(branch, word, at): &(Branch, &str, f64)| {
+            *branch == piece.branch && *word == name && (at - x).abs() < 0.2 * bounds.width()
+        };
+        if (first[0] - last[0]).abs() < 0.09 * bounds.width() || named.iter().any(near) {
+            continue;
+        }
+        let y = piece.points.iter().min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs())).map_or(first[1], |p| p[1]);
+        let gap = 0.02 * bounds.height();
+        let (anchor, y, colour) = match piece.branch {
+            Branch::Approach => (egui::Align2::RIGHT_TOP, y - gap, palette.approach),
+            Branch::Retraction => (egui::Align2::LEFT_BOTTOM, y + gap, palette.retraction),
+        };
+        plot.text(Text::new("pattern", PlotPoint::new(x, y), RichText::new(name)).color(colour).anchor(anchor).allow_hover(false));
+        named.push((piece.branch, name, x));
+    }
+}
+
 fn jumps(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let max = state.model.law.traction_max();
     let latest = state.record.jumps.len().saturating_sub(24);
@@ -160,13 +188,6 @@ fn jumps(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
         let (from, to) = (jump.stress_before / max, jump.stress_after / max);
         let (tail, tip) = (PlotPoints::from(vec![[x, from]]), PlotPoints::from(vec![[x, to]]));
         plot.arrows(Arrows::new("jump", tail, tip).color(palette.jump).tip_length(7.0).allow_hover(false));
-        let words = RichText::new(format!("{}→{}", jump.from, jump.to)).small();
-        // Labels of both branches on different sides of their arrow, since the arrows may stand close.
-        let (anchor, y) = match jump.branch {
-            Branch::Approach => (egui::Align2::RIGHT_BOTTOM, from.max(to)),
-            Branch::Retraction => (egui::Align2::LEFT_TOP, from.min(to)),
-        };
-        plot.text(Text::new("jump", PlotPoint::new(x, y), words).color(palette.jump).anchor(anchor).allow_hover(false));
     }
 }
 

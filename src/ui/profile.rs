@@ -99,19 +99,19 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     let colour = ui.visuals().text_color();
     let tick = Stroke::new(1.0, colour);
     let painter = ui.painter();
-    let spacing = scene_edit::nice((high - low) / 4.5);
+    let spacing = scene_edit::tick_spacing(high - low, 5.0);
     let mut k = (low / spacing).ceil();
     while k * spacing <= high {
         let y = frame.bottom() - ((k * spacing - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
-        let text = format!("{}", (k * spacing * 1e6).round() / 1e6);
+        let text = scene_edit::tick_words(k * spacing);
         painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
         k += 1.0;
     }
     let length = state.model.grid.length / state.rho();
-    let spacing = scene_edit::nice(length / 5.0);
+    let spacing = scene_edit::tick_spacing(length, 5.5);
     let mut value = 0.0;
-    while value <= length * 1.001 {
+    while value <= 0.9 * length {
         let x = frame.left() + (value / length) as f32 * frame.width();
         painter.vline(x, frame.bottom()..=frame.bottom() + 4.0, tick);
         let anchor = if value == 0.0 {
@@ -121,11 +121,11 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         } else {
             Align2::CENTER_TOP
         };
-        let text = format!("{}", (value * 1e6).round() / 1e6);
+        let text = scene_edit::tick_words(value);
         painter.text(pos2(x, frame.bottom() + 5.0), anchor, text, theme::small(), colour);
         value += spacing;
     }
     let name = if along_x { "x / ρ" } else { "y / ρ" };
-    painter.text(pos2(frame.left() + frame.width() * 0.9, frame.bottom() + 5.0), Align2::CENTER_TOP, name, theme::small(), colour);
+    painter.text(pos2(frame.right() + 2.0, frame.bottom() + 5.0), Align2::RIGHT_TOP, name, theme::small(), colour);
     painter.text(pos2(frame.left() - 32.0, frame.top() + 2.0), Align2::LEFT_TOP, "z/ρ", theme::small(), colour);
 }

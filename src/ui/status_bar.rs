@@ -48,7 +48,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let (text, colour) = if relaxing { ("jumping, no equilibrium".to_owned(), palette.jump) } else { stability(now, &palette) };
     part(ui, "");
     ui.label(RichText::new(text).color(colour).strong()).on_hover_text(format!(
-        "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; residual {:.1e} σ_max",
+        "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; residual {:.1e} σₘₐₓ",
         now.stiffness_error, now.residual
     ));
     part(ui, now.model);

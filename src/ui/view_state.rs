@@ -311,8 +311,7 @@ impl ViewState {
             self.pause(false);
         }
         self.sweep = None;
-        // At rest elsewhere without a failure: a newer target is already on its way to the solver.
-        self.busy = self.failure.is_none() && mean_displacement != self.target;
+        self.busy = self.target_pending;
         self.ready = None;
         self.state = None;
         self.actual = self.limits.1;
