@@ -1,17 +1,35 @@
-//! Floor 5: the window. STUB on branch io.
+//! Floor 5: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
+//!
+//! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s; only [`app`] acts on them.
+//! The state is plain data that is built and updated without egui. The solver is behind [`handle::SolverHandle`]: its thread
+//! never blocks the window, and tests drive one by hand. May use everything below; touches files only through `storage`, starts no thread.
+//!
+//! Lengths are shown in units of the range rho, stresses in units of sigma_max, energies in units of gamma.
 
-/// Says why no window can be opened here, or nothing.
-///
-/// # Errors
-/// The reason.
-pub fn display_available() -> Result<(), String> {
-    Err("the window is not built yet".to_owned())
-}
+pub mod action;
+pub mod app;
+pub mod curves;
+pub mod handle;
+pub mod history;
+pub mod scene_edit;
+pub mod theme;
+pub mod view_state;
 
-/// Opens the window and returns when it is closed.
-///
-/// # Errors
-/// Why it could not be opened.
-pub fn run() -> Result<(), String> {
-    Err("the window is not built yet".to_owned())
-}
+mod controls;
+mod dialogs;
+mod display;
+mod event_list;
+mod gap_map;
+mod gap_picture;
+mod keys;
+mod law_picker;
+mod loop_plot;
+mod mu_rho_slider;
+mod profile;
+mod status_bar;
+mod toolbar;
+mod u0_slider;
+
+pub use app::App;
+pub use dialogs::{FileRequest, PathFuture};
+pub use display::{Options, display_available, run, run_with};

@@ -1,0 +1,142 @@
+//! What a panel wants to happen. Panels only push these; `app` acts.
+
+use super::scene_edit::Follows;
+use crate::experiment::scene::Scene;
+use crate::solver::method::MethodKind;
+use crate::worker::protocol::Sweep;
+use std::path::PathBuf;
+
+/// An intent of the user.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Walk to this mean displacement u0 (length).
+    SetTarget(f64),
+    /// Move the target by this many increments of the drive (negative: down).
+    Step(f64),
+    /// One increment in the present direction.
+    Increment,
+    /// Turn round: reverse the sweep, or the direction of the next increment.
+    Reverse,
+    /// Walk by itself.
+    Play(Sweep),
+    /// Pause, go on, or start a loop.
+    TogglePlay,
+    /// Hold (true) or go on.
+    Pause(bool),
+    /// Drop target and sweep.
+    Stop,
+    /// Back to rest at the start, everything recorded forgotten.
+    Reset,
+    /// Replace the scene by an edited one.
+    EditScene(Box<Scene>),
+    /// Choose the method.
+    SetMethod(MethodKind),
+    /// Choose what follows mu_rho.
+    SetFollows(Follows),
+    /// Load the preset of this index.
+    LoadPreset(usize),
+    /// Take the last scene edit back.
+    Undo,
+    /// Do it again.
+    Redo,
+    /// Ask for a file.
+    AskFile(FileTask),
+    /// Do the open dialog's task with this path.
+    UsePath(PathBuf),
+    /// Close whatever dialog is open.
+    CloseDialog,
+    /// Show or hide the sheet of keys.
+    ToggleHelp,
+    /// Light to dark and back.
+    ToggleTheme,
+    /// Fit the plot's axes to the data (true) or to the scene.
+    Fit(bool),
+    /// Change how things are drawn.
+    SetView(ViewOptions),
+    /// The failure has been read.
+    DismissFailure,
+    /// End the program.
+    Quit,
+}
+
+/// What a file is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileTask {
+    /// Open a scene.
+    OpenScene,
+    /// Save the scene.
+    SaveScene,
+    /// Write the recorded states.
+    ExportLoopCsv,
+    /// Write the recorded jumps.
+    ExportEventsCsv,
+    /// Write the curve of stress against u0 as a picture.
+    ExportLoopPng,
+    /// Write the gap map as a picture.
+    ExportGapPng,
+}
+
+impl FileTask {
+    /// Title of the dialog.
+    pub fn title(self) -> &'static str {
+        match self {
+            FileTask::OpenScene => "Open scene",
+            FileTask::SaveScene => "Save scene",
+            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => "Export CSV",
+            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
+        }
+    }
+
+    /// File name that is offered.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            FileTask::OpenScene | FileTask::SaveScene => "scene.toml",
+            FileTask::ExportLoopCsv => "loop.csv",
+            FileTask::ExportEventsCsv => "events.csv",
+            FileTask::ExportLoopPng => "loop.png",
+            FileTask::ExportGapPng => "gap.png",
+        }
+    }
+
+    /// The two sides of an export, with the words of their choice; empty where there is nothing to choose.
+    pub fn variants(self) -> &'static [(FileTask, &'static str)] {
+        match self {
+            FileTask::OpenScene | FileTask::SaveScene => &[],
+            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => {
+                &[(FileTask::ExportLoopCsv, "states (loop.csv)"), (FileTask::ExportEventsCsv, "jumps (events.csv)")]
+            }
+            FileTask::ExportLoopPng | FileTask::ExportGapPng => {
+                &[(FileTask::ExportLoopPng, "stress curve"), (FileTask::ExportGapPng, "gap map")]
+            }
+        }
+    }
+}
+
+/// Along which line the profile is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum ProfileLine {
+    /// Through the smallest gap, along the axis on which the gap varies more.
+    #[default]
+    Auto,
+    /// Along x at this share of the height, 0 to 1.
+    AlongX(f64),
+    /// Along y at this share of the width, 0 to 1.
+    AlongY(f64),
+}
+
+/// How things are drawn; no part of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewOptions {
+    /// Roll the periodic cell so that the pattern stands in its middle.
+    pub centred: bool,
+    /// Interpolate between mesh points.
+    pub smooth: bool,
+    /// Where the profile is cut.
+    pub profile: ProfileLine,
+}
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self { centred: true, smooth: true, profile: ProfileLine::Auto }
+    }
+}

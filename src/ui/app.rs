@@ -1,0 +1,205 @@
+//! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
+
+use super::action::{Action, FileTask};
+use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
+use super::gap_map::MapCache;
+use super::handle::SolverHandle;
+use super::view_state::{Failure, ViewState};
+use super::{controls, event_list, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use crate::storage::{self, export, picture, presets, scene_file};
+use crate::worker::protocol::Command;
+use egui::{CentralPanel, Context, Panel, Ui};
+use std::path::Path;
+
+/// Seconds between two announcements of a jump to a screen reader.
+const ANNOUNCE_EVERY: f64 = 2.0;
+
+/// The window's application.
+pub struct App {
+    state: ViewState,
+    solver: Box<dyn SolverHandle>,
+    map: MapCache,
+    axes_seen: u64,
+    dialogs: Dialogs,
+    announced: (String, f64),
+}
+
+impl App {
+    /// A window on this state, worked by this solver.
+    pub fn new(solver: impl SolverHandle + 'static, state: ViewState) -> Self {
+        Self::with_chooser(solver, state, desktop_chooser)
+    }
+
+    /// Like [`App::new`], with another way of choosing files.
+    pub fn with_chooser(
+        solver: impl SolverHandle + 'static,
+        state: ViewState,
+        chooser: impl FnMut(FileRequest) -> PathFuture + 'static,
+    ) -> Self {
+        Self {
+            state,
+            solver: Box::new(solver),
+            map: MapCache::default(),
+            axes_seen: 0,
+            dialogs: Dialogs::new(chooser),
+            announced: (String::new(), f64::NEG_INFINITY),
+        }
+    }
+
+    /// What is shown.
+    pub fn state(&self) -> &ViewState {
+        &self.state
+    }
+
+    /// One frame.
+    pub fn frame(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.listen();
+        self.map.update(&ctx, &self.state);
+        let mut actions = Vec::new();
+        keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
+        self.announce(&ctx);
+        self.panels(ui, &mut actions);
+        self.dialogs.show(&ctx, &mut actions);
+        // The panels above were drawn before this; draw them once more with what follows.
+        if !actions.is_empty() {
+            ctx.request_repaint();
+        }
+        for action in actions {
+            self.act(&ctx, action);
+        }
+        if !ctx.input(|input| input.pointer.any_down()) {
+            self.state.history.end_gesture();
+        }
+        for command in self.state.take_commands() {
+            self.solver.send(command);
+        }
+    }
+
+    fn listen(&mut self) {
+        let (events, frame) = self.solver.poll();
+        for event in events {
+            self.state.apply(event);
+        }
+        if let Some((run, frame)) = frame {
+            self.state.apply_frame(run, frame);
+        }
+    }
+
+    fn announce(&mut self, ctx: &Context) {
+        let now = ctx.input(|input| input.time);
+        let words = self.state.record.jumps.last().map(|jump| self.state.say_jump(jump)).unwrap_or_default();
+        if words != self.announced.0 && now - self.announced.1 >= ANNOUNCE_EVERY {
+            self.announced = (words, now);
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let state = &self.state;
+        let width = ui.ctx().content_rect().width();
+        Panel::top("toolbar").show(ui, |ui| {
+            ui.add_space(3.0);
+            toolbar::show(ui, state, actions);
+            ui.add_space(3.0);
+        });
+        Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
+        Panel::left("controls").default_size(260.0).size_range(236.0..=360.0).show(ui, |ui| controls::show(ui, state, actions));
+        let rest = width - 270.0;
+        let right =
+            Panel::right("curve").default_size((0.42 * rest).clamp(250.0, 560.0)).size_range(230.0..=(0.55 * rest).max(240.0));
+        right.show(ui, |ui| {
+            let height = (0.64 * ui.available_height()).max(230.0);
+            loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
+            ui.separator();
+            event_list::show(ui, state, &self.announced.0);
+        });
+        CentralPanel::default().show(ui, |ui| {
+            let (width, height) = (ui.available_width(), ui.available_height());
+            let map = (height * 0.76).min(width).max(150.0);
+            gap_map::show(ui, state, &self.map, actions, map);
+            let rest = ui.available_height().clamp(70.0, 300.0);
+            profile::show(ui, state, self.map.picture.as_ref(), rest);
+        });
+    }
+
+    fn act(&mut self, ctx: &Context, action: Action) {
+        let state = &mut self.state;
+        match action {
+            Action::SetTarget(u0) => state.set_target(u0),
+            Action::Step(increments) => state.step(increments),
+            Action::Increment => state.increment(),
+            Action::Reverse => state.reverse(),
+            Action::Play(sweep) => state.play(sweep),
+            Action::TogglePlay => state.toggle_play(),
+            Action::Pause(paused) => state.pause(paused),
+            Action::Stop => state.stop(),
+            Action::Reset => state.reset(),
+            Action::EditScene(scene) => state.edit_scene(*scene),
+            Action::SetMethod(method) => state.set_method(method),
+            Action::SetFollows(follows) => state.follows = follows,
+            Action::LoadPreset(index) => self.load_preset(index),
+            Action::Undo => state.travel(true),
+            Action::Redo => state.travel(false),
+            Action::AskFile(task) => self.dialogs.ask(task),
+            Action::UsePath(path) => self.use_path(&path),
+            Action::CloseDialog => self.dialogs.close(),
+            Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
+            Action::ToggleTheme => {
+                let dark = ctx.theme() == egui::Theme::Dark;
+                ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+            Action::Fit(to_data) => state.fit_axes(to_data),
+            Action::SetView(view) => state.view = view,
+            Action::DismissFailure => state.failure = None,
+            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+        }
+    }
+
+    fn load_preset(&mut self, index: usize) {
+        let Some(preset) = presets::all().get(index) else { return };
+        match scene_file::parse(preset.text, preset.name) {
+            Ok(scene) => self.state.open_scene(scene),
+            Err(failure) => self.fail(&failure, "This preset is broken; choose another one."),
+        }
+    }
+
+    /// Does what the open dialog was opened for. It stays open if that fails, so that the path can be mended.
+    fn use_path(&mut self, path: &Path) {
+        let Some(task) = self.dialogs.task() else { return };
+        let state = &self.state;
+        let done = match task {
+            FileTask::OpenScene => scene_file::load(path).map(|scene| self.state.open_scene(scene)),
+            FileTask::SaveScene => scene_file::save(path, &state.scene),
+            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
+            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
+            FileTask::ExportLoopPng => picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title),
+            FileTask::ExportGapPng => match &state.frame {
+                Some(frame) => picture::write_gap_png(path, &frame.gap),
+                None => return,
+            },
+        };
+        match done {
+            Ok(()) => {
+                self.dialogs.close();
+                self.state.failure = None;
+                let word = if task == FileTask::OpenScene { "opened" } else { "written" };
+                self.state.notice = Some(format!("{} {word}", path.display()));
+            }
+            Err(failure) => self.fail(&failure, "Choose another path, or mend the file."),
+        }
+    }
+
+    fn fail(&mut self, failure: &storage::Failure, remedy: &str) {
+        self.state.failure = Some(Failure { message: failure.to_string(), remedy: remedy.to_owned() });
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.solver.send(Command::Quit);
+    }
+}

@@ -1,0 +1,235 @@
+//! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
+
+use super::action::Action;
+use super::law_picker;
+use super::mu_rho_slider;
+use super::scene_edit::{self, Follows};
+use super::u0_slider;
+use super::view_state::ViewState;
+use crate::experiment::record::Branch;
+use crate::experiment::scene::{Points, Scene, Turn};
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Shape;
+use crate::solver::method::MethodKind;
+use egui::{ComboBox, DragValue, Response, RichText, Ui};
+use std::ops::RangeInclusive;
+
+/// The panel's contents; it scrolls where the window is low.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        heading(ui, "Mean displacement u₀");
+        displacement(ui, state, actions);
+        ui.separator();
+        mesh_number(ui, state, actions);
+        ui.separator();
+        heading(ui, "Cohesive law");
+        law_picker::show(ui, state, actions);
+        ui.separator();
+        heading(ui, "Cell");
+        cell(ui, state, actions);
+        ui.separator();
+        egui::CollapsingHeader::new("Advanced").id_salt("advanced").show(ui, |ui| advanced(ui, state, actions));
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).strong());
+}
+
+/// A value with a name, typed or dragged; what is typed is taken exactly.
+fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
+    let mut edited = value;
+    let mut changed = false;
+    let speed = (value.abs() * 0.005).max(1e-4);
+    ui.horizontal(|ui| {
+        let label = ui.label(name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let drag = DragValue::new(&mut edited).range(range).speed(speed).max_decimals(6).update_while_editing(false);
+            let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
+            changed = ui.add(drag).labelled_by(label.id).changed();
+        });
+    });
+    (changed && edited != value).then_some(edited)
+}
+
+fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let rho = state.rho();
+    ui.horizontal_top(|ui| {
+        let tall = ui.ctx().content_rect().height() > 740.0;
+        u0_slider::show(ui, state, actions, if tall { 236.0 } else { 180.0 });
+        ui.vertical(|ui| {
+            ui.set_width(ui.available_width().min(130.0));
+            let label = ui.label("Target");
+            let mut target = state.target / rho;
+            let range = state.limits.0 / rho..=state.limits.1 / rho;
+            let drag = DragValue::new(&mut target).range(range).clamp_existing_to_range(false).speed(0.01).max_decimals(6);
+            if ui.add(drag.update_while_editing(false).suffix(" ρ")).labelled_by(label.id).changed() {
+                actions.push(Action::SetTarget(target * rho));
+            }
+            ui.add_space(4.0);
+            ui.label("Actual");
+            ui.label(RichText::new(format!("{:.4} ρ", state.actual / rho)).heading().strong());
+            let (arrow, word) = match state.branch {
+                Branch::Approach => ("▼", "approach"),
+                Branch::Retraction => ("▲", "retraction"),
+            };
+            ui.label(format!("{arrow} {word}"));
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                if named(ui.button("−"), "step down").on_hover_text("one increment down (←)").clicked() {
+                    actions.push(Action::Step(-1.0));
+                }
+                if named(ui.button("+"), "step up").on_hover_text("one increment up (→)").clicked() {
+                    actions.push(Action::Step(1.0));
+                }
+            });
+            ui.small("Shift: fine");
+        });
+    });
+}
+
+/// Gives a widget a name that says more than its face.
+pub fn named(response: Response, name: &str) -> Response {
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, response.enabled(), name));
+    response
+}
+
+fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new("Mesh number μᵨ").strong());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let mut mu = state.model.mu_rho;
+            let range = scene_edit::MU_RHO.0..=scene_edit::MU_RHO.1;
+            let drag = DragValue::new(&mut mu).range(range).clamp_existing_to_range(false).speed(0.002).max_decimals(4);
+            if ui.add(drag.update_while_editing(false)).labelled_by(label.id).changed() {
+                actions.push(Action::EditScene(Box::new(scene_edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
+            }
+        });
+    });
+    mu_rho_slider::show(ui, state, actions);
+    if state.model.mu_rho > 0.5 {
+        let warn = super::theme::palette(ui.visuals().dark_mode).warn;
+        ui.colored_label(warn, "Above 0.5 the mesh lies: jumps are too late.");
+    }
+    ui.horizontal(|ui| {
+        ui.label("What follows:");
+        for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
+            if ui.radio(state.follows == follows, word).clicked() {
+                actions.push(Action::SetFollows(follows));
+            }
+        }
+    });
+}
+
+fn edit(actions: &mut Vec<Action>, scene: Scene) {
+    actions.push(Action::EditScene(Box::new(scene)));
+}
+
+fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let rho = state.rho();
+    if let Some(ratio) = number(ui, "Length L", model.grid.length / rho, 1.0..=65536.0, "ρ") {
+        edit(actions, scene_edit::with_length(scene, model, ratio * rho));
+    }
+    let line = model.grid.is_line();
+    ui.horizontal(|ui| {
+        let label = ui.label("Points n");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let most = if line { 4096 } else { 256 };
+            let text =
+                if scene.cell.points == Points::Auto { format!("auto ({})", model.grid.nx) } else { model.grid.nx.to_string() };
+            let combo = ComboBox::from_id_salt("points").width(84.0).selected_text(text).show_ui(ui, |ui| {
+                if !line
+                    && matches!(scene.law.range, crate::experiment::scene::Range::Length(_))
+                    && ui.selectable_label(scene.cell.points == Points::Auto, "auto").clicked()
+                {
+                    edit(actions, scene_edit::with_points(scene, model, Points::Auto));
+                }
+                for n in [16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096].into_iter().filter(|&n| n <= most) {
+                    if ui.selectable_label(model.grid.nx == n, n.to_string()).clicked() {
+                        let points = if line { Points::Line(n) } else { Points::Square(n) };
+                        edit(actions, scene_edit::with_points(scene, model, points));
+                    }
+                }
+            });
+            combo.response.labelled_by(label.id);
+        });
+    });
+    let mut checked = line;
+    if ui.checkbox(&mut checked, "Line cell (uniform along y)").changed() {
+        let n = model.grid.nx;
+        let points = if checked { Points::Line(n) } else { Points::Square(n.min(256)) };
+        edit(actions, scene_edit::with_points(scene, model, points));
+    }
+}
+
+fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let rho = state.rho();
+    if let Some(value) = number(ui, "Surface energy γ", scene.law.surface_energy, 1e-6..=1e6, "") {
+        edit(actions, scene_edit::with_surface_energy(scene, model, value));
+    }
+    if let Some(value) = number(ui, "Range ρ", rho, 1e-6..=1e6, "") {
+        edit(actions, scene_edit::with_range(scene, model, value));
+    }
+    law_parameters(ui, state, actions);
+    if let Some(value) = number(ui, "Start of u₀", scene.drive.start / rho, -1e4..=1e4, "ρ") {
+        let mut scene = (**scene).clone();
+        scene.drive.start = value * rho;
+        edit(actions, scene);
+    }
+    if let Turn::At(turn) = scene.drive.turn
+        && let Some(value) = number(ui, "Turn of u₀", turn / rho, -1e4..=1e4, "ρ")
+    {
+        let mut scene = (**scene).clone();
+        scene.drive.turn = Turn::At(value * rho);
+        edit(actions, scene);
+    }
+    if let Some(value) = number(ui, "Step of u₀", scene.drive.step / rho, 1e-5..=10.0, "ρ") {
+        let mut scene = (**scene).clone();
+        scene.drive.step = value * rho;
+        edit(actions, scene);
+    }
+    if let Indenter::Hertz { radius } = scene.indenter
+        && let Some(value) = number(ui, "Tip radius R", radius / rho, 1e-3..=1e7, "ρ")
+    {
+        let mut scene = (**scene).clone();
+        scene.indenter = Indenter::Hertz { radius: value * rho };
+        edit(actions, scene);
+    }
+    if let Some(value) = number(ui, "Accuracy", scene.accuracy, 1e-6..=0.99, "") {
+        let mut scene = (**scene).clone();
+        scene.accuracy = value;
+        edit(actions, scene);
+    }
+    if let Some(value) = number(ui, "Seed", scene.seed as f64, 0.0..=9e15, "") {
+        let mut scene = (**scene).clone();
+        scene.seed = value.round() as u64;
+        edit(actions, scene);
+    }
+    ui.label("Method");
+    for (method, word) in [(MethodKind::NewtonKrylov, "Newton-Krylov"), (MethodKind::Gfmd, "GFMD, as in the paper")] {
+        if ui.radio(state.method == method, word).clicked() {
+            actions.push(Action::SetMethod(method));
+        }
+    }
+}
+
+/// What only the present law has.
+fn law_parameters(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let mut shape = state.scene.law.shape;
+    match &mut shape {
+        Shape::Mie(mie) => {
+            mie.m = number(ui, "Mie exponent m", mie.m, mie.n + 0.1..=100.0, "").unwrap_or(mie.m);
+            mie.n = number(ui, "Mie exponent n", mie.n, 0.1..=mie.m - 0.1, "").unwrap_or(mie.n);
+        }
+        Shape::Cosine(cosine) => {
+            ui.checkbox(&mut cosine.smooth, "Smooth at contact (C2)");
+        }
+        Shape::DoubleExponential(law) => law.ratio = number(ui, "Ratio of ranges", law.ratio, 0.01..=0.99, "").unwrap_or(law.ratio),
+        Shape::Morse(_) => {}
+    }
+    if shape != state.scene.law.shape {
+        edit(actions, scene_edit::with_shape(&state.scene, &state.model, shape));
+    }
+}

@@ -1,0 +1,194 @@
+//! Dialogs: a file by the desktop's chooser or by its typed path, and the sheet of keys. Nothing here waits.
+
+use super::action::{Action, FileTask};
+use super::keys;
+use egui::{Align2, Context, RichText, Ui, Window};
+use std::path::PathBuf;
+use std::pin::Pin;
+use std::task::{Poll, Waker};
+use std::time::Duration;
+
+/// What a file chooser promises: a path, or nothing.
+pub type PathFuture = Pin<Box<dyn Future<Output = Option<PathBuf>>>>;
+
+/// What is asked of a file chooser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileRequest {
+    /// What the file is for.
+    pub task: FileTask,
+}
+
+/// How often an open desktop chooser is asked for its answer.
+const ASK_AGAIN: Duration = Duration::from_millis(100);
+
+/// The dialogs.
+pub struct Dialogs {
+    chooser: Box<dyn FnMut(FileRequest) -> PathFuture>,
+    file: Option<FileDialog>,
+    /// True while the sheet of keys is shown.
+    pub help: bool,
+}
+
+struct FileDialog {
+    task: FileTask,
+    path: String,
+    note: Option<&'static str>,
+    pending: Option<PathFuture>,
+    fresh: bool,
+}
+
+impl Dialogs {
+    /// Dialogs that ask `chooser` for files.
+    pub fn new(chooser: impl FnMut(FileRequest) -> PathFuture + 'static) -> Self {
+        Self { chooser: Box::new(chooser), file: None, help: false }
+    }
+
+    /// True while one is open.
+    pub fn is_open(&self) -> bool {
+        self.file.is_some() || self.help
+    }
+
+    /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to decide first.
+    pub fn ask(&mut self, task: FileTask) {
+        let pending = task.variants().is_empty().then(|| (self.chooser)(FileRequest { task }));
+        self.file = Some(FileDialog { task, path: task.file_name().to_owned(), note: None, pending, fresh: true });
+    }
+
+    /// What the open file dialog is for.
+    pub fn task(&self) -> Option<FileTask> {
+        self.file.as_ref().map(|file| file.task)
+    }
+
+    /// Closes everything.
+    pub fn close(&mut self) {
+        self.file = None;
+        self.help = false;
+    }
+
+    /// Draws what is open and asks the desktop's chooser for its answer.
+    pub fn show(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+        if self.help {
+            help(ctx, actions);
+        }
+        let Self { chooser, file: Some(file), .. } = self else { return };
+        file.poll(ctx, actions);
+        let mut open = true;
+        Window::new(file.task.title())
+            .collapsible(false)
+            .resizable(false)
+            .open(&mut open)
+            .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+            .show(ctx, |ui| {
+                if let Some(task) = file.body(ui, actions) {
+                    file.note = None;
+                    file.pending = Some(chooser(FileRequest { task }));
+                }
+            });
+        if !open {
+            actions.push(Action::CloseDialog);
+        }
+    }
+}
+
+impl FileDialog {
+    fn poll(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+        let Some(pending) = &mut self.pending else { return };
+        match pending.as_mut().poll(&mut std::task::Context::from_waker(Waker::noop())) {
+            Poll::Pending => ctx.request_repaint_after(ASK_AGAIN),
+            Poll::Ready(Some(path)) => {
+                self.pending = None;
+                actions.push(Action::UsePath(path));
+            }
+            Poll::Ready(None) => {
+                self.pending = None;
+                // A desktop without a portal answers like a cancel, after a moment.
+                self.note = Some("No file was chosen, or this desktop has no file chooser. Type the path here.");
+            }
+        }
+    }
+
+    /// The contents; returns the task if the desktop's chooser shall be opened.
+    fn body(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<FileTask> {
+        ui.set_width(430.0);
+        if !self.task.variants().is_empty() {
+            ui.horizontal(|ui| {
+                for &(task, word) in self.task.variants() {
+                    if ui.radio(self.task == task, word).clicked() {
+                        self.task = task;
+                        self.path = task.file_name().to_owned();
+                    }
+                }
+            });
+        }
+        let label = ui.label("Path");
+        let field = ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY)).labelled_by(label.id);
+        if std::mem::take(&mut self.fresh) {
+            field.request_focus();
+        }
+        let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        if let Some(note) = self.note {
+            ui.label(RichText::new(note).weak());
+        } else if self.pending.is_some() {
+            ui.label(RichText::new("The desktop's file chooser is open; a path typed here does as well.").weak());
+        }
+        let mut browse = None;
+        ui.horizontal(|ui| {
+            let word = if self.task == FileTask::OpenScene { "Open" } else { "Write" };
+            if (ui.add_enabled(!self.path.trim().is_empty(), egui::Button::new(word)).clicked() || entered)
+                && !self.path.trim().is_empty()
+            {
+                actions.push(Action::UsePath(PathBuf::from(self.path.trim())));
+            }
+            if ui.add_enabled(self.pending.is_none(), egui::Button::new("Browse…")).clicked() {
+                browse = Some(self.task);
+            }
+            if ui.button("Cancel").clicked() {
+                actions.push(Action::CloseDialog);
+            }
+        });
+        browse
+    }
+}
+
+/// The desktop's own file chooser (rfd), which runs elsewhere while the window goes on drawing.
+pub fn desktop_chooser(request: FileRequest) -> PathFuture {
+    let task = request.task;
+    let (kind, extension) = match task {
+        FileTask::OpenScene | FileTask::SaveScene => ("Scene", "toml"),
+        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => ("CSV", "csv"),
+        FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", "png"),
+    };
+    let dialog = rfd::AsyncFileDialog::new().set_title(task.title()).add_filter(kind, &[extension]);
+    Box::pin(async move {
+        let file = if task == FileTask::OpenScene {
+            dialog.pick_file().await
+        } else {
+            dialog.set_file_name(task.file_name()).save_file().await
+        };
+        file.map(|file| file.path().to_path_buf())
+    })
+}
+
+fn help(ctx: &Context, actions: &mut Vec<Action>) {
+    let mut open = true;
+    Window::new("Keys and marks")
+        .collapsible(false)
+        .resizable(false)
+        .open(&mut open)
+        .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ctx, |ui| {
+            egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+                for (key, what) in keys::SHEET {
+                    ui.label(RichText::new(key).strong());
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
+            ui.separator();
+            ui.label("u₀ is the mean displacement: down is closer. ◀ approach, ▶ retraction, arrows are jumps.");
+            ui.label("Stress counts positive where the surfaces pull at each other. Dark on the map is contact.");
+        });
+    if !open {
+        actions.push(Action::ToggleHelp);
+    }
+}

@@ -1,0 +1,54 @@
+//! The list of jumps, newest first. `announced` is the jump last read aloud.
+
+use super::theme;
+use super::view_state::ViewState;
+use crate::experiment::record::Branch;
+use egui::{RichText, ScrollArea, Ui};
+
+/// Most rows that are laid out.
+const ROWS: usize = 200;
+
+/// Heading and table.
+pub fn show(ui: &mut Ui, state: &ViewState, announced: &str) {
+    let jumps = &state.record.jumps;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Events").heading().strong());
+        let sum = ui.label(
+            RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
+        );
+        // Invisible, only read aloud: the last jump, not more often than the ear can follow.
+        ui.ctx().accesskit_node_builder(sum.id, |node| {
+            node.set_live(egui::accesskit::Live::Polite);
+            node.set_description(announced.to_owned());
+        });
+    });
+    if jumps.is_empty() {
+        ui.label(RichText::new("No jump yet.").weak());
+        return;
+    }
+    let palette = theme::palette(ui.visuals().dark_mode);
+    ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
+        egui::Grid::new("events").striped(true).num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
+            for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
+                ui.label(RichText::new(title).small().weak());
+            }
+            ui.end_row();
+            for jump in jumps.iter().rev().take(ROWS) {
+                let (mark, colour) = match jump.branch {
+                    Branch::Approach => ("◀", palette.approach),
+                    Branch::Retraction => ("▶", palette.retraction),
+                };
+                ui.label(RichText::new(mark).color(colour)).on_hover_text(jump.branch.to_string());
+                ui.label(format!("{:.3}", jump.mean_displacement / state.rho()));
+                ui.label(format!("{} → {}", jump.from, jump.to)).on_hover_text(state.say_jump(jump));
+                ui.label(format!("{:.4}", jump.released_energy));
+                ui.label(RichText::new(jump.cause.to_string()).small());
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn counted(jumps: usize) -> String {
+    if jumps == 1 { "1 jump".to_owned() } else { format!("{jumps} jumps") }
+}

@@ -1,0 +1,244 @@
+//! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
+
+use super::action::{Action, ProfileLine, ViewOptions};
+use super::gap_picture::{GapPicture, colour};
+use super::scene_edit;
+use super::theme;
+use super::view_state::ViewState;
+use crate::physics::indenter::Indenter;
+use crate::worker::protocol::Frame;
+use egui::{
+    Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+};
+use std::sync::Arc;
+
+/// Width of the colour bar with its numbers.
+const BAR: f32 = 64.0;
+
+/// The texture and what it was made from, so that nothing is made twice.
+#[derive(Default)]
+pub struct MapCache {
+    made_from: Option<(Arc<Frame>, bool, bool, f64)>,
+    texture: Option<TextureHandle>,
+    /// The field as drawn.
+    pub picture: Option<GapPicture>,
+}
+
+impl MapCache {
+    /// Brings texture and picture up to date with the newest frame.
+    pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
+        let Some(frame) = &state.frame else {
+            self.picture = None;
+            self.made_from = None;
+            return;
+        };
+        let centred = state.view.centred && state.model.indenter == Indenter::Flat;
+        let top = scene_edit::gap_scale(&state.scene, &state.model);
+        let fresh = self
+            .made_from
+            .as_ref()
+            .is_some_and(|(f, c, s, t)| Arc::ptr_eq(f, frame) && (*c, *s, *t) == (centred, state.view.smooth, top));
+        if fresh {
+            return;
+        }
+        let picture = GapPicture::new(&frame.gap, state.model.law.contact_gap(), centred);
+        let options = if state.view.smooth { TextureOptions::LINEAR } else { TextureOptions::NEAREST };
+        let image = picture.image(top);
+        match &mut self.texture {
+            Some(texture) => texture.set(image, options),
+            None => self.texture = Some(ctx.load_texture("gap", image, options)),
+        }
+        self.picture = Some(picture);
+        self.made_from = Some((frame.clone(), centred, state.view.smooth, top));
+    }
+}
+
+/// The map, at most as high as `height`, with its options above and its reading below.
+pub fn show(ui: &mut Ui, state: &ViewState, cache: &MapCache, actions: &mut Vec<Action>, height: f32) {
+    options(ui, state, actions);
+    let width = ui.available_width();
+    let side = (height - 58.0).min(width - BAR).max(80.0);
+    let (_, area) = ui.allocate_space(vec2(width, side));
+    let left = area.left() + ((width - side - BAR) / 2.0).max(0.0);
+    let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
+    let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
+    let sentence = sentence(state, cache);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+
+    let band = band(map, state);
+    if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
+        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+        ui.painter().image(texture.id(), band, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        contour(ui, picture, band);
+        profile_line(ui, state, picture, band);
+    } else {
+        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+        ui.painter().text(
+            map.center(),
+            Align2::CENTER_CENTER,
+            "waiting for the first picture …",
+            theme::small(),
+            ui.visuals().weak_text_color(),
+        );
+    }
+    ui.painter().rect_stroke(map, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
+    colour_bar(ui, state, cache, map);
+    overlays(ui, state, map);
+    drag(ui, state, &response, band, actions);
+    let reading = response.hover_pos().and_then(|at| reading(state, cache, band, at));
+    let resting =
+        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click to free it.".to_owned();
+    ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
+}
+
+fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let before = state.view;
+    let mut view: ViewOptions = before;
+    ui.horizontal(|ui| {
+        if ui.available_width() > 310.0 {
+            ui.label(egui::RichText::new("Gap map").heading().strong());
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.checkbox(&mut view.smooth, "Smooth");
+            if state.model.indenter == Indenter::Flat {
+                ui.checkbox(&mut view.centred, "Centre the pattern");
+            }
+        });
+    });
+    if view != before {
+        actions.push(Action::SetView(view));
+    }
+}
+
+/// Where the field is drawn: the whole map, or a band for a line cell.
+fn band(map: Rect, state: &ViewState) -> Rect {
+    let line = state.frame.as_ref().is_some_and(|frame| frame.gap.nrows() == 1);
+    if line { Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3)) } else { map }
+}
+
+fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
+    let (ny, nx) = picture.gap.dim();
+    pos2(band.left() + at[0] / nx as f32 * band.width(), band.bottom() - at[1] / ny as f32 * band.height())
+}
+
+fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
+    let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
+    for [a, b] in &picture.contour {
+        painter.line_segment([to_screen(picture, band, *a), to_screen(picture, band, *b)], Stroke::new(1.6, Color32::WHITE));
+    }
+}
+
+/// The line of the profile: (along x, index of row or column).
+pub fn cut(view: &ViewOptions, picture: &GapPicture) -> (bool, usize) {
+    let (ny, nx) = picture.gap.dim();
+    let index = |share: f64, n: usize| ((share * n as f64) as usize).min(n - 1);
+    match view.profile {
+        _ if ny == 1 => (true, 0),
+        ProfileLine::Auto => {
+            let (row, column, along_x) = picture.lowest();
+            (along_x, if along_x { row } else { column })
+        }
+        ProfileLine::AlongX(share) => (true, index(share, ny)),
+        ProfileLine::AlongY(share) => (false, index(share, nx)),
+    }
+}
+
+fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
+    let (along_x, index) = cut(&state.view, picture);
+    let (ny, nx) = picture.gap.dim();
+    if ny == 1 {
+        return;
+    }
+    let at = index as f32 + 0.5;
+    let ends = if along_x { [[0.0, at], [nx as f32, at]] } else { [[at, 0.0], [at, ny as f32]] };
+    let ends = ends.map(|p| to_screen(picture, band, p));
+    let colour = theme::palette(true).retraction;
+    ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(3.0, Color32::from_black_alpha(120)), 7.0, 5.0));
+    ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(1.5, colour), 7.0, 5.0));
+}
+
+fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
+    let bar = Rect::from_min_max(pos2(map.right() + 10.0, map.top() + 16.0), pos2(map.right() + 22.0, map.bottom() - 2.0));
+    let rho = state.rho();
+    let top = scene_edit::gap_scale(&state.scene, &state.model) / rho;
+    let steps = 64;
+    for i in 0..steps {
+        let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);
+        let stripe = Rect::from_x_y_ranges(bar.x_range(), bar.bottom() - b * bar.height() - 0.5..=bar.bottom() - a * bar.height());
+        ui.painter().rect_filled(stripe, 0.0, colour(f64::from(0.5 * (a + b))));
+    }
+    let text = ui.visuals().text_color();
+    ui.painter().text(pos2(bar.left() - 2.0, map.top()), Align2::LEFT_TOP, "gap / ρ", theme::small(), text);
+    let spacing = scene_edit::tick_spacing(top, 8.0);
+    let mut value = 0.0;
+    while value <= top * 1.001 {
+        let y = bar.bottom() - (value / top) as f32 * bar.height();
+        ui.painter().hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
+        let above = value + spacing > top * 1.001 && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
+        let label = if above { format!("≥{}", scene_edit::tick_words(value)) } else { scene_edit::tick_words(value) };
+        ui.painter().text(pos2(bar.right() + 7.0, y), Align2::LEFT_CENTER, label, theme::small(), text);
+        value += spacing;
+    }
+    let contact = bar.bottom() - (state.model.law.contact_gap() / rho / top) as f32 * bar.height();
+    ui.painter().hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
+}
+
+/// The hint before the first jump, and the word "jumping" while the surface is no equilibrium.
+fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
+    let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
+    let word = if relaxing {
+        "jumping … (no equilibrium)"
+    } else if state.hint {
+        "Drag down slowly. Something will snap."
+    } else {
+        return;
+    };
+    let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
+    let galley = ui.painter().layout_no_wrap(word.to_owned(), egui::FontId::proportional(size), Color32::WHITE);
+    let centre = pos2(map.center().x, map.top() + 30.0);
+    let area = Rect::from_center_size(centre, galley.size() + vec2(24.0, 12.0));
+    ui.painter().rect_filled(area, 8.0, Color32::from_black_alpha(170));
+    ui.painter().galley(area.center() - galley.size() / 2.0, galley, Color32::WHITE);
+}
+
+fn drag(ui: &Ui, state: &ViewState, response: &egui::Response, band: Rect, actions: &mut Vec<Action>) {
+    let mut view = state.view;
+    if response.double_clicked() {
+        view.profile = ProfileLine::Auto;
+    } else if response.dragged()
+        && let Some(at) = response.interact_pointer_pos()
+    {
+        let x = f64::from((at.x - band.left()) / band.width()).clamp(0.0, 1.0);
+        let y = f64::from((band.bottom() - at.y) / band.height()).clamp(0.0, 1.0);
+        let upright = ui.input(|i| i.modifiers.shift);
+        view.profile = if upright { ProfileLine::AlongY(x) } else { ProfileLine::AlongX(y) };
+    }
+    if view != state.view {
+        actions.push(Action::SetView(view));
+    }
+}
+
+fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<String> {
+    let picture = cache.picture.as_ref().filter(|_| band.contains(at))?;
+    let (ny, nx) = picture.gap.dim();
+    let (x, y) = ((at.x - band.left()) / band.width(), (band.bottom() - at.y) / band.height());
+    let index = |share: f32, n: usize| ((share * n as f32) as usize).min(n - 1);
+    let gap = picture.gap[(index(y, ny), index(x, nx))];
+    let (rho, length) = (state.rho(), state.model.grid.length);
+    let traction = state.model.law.at(gap).traction / state.model.law.traction_max();
+    let force = if traction >= 0.0 { "pulls" } else { "pushes" };
+    Some(format!(
+        "x {:.1} ρ   y {:.1} ρ   gap {:.3} ρ   stress {:.3} σₘₐₓ ({force})",
+        f64::from(x) * length / rho,
+        f64::from(y) * length / rho,
+        gap / rho,
+        traction
+    ))
+}
+
+/// The map in one sentence.
+fn sentence(state: &ViewState, cache: &MapCache) -> String {
+    let Some(picture) = &cache.picture else { return "Gap map: no picture yet".to_owned() };
+    let pattern = state.state.as_ref().map_or("at rest", |s| s.pattern.word());
+    format!("Gap map: {pattern}, gap from {:.3} to {:.3} rho", picture.min / state.rho(), picture.max / state.rho())
+}

@@ -1,0 +1,169 @@
+//! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured, with its contact line. No egui widgets.
+
+use egui::{Color32, ColorImage};
+use ndarray::Array2;
+use std::f64::consts::TAU;
+
+/// A field as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GapPicture {
+    /// The gap, rolled; row 0 is at the bottom.
+    pub gap: Array2<f64>,
+    /// Smallest gap.
+    pub min: f64,
+    /// Largest gap.
+    pub max: f64,
+    /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's square.
+    pub contour: Vec<[[f32; 2]; 2]>,
+}
+
+impl GapPicture {
+    /// Prepares a field. `contact_gap` is the level of the contact line.
+    pub fn new(gap: &Array2<f64>, contact_gap: f64, centred: bool) -> Self {
+        let (dy, dx) = if centred { shift_to_middle(gap, contact_gap) } else { (0, 0) };
+        let gap = rolled(gap, dy, dx);
+        let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
+        let contour = contour(&gap, contact_gap);
+        Self { gap, min, max, contour }
+    }
+
+    /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
+    pub fn image(&self, top: f64) -> ColorImage {
+        let (ny, nx) = self.gap.dim();
+        let table: Vec<Color32> = (0..256).map(|i| colour(f64::from(i) / 255.0)).collect();
+        let pixels = (0..ny)
+            .rev()
+            .flat_map(|j| (0..nx).map(move |i| (j, i)))
+            .map(|at| table[(self.gap[at] / top * 255.0).clamp(0.0, 255.0) as usize])
+            .collect();
+        ColorImage::new([nx, ny], pixels)
+    }
+
+    /// Row of the smallest gap, and whether the gap varies more along x (true) than along y.
+    pub fn lowest(&self) -> (usize, usize, bool) {
+        let (ny, nx) = self.gap.dim();
+        let mut low = (ny / 2, nx / 2);
+        // The middle wins where it is as low as anything: a ridge is then cut in its middle.
+        for (at, &g) in self.gap.indexed_iter() {
+            if g < self.gap[low] - 1e-3 * (self.max - self.min) {
+                low = at;
+            }
+        }
+        let spread = |line: ndarray::ArrayView1<'_, f64>| {
+            line.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - line.iter().fold(f64::INFINITY, |a, &b| a.min(b))
+        };
+        let along_x = spread(self.gap.row(low.0)) >= 0.999 * spread(self.gap.column(low.1));
+        (low.0, low.1, along_x || ny == 1)
+    }
+}
+
+/// The colour of a share 0 (contact) to 1 of the scale.
+pub fn colour(share: f64) -> Color32 {
+    let c = colorous::VIRIDIS.eval_continuous(share);
+    Color32::from_rgb(c.r, c.g, c.b)
+}
+
+/// The roll (rows, columns) that brings the island (contact or its hole, whichever is smaller) to the middle: the phase of the first harmonic.
+fn shift_to_middle(gap: &Array2<f64>, contact_gap: f64) -> (usize, usize) {
+    let (ny, nx) = gap.dim();
+    let touching = gap.iter().filter(|&&g| g < contact_gap).count();
+    let sign = if 2 * touching > gap.len() { 1.0 } else { -1.0 };
+    let row_means = gap.rows().into_iter().map(|r| r.sum()).collect::<Vec<_>>();
+    let column_means = gap.columns().into_iter().map(|c| c.sum()).collect::<Vec<_>>();
+    let scale = gap.iter().map(|g| g.abs()).sum::<f64>();
+    let shift = |sums: &[f64], n: usize| {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (k, s) in sums.iter().enumerate() {
+            let phase = TAU * k as f64 / n as f64;
+            re += sign * s * phase.cos();
+            im += sign * s * phase.sin();
+        }
+        if n < 2 || re.hypot(im) < 1e-3 * scale {
+            return 0;
+        }
+        let peak = im.atan2(re).rem_euclid(TAU) / TAU * n as f64;
+        (n as f64 / 2.0 - peak).round().rem_euclid(n as f64) as usize % n
+    };
+    (shift(&row_means, ny), shift(&column_means, nx))
+}
+
+fn rolled(gap: &Array2<f64>, dy: usize, dx: usize) -> Array2<f64> {
+    let (ny, nx) = gap.dim();
+    if (dy, dx) == (0, 0) {
+        return gap.clone();
+    }
+    Array2::from_shape_fn((ny, nx), |(j, i)| gap[((j + ny - dy) % ny, (i + nx - dx) % nx)])
+}
+
+/// Marching squares between the mesh points.
+fn contour(gap: &Array2<f64>, level: f64) -> Vec<[[f32; 2]; 2]> {
+    let (ny, nx) = gap.dim();
+    let mut segments = Vec::new();
+    for j in 0..ny.saturating_sub(1) {
+        for i in 0..nx - 1 {
+            let corners = [gap[(j, i)], gap[(j, i + 1)], gap[(j + 1, i + 1)], gap[(j + 1, i)]];
+            let below = corners.map(|g| g < level);
+            if below.iter().all(|&b| b) || below.iter().all(|&b| !b) {
+                continue;
+            }
+            let at = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let mut cuts: Vec<[f32; 2]> = Vec::with_capacity(4);
+            for k in 0..4 {
+                let m = (k + 1) % 4;
+                if below[k] != below[m] {
+                    let t = (level - corners[k]) / (corners[m] - corners[k]);
+                    let x = i as f64 + 0.5 + at[k][0] + t * (at[m][0] - at[k][0]);
+                    let y = j as f64 + 0.5 + at[k][1] + t * (at[m][1] - at[k][1]);
+                    cuts.push([x as f32, y as f32]);
+                }
+            }
+            segments.extend(cuts.chunks_exact(2).map(|c| [c[0], c[1]]));
+        }
+    }
+    segments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn island(ny: usize, nx: usize, cy: f64, cx: f64) -> Array2<f64> {
+        Array2::from_shape_fn((ny, nx), |(j, i)| {
+            4.0 - (TAU * (j as f64 - cy) / ny as f64).cos() - (TAU * (i as f64 - cx) / nx as f64).cos()
+        })
+    }
+
+    #[test]
+    fn an_island_is_rolled_to_the_middle() {
+        let picture = GapPicture::new(&island(32, 32, 3.0, 29.0), 2.5, true);
+        assert_eq!(picture.lowest().0, 16);
+        assert_eq!(picture.gap[(16, 16)], picture.min);
+    }
+
+    #[test]
+    fn a_flat_field_stays_where_it_is_and_has_no_contact_line() {
+        let picture = GapPicture::new(&Array2::from_elem((8, 8), 3.0), 0.7, true);
+        assert_eq!((picture.min, picture.max, picture.contour.len()), (3.0, 3.0, 0));
+    }
+
+    #[test]
+    fn the_contact_line_of_an_island_is_a_closed_ring_of_its_radius() {
+        let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, false);
+        assert!(picture.contour.len() > 20);
+        let radius = |p: [f32; 2]| f64::from((p[0] - 32.5).hypot(p[1] - 32.5));
+        let expected = (0.85f64).acos() / TAU * 64.0 * (2.0f64).sqrt();
+        for segment in &picture.contour {
+            for p in segment {
+                assert!((radius(*p) / expected - 1.0).abs() < 0.1, "{} {expected}", radius(*p));
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_cell_is_rolled_too_and_cut_along_x() {
+        let field = Array2::from_shape_fn((1, 32), |(_, i)| 3.0 - (TAU * (i as f64 - 5.0) / 32.0).cos());
+        let picture = GapPicture::new(&field, 1.0, true);
+        assert_eq!(picture.gap[(0, 16)], picture.min);
+        assert!(picture.lowest().2);
+    }
+}

@@ -1,0 +1,91 @@
+//! The keys. They do not fire while something is being typed, nor take the arrows away from a focused widget other than the u0 slider.
+
+use super::action::{Action, FileTask};
+use super::u0_slider;
+use super::view_state::ViewState;
+use crate::storage::presets;
+use egui::{Context, Event, Key, Modifiers};
+
+/// The sheet of keys: key, what it does.
+pub const SHEET: [(&str, &str); 15] = [
+    ("← →", "one step of u₀ down, up (with Shift a tenth)"),
+    ("PgDn PgUp", "ten steps down, up"),
+    ("Home End", "start, turning point"),
+    ("Space", "play, pause"),
+    (".", "one increment onwards"),
+    ("R", "reverse"),
+    ("Esc", "stop; close a dialog"),
+    ("1 … 9", "presets"),
+    ("S", "export a picture"),
+    ("Ctrl+O Ctrl+S", "open, save a scene"),
+    ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
+    ("Ctrl+Q", "quit"),
+    ("Tab", "from control to control"),
+    ("Shift while dragging", "fine u₀; upright profile line on the map"),
+    ("?", "this sheet"),
+];
+
+/// Coarse steps of PgUp and PgDn, in increments.
+const COARSE: f64 = 10.0;
+
+/// Turns this frame's key presses into actions. `dialog_open` leaves only what concerns the dialog.
+pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mut Vec<Action>) {
+    let focused = ctx.memory(|memory| memory.focused());
+    let free = focused.is_none() || focused == Some(u0_slider::id());
+    let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
+        let pressed = |event: &Event| match event {
+            Event::Key { key, pressed: true, repeat, modifiers, .. } => Some((*key, *modifiers, *repeat)),
+            _ => None,
+        };
+        input.events.iter().filter_map(pressed).collect()
+    });
+    for (key, modifiers, repeat) in presses {
+        let action = if modifiers.command {
+            command(key, modifiers.shift, free)
+        } else if dialog_open {
+            (key == Key::Escape).then_some(Action::CloseDialog)
+        } else if free {
+            plain(key, modifiers.shift, repeat, state)
+        } else {
+            None
+        };
+        actions.extend(action);
+    }
+}
+
+fn command(key: Key, shift: bool, free: bool) -> Option<Action> {
+    match key {
+        Key::O => Some(Action::AskFile(FileTask::OpenScene)),
+        Key::S => Some(Action::AskFile(FileTask::SaveScene)),
+        Key::Q => Some(Action::Quit),
+        // A text field has an undo of its own.
+        Key::Z if free && !shift => Some(Action::Undo),
+        Key::Z | Key::Y if free => Some(Action::Redo),
+        _ => None,
+    }
+}
+
+fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Action> {
+    let fine = if shift { 0.1 } else { 1.0 };
+    Some(match key {
+        Key::ArrowLeft => Action::Step(-fine),
+        Key::ArrowRight => Action::Step(fine),
+        Key::PageDown => Action::Step(-COARSE),
+        Key::PageUp => Action::Step(COARSE),
+        Key::Home => Action::SetTarget(state.limits.1),
+        Key::End => Action::SetTarget(state.limits.0),
+        Key::Period => Action::Increment,
+        _ if repeat => return None,
+        Key::Space => Action::TogglePlay,
+        Key::R => Action::Reverse,
+        Key::S => Action::AskFile(FileTask::ExportLoopPng),
+        Key::Escape => Action::Stop,
+        Key::Questionmark | Key::F1 => Action::ToggleHelp,
+        Key::Slash if shift => Action::ToggleHelp,
+        _ => {
+            let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+            let index = digits.iter().position(|&digit| digit == key)?;
+            return (index < presets::all().len()).then_some(Action::LoadPreset(index));
+        }
+    })
+}

@@ -1,0 +1,208 @@
+//! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated area, and where we are now.
+
+use super::action::Action;
+use super::curves::Curve;
+use super::theme::{self, Palette};
+use super::view_state::ViewState;
+use crate::experiment::record::Branch;
+use egui::{Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
+use egui_plot::{
+    Arrows, FilledArea, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotUi, Points, Text,
+};
+
+/// Draws heading, legend and plot, of this height in all. `axes_seen` remembers which axes the plot has been given.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32, axes_seen: &mut u64) {
+    let palette = theme::palette(ui.visuals().dark_mode);
+    heading(ui, state, actions, &palette);
+    legend(ui, state, &palette);
+    let words = dissipated(state);
+    ui.label(RichText::new(words.as_deref().unwrap_or("Play loop to see what one cycle dissipates.")).strong());
+    let mut new_axes = None;
+    if *axes_seen != state.axes_version {
+        *axes_seen = state.axes_version;
+        new_axes = Some(state.axes());
+    }
+    let grid = ui.visuals().text_color().gamma_multiply(0.45);
+    let response = Plot::new("loop")
+        .height((height - 88.0).max(120.0))
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .auto_bounds(false)
+        .x_axis_label("u₀ / ρ")
+        .y_axis_label("stress / σₘₐₓ  (pulling up)")
+        .y_axis_min_width(30.0)
+        .grid_color(grid)
+        .show_crosshair(false)
+        .label_formatter(|at| {
+            let p = match at {
+                HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
+            };
+            Some(format!("u₀ {:.3} ρ\nstress {:.3} σₘₐₓ", p.x, p.y))
+        })
+        .show(ui, |plot| {
+            if let Some((low, high)) = new_axes {
+                plot.set_plot_bounds(PlotBounds::from_min_max(low, high));
+            }
+            draw(plot, state, &palette);
+        })
+        .response;
+    let sentence = sentence(state);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+}
+
+fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Stress against u₀").heading().strong());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if state.fit.is_some() && ui.button("Scene axes").clicked() {
+                actions.push(Action::Fit(false));
+            }
+            let leaves = state.data_leave_view();
+            let text = if leaves { RichText::new("Fit").color(palette.warn).strong() } else { RichText::new("Fit") };
+            let hover = if leaves { "Data lie outside the axes" } else { "Fit the axes to the data" };
+            if ui.button(text).on_hover_text(hover).clicked() {
+                actions.push(Action::Fit(true));
+            }
+        });
+    });
+}
+
+fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(4.0, 1.0);
+        entry(ui, palette.approach, "◀", "approach");
+        entry(ui, palette.retraction, "▶", "retraction");
+        entry(ui, palette.jump, "↕", "jump");
+        if !state.flat_state.is_empty() {
+            entry(ui, palette.flat, "┄", "flat (dashed: unstable)");
+        }
+        if !state.ghosts.is_empty() {
+            entry(ui, palette.ghost, "—", "earlier");
+        }
+    });
+}
+
+fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) {
+    ui.label(RichText::new(mark).color(colour).small().strong());
+    ui.label(RichText::new(word).small());
+    ui.add_space(6.0);
+}
+
+/// The dissipated energy in words, when a loop is closed.
+fn dissipated(state: &ViewState) -> Option<String> {
+    let summary = &state.closed_loop.as_ref()?.summary;
+    Some(format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum))
+}
+
+fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+    if let Some(closed) = state.closed_loop.as_ref().filter(|closed| closed.shade.x.len() > 1) {
+        let shade = &closed.shade;
+        plot.add(FilledArea::new("dissipated", &shade.x, &shade.low, &shade.high).fill_color(palette.shade).allow_hover(false));
+    }
+    for (stable, points) in &state.flat_state {
+        let style = if *stable { LineStyle::Solid } else { LineStyle::dashed_dense() };
+        plot.line(line("flat state", points, palette.flat, 1.0).style(style).allow_hover(false));
+    }
+    for ghost in &state.ghosts {
+        for piece in &ghost.pieces {
+            plot.line(line("earlier", &piece.points, palette.ghost, 1.0).allow_hover(false));
+        }
+    }
+    curve(plot, &state.curve, palette);
+    pattern_names(plot, &state.curve, palette);
+    jumps(plot, state, palette);
+    if let Some(now) = &state.state {
+        let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
+        plot.points(
+            Points::new("now", at.clone())
+                .radius(7.0)
+                .shape(MarkerShape::Circle)
+                .color(palette.now)
+                .filled(false)
+                .allow_hover(false),
+        );
+        plot.points(Points::new("now", at).radius(3.5).shape(MarkerShape::Circle).color(palette.now).allow_hover(false));
+    }
+}
+
+fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
+    Line::new(name, PlotPoints::from(points.to_vec())).stroke(Stroke::new(width, colour))
+}
+
+/// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.
+fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
+    let every = plot.plot_bounds().width() / 22.0;
+    for piece in &curve.pieces {
+        let (colour, shape, name) = match piece.branch {
+            Branch::Approach => (palette.approach, MarkerShape::Left, "approach"),
+            Branch::Retraction => (palette.retraction, MarkerShape::Right, "retraction"),
+        };
+        plot.line(line(name, &piece.points, colour, 2.0));
+        let mut marks = Vec::new();
+        for p in &piece.points {
+            // A fixed raster, so that marks do not wander while the curve grows.
+            let slot = (p[0] / every).floor();
+            if marks.last().is_none_or(|(s, _): &(f64, [f64; 2])| *s != slot) {
+                marks.push((slot, *p));
+            }
+        }
+        let marks: Vec<[f64; 2]> = marks.into_iter().skip(1).map(|(_, p)| p).collect();
+        plot.points(Points::new(name, marks).shape(shape).color(colour).radius(4.5).allow_hover(false));
+    }
+}
+
+/// The pattern of every stretch that is long enough to carry its name: above the retraction, below the approach.
+fn pattern_names(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
+    let bounds = plot.plot_bounds();
+    let mut named: Vec<(Branch, &str, f64)> = Vec::new();
+    for piece in curve.pieces.iter().rev() {
+        let (Some(first), Some(last)) = (piece.points.first(), piece.points.last()) else { continue };
+        let name = piece.pattern.word();
+        let x = 0.5 * (first[0] + last[0]);
+        let near = |(branch, word, at): &(Branch, &str, f64)| {
+            *branch == piece.branch && *word == name && (at - x).abs() < 0.2 * bounds.width()
+        };
+        if (first[0] - last[0]).abs() < 0.09 * bounds.width() || named.iter().any(near) {
+            continue;
+        }
+        let y = piece.points.iter().min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs())).map_or(first[1], |p| p[1]);
+        let gap = 0.02 * bounds.height();
+        let (anchor, y, colour) = match piece.branch {
+            Branch::Approach => (egui::Align2::RIGHT_TOP, y - gap, palette.approach),
+            Branch::Retraction => (egui::Align2::LEFT_BOTTOM, y + gap, palette.retraction),
+        };
+        plot.text(Text::new("pattern", PlotPoint::new(x, y), RichText::new(name)).color(colour).anchor(anchor).allow_hover(false));
+        named.push((piece.branch, name, x));
+    }
+}
+
+fn jumps(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+    let max = state.model.law.traction_max();
+    let latest = state.record.jumps.len().saturating_sub(24);
+    for jump in &state.record.jumps[latest..] {
+        let x = jump.mean_displacement / state.rho();
+        let (from, to) = (jump.stress_before / max, jump.stress_after / max);
+        let (tail, tip) = (PlotPoints::from(vec![[x, from]]), PlotPoints::from(vec![[x, to]]));
+        plot.arrows(Arrows::new("jump", tail, tip).color(palette.jump).tip_length(7.0).allow_hover(false));
+    }
+}
+
+/// The plot in one sentence.
+fn sentence(state: &ViewState) -> String {
+    let Some(now) = &state.state else { return "Stress against u0: nothing recorded yet".to_owned() };
+    let mut words = format!(
+        "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {} jumps",
+        now.pattern,
+        now.mean_displacement / state.rho(),
+        now.stress_over_max,
+        state.record.jumps.len()
+    );
+    if let Some(closed) = &state.closed_loop {
+        words.push_str(&format!(", dissipated {:.4} gamma", closed.summary.dissipated_energy));
+    }
+    words
+}

@@ -1,0 +1,131 @@
+//! The profile along the line drawn on the map: elastomer above, rigid indenter below, as in the paper's Fig. 1. Its scale is the scene's.
+
+use super::gap_map;
+use super::gap_picture::GapPicture;
+use super::scene_edit;
+use super::theme;
+use super::view_state::ViewState;
+use crate::physics::indenter::Indenter;
+use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+
+/// Draws the profile over the width and height given.
+pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height: f32) {
+    let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
+    let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
+    let (low, high) = heights(state);
+    let rho = state.rho();
+    let cut = picture.map(|p| gap_map::cut(&state.view, p));
+    let name = match cut {
+        Some((true, row)) => format!("Profile along x through row {row}: elastomer above, indenter below"),
+        Some((false, column)) => format!("Profile along y through column {column}: elastomer above, indenter below"),
+        None => "Profile: no picture yet".to_owned(),
+    };
+    let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    ui.painter().rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
+    if let (Some(picture), Some(cut)) = (picture, cut) {
+        bodies(ui, state, picture, cut, frame, (low, high));
+    }
+    ui.painter().rect_stroke(frame, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
+    axes(ui, state, frame, (low / rho, high / rho), cut.is_none_or(|(along_x, _)| along_x));
+}
+
+/// Lower and upper end of the height axis.
+fn heights(state: &ViewState) -> (f64, f64) {
+    let rho = state.rho();
+    match state.model.indenter {
+        Indenter::Flat => {
+            let top = scene_edit::gap_scale(&state.scene, &state.model);
+            (-0.22 * top, 1.22 * top)
+        }
+        _ => {
+            let depth = scene_edit::tip_indentation(&state.model);
+            (-2.0 * depth - 3.0 * rho, state.scene.drive.start.max(0.0) + depth + 3.0 * rho)
+        }
+    }
+}
+
+fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (bool, usize), frame: Rect, (low, high): (f64, f64)) {
+    let gap: Vec<f64> = if along_x { picture.gap.row(index).to_vec() } else { picture.gap.column(index).to_vec() };
+    let n = gap.len();
+    // The map is not rolled on uneven ground, so that the height belongs to the same row.
+    let height: Vec<f64> = match state.ready.as_ref().and_then(|ready| ready.height.as_ref()) {
+        Some(h) if h.dim() == picture.gap.dim() => {
+            if along_x {
+                h.row(index).to_vec()
+            } else {
+                h.column(index).to_vec()
+            }
+        }
+        _ => vec![0.0; n],
+    };
+    let y_of = |z: f64| frame.bottom() - ((z - low) / (high - low)).clamp(0.0, 1.0) as f32 * frame.height();
+    let x_of = |i: usize| frame.left() + i as f32 / n as f32 * frame.width();
+    // Periodic: the first point comes again at the right edge.
+    let along = |z: &dyn Fn(usize) -> f64| -> Vec<Pos2> { (0..=n).map(|i| pos2(x_of(i), y_of(z(i % n)))).collect() };
+    let soft = along(&|i| gap[i] + height[i]);
+    let rigid = along(&|i| height[i]);
+    let palette = theme::palette(ui.visuals().dark_mode);
+    fill(ui, &soft, frame.top(), palette.elastomer);
+    fill(ui, &rigid, frame.bottom(), palette.indenter);
+    let painter = ui.painter().with_clip_rect(frame);
+    let edge = ui.visuals().strong_text_color();
+    painter.line(rigid, Stroke::new(1.2, edge.gamma_multiply(0.7)));
+    painter.line(soft, Stroke::new(1.8, edge));
+    let ink = if ui.visuals().dark_mode { Color32::WHITE } else { Color32::BLACK };
+    painter.text(frame.left_top() + vec2(8.0, 4.0), Align2::LEFT_TOP, "elastomer", theme::small(), ink);
+    painter.text(frame.left_bottom() + vec2(8.0, -3.0), Align2::LEFT_BOTTOM, "rigid indenter", theme::small(), ink);
+    let per_x = state.model.grid.length / f64::from(frame.width());
+    let stretch = per_x / ((high - low) / f64::from(frame.height()));
+    let words = format!("heights ×{stretch:.0}");
+    painter.text(frame.right_top() + vec2(-8.0, 4.0), Align2::RIGHT_TOP, words, theme::small(), ink);
+}
+
+/// Fills between a curve and a level; a strip of quads, since the outline is not convex.
+fn fill(ui: &Ui, curve: &[Pos2], level: f32, colour: Color32) {
+    let mut mesh = Mesh::default();
+    for p in curve {
+        mesh.colored_vertex(*p, colour);
+        mesh.colored_vertex(pos2(p.x, level), colour);
+    }
+    for k in 0..curve.len().saturating_sub(1) as u32 {
+        mesh.add_triangle(2 * k, 2 * k + 1, 2 * k + 2);
+        mesh.add_triangle(2 * k + 1, 2 * k + 2, 2 * k + 3);
+    }
+    ui.painter().add(mesh);
+}
+
+fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_x: bool) {
+    let colour = ui.visuals().text_color();
+    let tick = Stroke::new(1.0, colour);
+    let painter = ui.painter();
+    let spacing = scene_edit::tick_spacing(high - low, 5.0);
+    let mut k = (low / spacing).ceil();
+    while k * spacing <= high {
+        let y = frame.bottom() - ((k * spacing - low) / (high - low)) as f32 * frame.height();
+        painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
+        let text = scene_edit::tick_words(k * spacing);
+        painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
+        k += 1.0;
+    }
+    let length = state.model.grid.length / state.rho();
+    let spacing = scene_edit::tick_spacing(length, 5.5);
+    let mut value = 0.0;
+    while value <= 0.9 * length {
+        let x = frame.left() + (value / length) as f32 * frame.width();
+        painter.vline(x, frame.bottom()..=frame.bottom() + 4.0, tick);
+        let anchor = if value == 0.0 {
+            Align2::LEFT_TOP
+        } else if value > 0.93 * length {
+            Align2::RIGHT_TOP
+        } else {
+            Align2::CENTER_TOP
+        };
+        let text = scene_edit::tick_words(value);
+        painter.text(pos2(x, frame.bottom() + 5.0), anchor, text, theme::small(), colour);
+        value += spacing;
+    }
+    let name = if along_x { "x / ρ" } else { "y / ρ" };
+    painter.text(pos2(frame.right() + 2.0, frame.bottom() + 5.0), Align2::RIGHT_TOP, name, theme::small(), colour);
+    painter.text(pos2(frame.left() - 32.0, frame.top() + 2.0), Align2::LEFT_TOP, "z/ρ", theme::small(), colour);
+}

@@ -1,0 +1,229 @@
+//! What follows what when a value of the scene is edited: range or mesh after mu_rho, and the drive after the law.
+
+use crate::experiment::scene::{Drive, Model, Points, Range, Scene, Turn};
+use crate::physics::indenter::Indenter;
+use crate::physics::law::{Law, Shape};
+use crate::physics::mesh_rule;
+use crate::physics::theory::flat;
+
+/// What follows when mu_rho is changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Follows {
+    /// The mesh stays, the range of the law follows.
+    #[default]
+    Range,
+    /// The law stays, the mesh follows.
+    Mesh,
+}
+
+/// Lower and upper end of the mu_rho slider.
+pub const MU_RHO: (f64, f64) = (0.25, 2.0);
+
+/// The named meshes of Table 1, and the one above which the mesh lies.
+pub const TICKS: [(&str, f64); 7] =
+    [("safe", 0.5), ("Hillerborg", 0.5), ("Falk", 0.532), ("Popov", 0.729), ("Dugdale", 0.798), ("Irwin", 0.886), ("Hui", 1.09)];
+
+/// The scene with another mu_rho.
+pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) -> Scene {
+    let mut scene = frozen(scene, model);
+    match follows {
+        Follows::Range => {
+            scene.law.range = Range::Length(mesh_rule::range_for_mu_rho(&model.law, model.grid.spacing(), mu_rho));
+            fit_drive(&mut scene);
+        }
+        Follows::Mesh => {
+            let n =
+                (mesh_rule::points_for_mu_rho(&model.law, model.grid.length, mu_rho) / 2.0).round().clamp(4.0, 512.0) as usize * 2;
+            scene.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+        }
+    }
+    scene
+}
+
+/// The scene with another cohesive law of the same range and surface energy.
+pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.law.shape = shape;
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene with another surface energy.
+pub fn with_surface_energy(scene: &Scene, model: &Model, surface_energy: f64) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.law.surface_energy = surface_energy;
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene with another range of its law.
+pub fn with_range(scene: &Scene, model: &Model, range: f64) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.law.range = Range::Length(range);
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene in another cell.
+pub fn with_length(scene: &Scene, model: &Model, length: f64) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.cell.length = length;
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene on another mesh; the range stays what it is.
+pub fn with_points(scene: &Scene, model: &Model, points: Points) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.cell.points = points;
+    scene
+}
+
+/// The scene with what was left open decided, so that editing one value does not move another.
+fn frozen(scene: &Scene, model: &Model) -> Scene {
+    let mut scene = scene.clone();
+    scene.law.range = Range::Length(model.law.range);
+    if scene.cell.points == Points::Auto {
+        scene.cell.points = Points::Square(model.grid.nx);
+    }
+    scene
+}
+
+/// On flat ground: moves the drive if it no longer encloses the instabilities of the edited law, else leaves it alone.
+fn fit_drive(scene: &mut Scene) {
+    let (Indenter::Flat, Ok(model)) = (scene.indenter, Scene { drive: SAFE, ..scene.clone() }.model()) else { return };
+    let law = model.law;
+    let Some((lower, upper)) = flat::limits(&law, model.grid.length) else { return };
+    let Drive { start, turn: Turn::At(turn), .. } = scene.drive else { return };
+    let pressed = -law.at(turn).traction / law.traction_max();
+    let fits =
+        start > upper + 0.2 * law.range && start < upper + 6.0 * law.range && turn < lower - 0.1 * law.range && pressed < 1.0;
+    if !fits {
+        scene.drive = Drive { start: upper + 1.1 * law.range, turn: Turn::At(turn_for(&law, lower)), step: 0.02 * law.range };
+    }
+}
+
+/// A drive that no law refuses, to ask for the model of a scene whose own drive may not fit any more.
+const SAFE: Drive = Drive { start: 2.0, turn: Turn::At(1.0), step: 0.1 };
+
+/// A turning point deep enough for the flat state to be stable again, yet not pressed hard: traction 0.6 sigma_max below its maximum.
+fn turn_for(law: &Law, lower: f64) -> f64 {
+    let (mut low, mut high) = (1e-3 * law.contact_gap(), law.contact_gap());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if law.at(middle).traction < 0.6 * law.traction_max() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high.min(lower - 0.2 * law.range)
+}
+
+/// Ends of the u0 slider (lower, upper).
+pub fn limits(scene: &Scene, model: &Model) -> (f64, f64) {
+    let lower = match scene.drive.turn {
+        Turn::At(turn) => turn,
+        Turn::ZeroLoad => -0.6 * tip_indentation(model) - model.law.range,
+    };
+    (lower, scene.drive.start)
+}
+
+/// a^2/R of the contact at zero load (JKR), the length that scales pictures of a tip; 0 on flat ground.
+pub fn tip_indentation(model: &Model) -> f64 {
+    match model.indenter {
+        Indenter::Hertz { radius } => {
+            let a = (4.5 * std::f64::consts::PI * model.law.surface_energy * radius * radius).cbrt();
+            a * a / radius
+        }
+        _ => 0.0,
+    }
+}
+
+/// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning while u0 moves.
+pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
+    let rho = model.law.range;
+    let wanted = match model.indenter {
+        Indenter::Flat => 1.8 * scene.drive.start,
+        _ => (2.5 * tip_indentation(model)).max(6.0 * rho),
+    };
+    nice(wanted / rho) * rho
+}
+
+/// Lower and upper end of the stress axis, in units of sigma_max.
+pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
+    let law = &model.law;
+    let pull_off = match model.indenter {
+        Indenter::Flat => {
+            let at_turn = law.at(limits(scene, model).0).traction / law.traction_max();
+            return (at_turn.clamp(-1.5, 0.0) - 0.06, 1.08);
+        }
+        Indenter::Hertz { radius } if !model.grid.is_line() => {
+            1.5 * std::f64::consts::PI * law.surface_energy * radius / model.grid.length.powi(2)
+        }
+        Indenter::Hertz { radius } => {
+            3.0 * (std::f64::consts::PI * law.surface_energy.powi(2) * radius / 16.0).cbrt() / model.grid.length
+        }
+    };
+    let top = (1.5 * pull_off / law.traction_max()).min(1.08);
+    (-0.5 * top, top)
+}
+
+/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
+pub fn tick_spacing(span: f64, count: f64) -> f64 {
+    let x = (span / count).max(1e-12);
+    let decade = 10f64.powf(x.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
+}
+
+/// The words of a tick, without the noise of its last digits and without a minus before zero.
+pub fn tick_words(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10, ... at or above `x`.
+pub fn nice(x: f64) -> f64 {
+    let decade = 10f64.powf(x.max(1e-12).log10().floor());
+    let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    steps.into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::{presets, scene_file};
+
+    fn fig2() -> Scene {
+        scene_file::parse(presets::find("fig2").unwrap().text, "fig2.toml").unwrap()
+    }
+
+    #[test]
+    fn the_drive_encloses_both_instabilities_after_any_edit_of_law_or_mu_rho() {
+        let scene = fig2();
+        let model = scene.model().unwrap();
+        let mut edited: Vec<Scene> = Shape::all().into_iter().map(|s| with_shape(&scene, &model, s)).collect();
+        edited.extend([0.25, 0.35, 0.5, 0.7].map(|mu| with_mu_rho(&scene, &model, mu, Follows::Range)));
+        for scene in edited {
+            let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
+            let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else { continue };
+            let (turn, start) = limits(&scene, &model);
+            assert!(turn < lower && upper < start, "{turn} {lower} {upper} {start} of {}", scene.law.shape.word());
+        }
+    }
+
+    #[test]
+    fn mu_rho_comes_back_as_it_was_set_whatever_follows() {
+        let scene = fig2();
+        let model = scene.model().unwrap();
+        for (follows, tolerance) in [(Follows::Range, 1e-12), (Follows::Mesh, 0.02)] {
+            let model = with_mu_rho(&scene, &model, 0.45, follows).model().unwrap();
+            assert!((model.mu_rho - 0.45).abs() < tolerance, "{}", model.mu_rho);
+        }
+    }
+
+    #[test]
+    fn nice_numbers_are_at_or_above_what_they_round() {
+        assert_eq!([nice(7.56), nice(1.0), nice(0.14), nice(99.0)], [8.0, 1.0, 0.15000000000000002, 100.0]);
+    }
+}

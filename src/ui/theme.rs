@@ -1,0 +1,144 @@
+//! Fonts, light and dark visuals, and the few colours with a meaning.
+
+use egui::{Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals};
+use std::sync::Arc;
+
+const DEJAVU: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
+
+/// Colours with a meaning. Colour never speaks alone: branches differ in markers too, stability in words and dashes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Palette {
+    /// u0 decreases.
+    pub approach: Color32,
+    /// u0 increases.
+    pub retraction: Color32,
+    /// The flat state's closed form.
+    pub flat: Color32,
+    /// Jumps.
+    pub jump: Color32,
+    /// Earlier loops.
+    pub ghost: Color32,
+    /// Dissipated area.
+    pub shade: Color32,
+    /// Failures and the zone where the mesh lies.
+    pub warn: Color32,
+    /// Stable, done.
+    pub good: Color32,
+    /// The soft body.
+    pub elastomer: Color32,
+    /// The rigid indenter.
+    pub indenter: Color32,
+    /// The present point.
+    pub now: Color32,
+}
+
+/// The colours of the present theme.
+pub fn palette(dark: bool) -> Palette {
+    let c = Color32::from_rgb;
+    if dark {
+        Palette {
+            approach: c(96, 176, 255),
+            retraction: c(255, 166, 77),
+            flat: c(150, 156, 166),
+            jump: c(244, 120, 176),
+            ghost: c(92, 99, 110),
+            shade: Color32::from_rgba_unmultiplied(244, 200, 120, 34),
+            warn: c(255, 140, 112),
+            good: c(110, 205, 150),
+            elastomer: c(70, 112, 148),
+            indenter: c(108, 104, 98),
+            now: c(255, 255, 255),
+        }
+    } else {
+        Palette {
+            approach: c(22, 96, 180),
+            retraction: c(200, 92, 0),
+            flat: c(110, 116, 126),
+            jump: c(176, 28, 104),
+            ghost: c(188, 194, 202),
+            shade: Color32::from_rgba_unmultiplied(220, 150, 30, 46),
+            warn: c(178, 48, 20),
+            good: c(20, 124, 70),
+            elastomer: c(138, 178, 212),
+            indenter: c(150, 145, 136),
+            now: c(16, 18, 22),
+        }
+    }
+}
+
+/// Sets fonts and both themes; once at the start.
+pub fn install(ctx: &Context) {
+    let mut fonts = FontDefinitions::default();
+    fonts.font_data.insert("DejaVu Sans".to_owned(), Arc::new(FontData::from_static(DEJAVU)));
+    // First, because the default font lacks arrows, letter subscripts and half of the Greek the labels need.
+    for family in [FontFamily::Proportional, FontFamily::Monospace] {
+        let list = fonts.families.entry(family.clone()).or_default();
+        list.insert(if family == FontFamily::Proportional { 0 } else { list.len().min(1) }, "DejaVu Sans".to_owned());
+    }
+    ctx.set_fonts(fonts);
+    ctx.style_mut_of(Theme::Dark, |style| style.visuals = dark());
+    ctx.style_mut_of(Theme::Light, |style| style.visuals = light());
+    ctx.all_styles_mut(|style| {
+        style.text_styles = [
+            (TextStyle::Small, FontId::proportional(11.0)),
+            (TextStyle::Body, FontId::proportional(13.0)),
+            (TextStyle::Button, FontId::proportional(13.0)),
+            (TextStyle::Heading, FontId::proportional(15.0)),
+            (TextStyle::Monospace, FontId::monospace(12.5)),
+        ]
+        .into();
+        style.spacing.item_spacing = egui::vec2(6.0, 5.0);
+        style.spacing.button_padding = egui::vec2(7.0, 3.0);
+        style.spacing.interact_size.y = 22.0;
+        style.spacing.slider_width = 120.0;
+        style.animation_time = 0.0;
+    });
+}
+
+fn dark() -> Visuals {
+    let mut v = Visuals::dark();
+    v.panel_fill = Color32::from_rgb(27, 30, 36);
+    v.window_fill = Color32::from_rgb(33, 37, 44);
+    v.extreme_bg_color = Color32::from_rgb(18, 20, 25);
+    v.faint_bg_color = Color32::from_rgb(34, 38, 45);
+    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(206, 211, 219));
+    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(52, 57, 66));
+    v.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(220, 224, 230));
+    v.widgets.inactive.weak_bg_fill = Color32::from_rgb(48, 53, 62);
+    v.widgets.inactive.bg_fill = Color32::from_rgb(62, 68, 79);
+    v.selection.bg_fill = Color32::from_rgb(32, 92, 148);
+    v.selection.stroke = Stroke::new(1.0, Color32::WHITE);
+    rounded(v)
+}
+
+fn light() -> Visuals {
+    let mut v = Visuals::light();
+    v.panel_fill = Color32::from_rgb(246, 247, 249);
+    v.window_fill = Color32::WHITE;
+    v.extreme_bg_color = Color32::WHITE;
+    v.faint_bg_color = Color32::from_rgb(236, 239, 243);
+    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(42, 46, 54));
+    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(212, 216, 222));
+    v.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(38, 42, 50));
+    v.widgets.inactive.weak_bg_fill = Color32::from_rgb(226, 230, 236);
+    v.widgets.inactive.bg_fill = Color32::from_rgb(206, 212, 220);
+    v.selection.bg_fill = Color32::from_rgb(178, 212, 244);
+    v.selection.stroke = Stroke::new(1.0, Color32::from_rgb(10, 60, 110));
+    rounded(v)
+}
+
+fn rounded(mut v: Visuals) -> Visuals {
+    let radius = CornerRadius::same(5);
+    for w in
+        [&mut v.widgets.noninteractive, &mut v.widgets.inactive, &mut v.widgets.hovered, &mut v.widgets.active, &mut v.widgets.open]
+    {
+        w.corner_radius = radius;
+    }
+    v.slider_trailing_fill = true;
+    v
+}
+
+/// Font of tick labels and other small print inside pictures.
+pub fn small() -> FontId {
+    FontId::proportional(11.0)
+}

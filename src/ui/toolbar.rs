@@ -1,0 +1,86 @@
+//! The top bar: preset, play, files, theme, help.
+
+use super::action::{Action, FileTask};
+use super::controls::named;
+use super::view_state::ViewState;
+use crate::storage::presets;
+use crate::worker::protocol::Sweep;
+use egui::{ComboBox, Ui};
+
+/// The bar; it wraps where the window is narrow.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        preset(ui, state, actions);
+        ui.separator();
+        play(ui, state, actions);
+        ui.separator();
+        let mut button = |ui: &mut Ui, text: &str, hover: &str, enabled: bool, action: Action| {
+            if ui.add_enabled(enabled, egui::Button::new(text)).on_hover_text(hover).clicked() {
+                actions.push(action);
+            }
+        };
+        button(ui, "Open…", "Ctrl+O", true, Action::AskFile(FileTask::OpenScene));
+        button(ui, "Save…", "Ctrl+S", true, Action::AskFile(FileTask::SaveScene));
+        button(ui, "Export CSV…", "states or jumps of what is recorded", true, Action::AskFile(FileTask::ExportLoopCsv));
+        button(ui, "Export PNG…", "S", true, Action::AskFile(FileTask::ExportLoopPng));
+        ui.separator();
+        for (face, name, enabled, action) in
+            [("↶", "Undo", state.history.can_undo(), Action::Undo), ("↷", "Redo", state.history.can_redo(), Action::Redo)]
+        {
+            if named(ui.add_enabled(enabled, egui::Button::new(face)), name).on_hover_text(name).clicked() {
+                actions.push(action);
+            }
+        }
+        let dark = ui.visuals().dark_mode;
+        let face = if dark { "☀" } else { "☾" };
+        if named(ui.button(face), "Switch theme").on_hover_text("light or dark").clicked() {
+            actions.push(Action::ToggleTheme);
+        }
+        if named(ui.button("?"), "Help").on_hover_text("keys and marks (?)").clicked() {
+            actions.push(Action::ToggleHelp);
+        }
+    });
+}
+
+fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let label = ui.label("Preset");
+    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 180.0 };
+    let combo =
+        ComboBox::from_id_salt("preset").width(width).selected_text(state.scene.title.as_str()).truncate().show_ui(ui, |ui| {
+            for (i, preset) in presets::all().iter().enumerate() {
+                let key = if i < 9 { format!("{}  {}", i + 1, preset.name) } else { preset.name.to_owned() };
+                if ui.selectable_label(false, key).clicked() {
+                    actions.push(Action::LoadPreset(i));
+                }
+            }
+        });
+    combo.response.labelled_by(label.id).on_hover_text(state.scene.source.as_str());
+}
+
+fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    for (text, sweep) in [("▼ Approach", Sweep::Approach), ("▲ Retract", Sweep::Retract), ("⟳ Loop", Sweep::Loop)] {
+        let name = match sweep {
+            Sweep::Approach => "Play approach",
+            Sweep::Retract => "Play retract",
+            Sweep::Loop => "Play loop",
+        };
+        let button = egui::Button::new(text).selected(state.sweep == Some(sweep));
+        if named(ui.add(button), name).on_hover_text(name).clicked() {
+            actions.push(Action::Play(sweep));
+        }
+    }
+    let (face, name) = if state.paused { ("▶", "Go on") } else { ("⏸", "Pause") };
+    if named(ui.add_enabled(state.busy || state.paused, egui::Button::new(face)), name)
+        .on_hover_text(format!("{name} (Space)"))
+        .clicked()
+    {
+        actions.push(Action::Pause(!state.paused));
+    }
+    if named(ui.add_enabled(state.busy, egui::Button::new("⏹")), "Stop").on_hover_text("Stop (Esc)").clicked() {
+        actions.push(Action::Stop);
+    }
+    if ui.button("Reset").on_hover_text("Back to rest at the start").clicked() {
+        actions.push(Action::Reset);
+    }
+}

@@ -1,0 +1,355 @@
+//! Everything the window shows, as plain data: built and updated without egui.
+
+mod axes;
+mod motion;
+
+use super::action::ViewOptions;
+use super::curves::{self, Curve, Shade};
+use super::history::History;
+use super::scene_edit::{self, Follows};
+use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::scene::{Model, Scene, SceneError};
+use crate::solver::method::MethodKind;
+use crate::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Most states kept for the export; the oldest quarter goes when it is full.
+const STATES_MAX: usize = 200_000;
+/// Most faint curves of earlier loops.
+const GHOSTS_MAX: usize = 3;
+
+/// Something went wrong, in words, with what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What happened.
+    pub message: String,
+    /// The remedy.
+    pub remedy: String,
+}
+
+/// A closed loop as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoop {
+    /// Its numbers.
+    pub summary: LoopSummary,
+    /// Its area.
+    pub shade: Shade,
+}
+
+/// The state of the window.
+#[derive(Clone, Debug)]
+pub struct ViewState {
+    /// Id of the present run; events of others are dropped.
+    pub run: RunId,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// What the scene was decided to be.
+    pub model: Model,
+    /// The method.
+    pub method: MethodKind,
+    /// What follows mu_rho.
+    pub follows: Follows,
+    /// Facts of the scene, once the solver has sent them.
+    pub ready: Option<Arc<Ready>>,
+    /// Ends of the u0 slider (lower, upper).
+    pub limits: (f64, f64),
+    /// Where u0 is asked to go.
+    pub target: f64,
+    /// Where u0 is.
+    pub actual: f64,
+    /// Direction of the last motion.
+    pub branch: Branch,
+    /// The sweep under way.
+    pub sweep: Option<Sweep>,
+    /// The last sweep that was played.
+    pub last_sweep: Sweep,
+    /// Held.
+    pub paused: bool,
+    /// The solver has something to do.
+    pub busy: bool,
+    /// The newest picture.
+    pub frame: Option<Arc<Frame>>,
+    /// The newest equilibrium.
+    pub state: Option<StateRecord>,
+    /// Everything recorded in this run or loop.
+    pub record: LoopRecord,
+    /// The curve of `record`.
+    pub curve: Curve,
+    /// Curves of earlier loops.
+    pub ghosts: VecDeque<Curve>,
+    /// The last closed loop.
+    pub closed_loop: Option<ClosedLoop>,
+    /// The flat state's curve.
+    pub flat_state: Vec<(bool, Vec<[f64; 2]>)>,
+    /// What went wrong.
+    pub failure: Option<Failure>,
+    /// What went right ("written ...").
+    pub notice: Option<String>,
+    /// True until the first jump.
+    pub hint: bool,
+    /// How things are drawn.
+    pub view: ViewOptions,
+    /// Plot fitted to the data instead of the scene: (lower left, upper right).
+    pub fit: Option<([f64; 2], [f64; 2])>,
+    /// Counts changes of the plot's axes.
+    pub axes_version: u64,
+    /// Undo and redo.
+    pub history: History,
+    scene_pending: bool,
+    target_pending: bool,
+    outbox: Vec<Command>,
+}
+
+impl ViewState {
+    /// A window at rest at the start of a scene.
+    ///
+    /// # Errors
+    /// The scene's first value that is not allowed.
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        let model = scene.model()?;
+        let limits = scene_edit::limits(&scene, &model);
+        Ok(Self {
+            run: 0,
+            flat_state: curves::flat_state(&scene, &model),
+            scene: Arc::new(scene),
+            model,
+            method: MethodKind::default(),
+            follows: Follows::default(),
+            ready: None,
+            limits,
+            target: limits.1,
+            actual: limits.1,
+            branch: Branch::Approach,
+            sweep: None,
+            last_sweep: Sweep::Loop,
+            paused: false,
+            busy: false,
+            frame: None,
+            state: None,
+            record: LoopRecord::default(),
+            curve: Curve::default(),
+            ghosts: VecDeque::new(),
+            closed_loop: None,
+            failure: None,
+            notice: None,
+            hint: true,
+            view: ViewOptions::default(),
+            fit: None,
+            axes_version: 1,
+            history: History::default(),
+            scene_pending: true,
+            target_pending: false,
+            outbox: Vec::new(),
+        })
+    }
+
+    /// The range rho.
+    pub fn rho(&self) -> f64 {
+        self.model.law.range
+    }
+
+    /// Takes an event of the solver in; stale ones are dropped.
+    pub fn apply(&mut self, event: Event) {
+        let of = match &event {
+            Event::Ready { run, .. }
+            | Event::State { run, .. }
+            | Event::Jump { run, .. }
+            | Event::LoopStarted { run }
+            | Event::Loop { run, .. }
+            | Event::Rest { run, .. }
+            | Event::Failed { run, .. } => *run,
+        };
+        if of != self.run || self.scene_pending {
+            return;
+        }
+        match event {
+            Event::Ready { ready, .. } => self.ready = Some(ready),
+            Event::State { state, .. } => self.add_state(state),
+            Event::Jump { jump, .. } => {
+                self.hint = false;
+                self.curve.jump(&jump, &self.model.law);
+                self.record.jumps.push(jump);
+            }
+            Event::LoopStarted { .. } => self.archive(),
+            Event::Loop { summary, .. } => self.closed_loop = Some(ClosedLoop { summary, shade: Shade::of(&self.curve) }),
+            Event::Rest { mean_displacement, .. } => {
+                self.actual = mean_displacement;
+                if self.sweep.take().is_some() {
+                    self.target = mean_displacement;
+                }
+                // At rest elsewhere without a failure: a newer target is already on its way to the solver.
+                self.busy = self.failure.is_none() && mean_displacement != self.target;
+            }
+            Event::Failed { message, remedy, .. } => {
+                self.failure = Some(Failure { message, remedy });
+                self.sweep = None;
+                self.busy = false;
+            }
+        }
+    }
+
+    /// Takes a picture in; stale ones are dropped.
+    pub fn apply_frame(&mut self, run: RunId, frame: Arc<Frame>) {
+        if run != self.run || self.scene_pending {
+            return;
+        }
+        self.moved_to(frame.mean_displacement);
+        self.frame = Some(frame);
+    }
+
+    fn add_state(&mut self, state: StateRecord) {
+        self.moved_to(state.mean_displacement);
+        self.branch = state.branch;
+        self.curve.push(&state, &self.model.law);
+        if self.record.states.len() >= STATES_MAX {
+            self.record.states.drain(..STATES_MAX / 4);
+        }
+        self.record.states.push(state.clone());
+        self.state = Some(state);
+    }
+
+    /// A sweep takes the thumb along; otherwise the thumb stays where the hand left it.
+    fn moved_to(&mut self, u0: f64) {
+        self.actual = u0;
+        if self.sweep.is_some() {
+            self.target = u0;
+        }
+    }
+
+    /// A fresh loop begins: what there was becomes a ghost.
+    fn archive(&mut self) {
+        let old = std::mem::take(&mut self.curve);
+        if old.points().nth(2).is_some() {
+            self.ghosts.push_back(old);
+            if self.ghosts.len() > GHOSTS_MAX {
+                self.ghosts.pop_front();
+            }
+        }
+        self.record = LoopRecord::default();
+        self.closed_loop = None;
+    }
+
+    /// Back to rest at the start.
+    pub fn reset(&mut self) {
+        self.target = self.limits.1;
+        self.restart();
+    }
+
+    /// Replaces the scene, keeping the target where it is possible. A scene that is not allowed is refused in words and changes nothing.
+    /// Returns whether it was taken.
+    pub fn set_scene(&mut self, scene: Scene) -> bool {
+        let model = match scene.model() {
+            Ok(model) => model,
+            Err(error) => {
+                let remedy = "The scene stays as it was; choose a value that is allowed.".to_owned();
+                self.failure = Some(Failure { message: error.to_string(), remedy });
+                return false;
+            }
+        };
+        let at_start = self.target == self.limits.1;
+        self.limits = scene_edit::limits(&scene, &model);
+        if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
+            self.target = self.limits.1;
+        }
+        if model != self.model {
+            self.ghosts.clear();
+        }
+        self.flat_state = curves::flat_state(&scene, &model);
+        self.scene = Arc::new(scene);
+        self.model = model;
+        self.failure = None;
+        self.fit = None;
+        self.axes_version += 1;
+        self.restart();
+        true
+    }
+
+    /// Replaces the scene by an edited one, remembering the old one for undo.
+    pub fn edit_scene(&mut self, scene: Scene) {
+        let before = self.scene.clone();
+        if scene != *before && self.set_scene(scene) {
+            self.history.remember(before);
+        }
+    }
+
+    /// Opens another scene at rest at its start, which can be taken back like an edit.
+    pub fn open_scene(&mut self, scene: Scene) {
+        let before = self.scene.clone();
+        self.target = self.limits.1;
+        if self.set_scene(scene) {
+            self.history.end_gesture();
+            self.history.remember(before);
+            self.hint = true;
+            self.notice = None;
+        }
+    }
+
+    /// Undo (or redo) of a scene edit.
+    pub fn travel(&mut self, back: bool) {
+        let present = self.scene.clone();
+        let scene = if back { self.history.undo(present) } else { self.history.redo(present) };
+        if let Some(scene) = scene {
+            self.set_scene((*scene).clone());
+        }
+    }
+
+    /// Chooses the method, which begins a new run.
+    pub fn set_method(&mut self, method: MethodKind) {
+        if method != self.method {
+            self.method = method;
+            self.restart();
+        }
+    }
+
+    /// Forgets the run; the solver is told at the end of the frame.
+    fn restart(&mut self) {
+        self.scene_pending = true;
+        self.target_pending = self.target != self.limits.1;
+        self.outbox.clear();
+        if self.paused {
+            self.pause(false);
+        }
+        self.sweep = None;
+        self.busy = self.target_pending;
+        self.ready = None;
+        self.state = None;
+        self.actual = self.limits.1;
+        self.branch = Branch::Approach;
+        self.record = LoopRecord::default();
+        self.curve = Curve::default();
+        self.closed_loop = None;
+    }
+
+    /// What the solver must hear, at most one scene and one target per frame, in the order that makes sense to it.
+    pub fn take_commands(&mut self) -> Vec<Command> {
+        let mut commands = Vec::new();
+        if std::mem::take(&mut self.scene_pending) {
+            self.run += 1;
+            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method });
+        }
+        if std::mem::take(&mut self.target_pending) {
+            self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
+            commands.push(Command::SetTarget { run: self.run, mean_displacement: self.target });
+        }
+        let run = self.run;
+        commands.extend(self.outbox.drain(..).map(|command| match command {
+            Command::Sweep { sweep, .. } => Command::Sweep { run, sweep },
+            other => other,
+        }));
+        commands
+    }
+
+    /// A jump in words.
+    pub fn say_jump(&self, jump: &JumpRecord) -> String {
+        format!(
+            "{} → {} at u₀ = {:.3} ρ on {}, released {:.4} γ ({})",
+            jump.from,
+            jump.to,
+            jump.mean_displacement / self.rho(),
+            jump.branch,
+            jump.released_energy,
+            jump.cause
+        )
+    }
+}

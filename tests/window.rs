@@ -1,0 +1,602 @@
+//! The real window, driven through its accessible labels by a solver that is stepped by hand. No display, no graphics, no time.
+#![cfg(feature = "gui")]
+
+use egui::{Key, Modifiers, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use ndarray::Array2;
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::Arc;
+use tackscope::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
+use tackscope::experiment::scene::{Model, Points, Scene};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::theory::flat;
+use tackscope::solver::Stop;
+use tackscope::solver::method::MethodKind;
+use tackscope::storage::{presets, scene_file};
+use tackscope::ui::App;
+use tackscope::ui::handle::SolverHandle;
+use tackscope::ui::theme;
+use tackscope::ui::view_state::ViewState;
+use tackscope::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+
+/// What the window said, and what it will hear at its next frame.
+#[derive(Default)]
+struct Wire {
+    commands: Vec<Command>,
+    events: Vec<Event>,
+    frame: Option<(RunId, Arc<Frame>)>,
+}
+
+/// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
+#[derive(Clone, Default)]
+struct FakeSolver(Rc<RefCell<Wire>>);
+
+impl SolverHandle for FakeSolver {
+    fn send(&mut self, command: Command) {
+        self.0.borrow_mut().commands.push(command);
+    }
+
+    fn poll(&mut self) -> (Vec<Event>, Option<(RunId, Arc<Frame>)>) {
+        let mut wire = self.0.borrow_mut();
+        (std::mem::take(&mut wire.events), wire.frame.take())
+    }
+}
+
+/// The window under test.
+struct Bench {
+    window: Harness<'static, App>,
+    solver: FakeSolver,
+    model: Model,
+}
+
+fn fig2() -> Scene {
+    scene_file::parse(presets::find("fig2").expect("fig2 is built in").text, "fig2").expect("fig2 is allowed")
+}
+
+impl Bench {
+    /// At rest at the start of Fig. 2.
+    fn new() -> Self {
+        Self::sized(1280.0, 800.0)
+    }
+
+    fn sized(width: f32, height: f32) -> Self {
+        let solver = FakeSolver::default();
+        let scene = fig2();
+        let model = scene.model().expect("fig2 is allowed");
+        let state = ViewState::new(scene).expect("fig2 is allowed");
+        // A desktop without a file chooser: every question is answered by nothing.
+        let app = App::with_chooser(solver.clone(), state, |_| Box::pin(std::future::ready(None::<PathBuf>)));
+        let window = Harness::builder()
+            .with_size(vec2(width, height))
+            .with_context_setup(theme::install)
+            .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
+        let mut bench = Self { window, solver, model };
+        bench.window.run();
+        bench
+    }
+
+    /// Draws until nothing wants to be drawn any more.
+    fn settle(&mut self) {
+        self.window.run();
+    }
+
+    fn state(&self) -> &ViewState {
+        self.window.state().state()
+    }
+
+    /// The commands since the last call.
+    fn heard(&self) -> Vec<Command> {
+        std::mem::take(&mut self.solver.0.borrow_mut().commands)
+    }
+
+    fn targets(&self) -> Vec<f64> {
+        self.heard()
+            .into_iter()
+            .filter_map(|command| match command {
+                Command::SetTarget { mean_displacement, .. } => Some(mean_displacement),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn scenes(&self) -> Vec<Arc<Scene>> {
+        self.heard()
+            .into_iter()
+            .filter_map(|command| match command {
+                Command::SetScene { scene, .. } => Some(scene),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn say(&mut self, event: Event) {
+        self.solver.0.borrow_mut().events.push(event);
+        self.window.step();
+        self.settle();
+    }
+
+    /// The solver reaches the flat state at `u0`: its closed form.
+    fn reach(&mut self, u0: f64, branch: Branch) {
+        let run = self.state().run;
+        let law = self.model.law;
+        let stress = law.at(u0).traction;
+        let state = StateRecord {
+            branch,
+            mean_displacement: u0,
+            stress,
+            stress_over_max: stress / law.traction_max(),
+            contact_area: 0.0,
+            pattern: Pattern::Flat,
+            residual: 0.0,
+            stiffness_min: flat::stiffness_min(&law, self.model.grid.length, u0),
+            stiffness_error: 0.0,
+            energy: law.at(u0).energy,
+            model: "flat, closed form",
+            stop: Stop::Stable,
+            iterations: 0,
+            transforms: 0,
+            milliseconds: 0.01,
+        };
+        let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
+        let frame = Frame { mean_displacement: u0, stress, gap, relaxing: false, state: Some(state.clone()) };
+        self.solver.0.borrow_mut().frame = Some((run, Arc::new(frame)));
+        self.say(Event::State { run, state });
+    }
+
+    fn jump(&mut self, u0: f64) {
+        let jump = JumpRecord {
+            branch: Branch::Approach,
+            mean_displacement: u0,
+            from: Pattern::Flat,
+            to: Pattern::Ridge,
+            stress_before: 0.01,
+            stress_after: 0.03,
+            released_energy: 0.1234,
+            cause: Cause::FlatLimit,
+        };
+        let run = self.state().run;
+        self.say(Event::Jump { run, jump });
+    }
+
+    fn click(&mut self, label: &str) {
+        self.window.get_by_label(label).click();
+        self.settle();
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.window.key_press_modifiers(modifiers, key);
+        self.settle();
+    }
+
+    /// Drags from the middle of the control with this label.
+    fn drag(&mut self, label: &str, by: &[egui::Vec2]) {
+        let from = self.window.get_by_label(label).rect().center();
+        self.window.hover_at(from);
+        self.window.step();
+        self.window.drag_at(from);
+        self.window.step();
+        for step in by {
+            self.window.hover_at(from + *step);
+            self.window.step();
+        }
+        self.window.drop_at(from + by.last().copied().unwrap_or_default());
+        self.settle();
+    }
+
+    /// Types into the field with this label.
+    fn enter(&mut self, label: &str, text: &str) {
+        let field = self.window.get_by_role_and_label(egui::Role::SpinButton, label);
+        field.click();
+        self.window.run();
+        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.window.run();
+        self.window.event(egui::Event::Text(text.to_owned()));
+        self.window.run();
+        self.window.key_press(Key::Enter);
+        self.settle();
+    }
+
+    fn names(&self) -> String {
+        fn walk(node: egui_kittest::Node<'_>, all: &mut String) {
+            if let Some(label) = node.accesskit_node().label() {
+                all.push_str(&label);
+                all.push('\n');
+            }
+            if let Some(value) = node.accesskit_node().value() {
+                all.push_str(&value);
+                all.push('\n');
+            }
+            for child in node.children() {
+                walk(child, all);
+            }
+        }
+        let mut all = String::new();
+        walk(self.window.root(), &mut all);
+        all
+    }
+}
+
+#[test]
+fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
+    let bench = Bench::new();
+    let heard = bench.heard();
+    assert!(matches!(&heard[..], [Command::SetScene { run: 1, method: MethodKind::NewtonKrylov, .. }]), "{heard:?}");
+    assert!(bench.state().hint);
+    assert_eq!(bench.state().target, bench.state().limits.1);
+}
+
+#[test]
+fn every_control_is_found_by_its_label() {
+    let bench = Bench::new();
+    for label in [
+        "mean displacement u0",
+        "mesh number mu_rho",
+        "law morse",
+        "law mie",
+        "law cosine",
+        "law double exponential",
+        "mu_rho of Dugdale, 0.798",
+        "mu_rho of Hui, 1.09",
+        "range",
+        "mesh",
+        "Line cell (uniform along y)",
+        "Advanced",
+        "Play approach",
+        "Play retract",
+        "Play loop",
+        "Pause",
+        "Stop",
+        "Reset",
+        "Open…",
+        "Save…",
+        "Export CSV…",
+        "Export PNG…",
+        "Undo",
+        "Redo",
+        "Switch theme",
+        "Help",
+        "Fit",
+        "Centre the pattern",
+        "Smooth",
+    ] {
+        assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
+    }
+    for label in ["Target", "Mesh number μᵨ", "Length L"] {
+        assert!(bench.window.query_by_role_and_label(egui::Role::SpinButton, label).is_some(), "{label}");
+    }
+    for label in ["Preset", "Points n"] {
+        assert!(bench.window.query_by_role_and_label(egui::Role::ComboBox, label).is_some(), "{label}");
+    }
+}
+
+#[test]
+fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.drag("mean displacement u0", &[vec2(0.0, 5.0), vec2(0.0, 20.0), vec2(0.0, 40.0)]);
+    let targets = bench.targets();
+    assert!(targets.len() >= 3, "{targets:?}");
+    assert!(targets.windows(2).all(|w| w[1] < w[0]), "dragging down lowers the body: {targets:?}");
+    assert_eq!(bench.state().target, targets[targets.len() - 1]);
+    bench.settle();
+    assert!(bench.heard().is_empty());
+}
+
+#[test]
+fn the_thumb_stays_where_the_hand_left_it_while_the_solver_is_on_its_way() {
+    let mut bench = Bench::new();
+    bench.press(Modifiers::NONE, Key::End);
+    bench.reach(3.9, Branch::Approach);
+    assert_eq!(bench.state().target, bench.state().limits.0);
+    assert_eq!(bench.state().actual, 3.9);
+    assert!(bench.names().contains("3.9000 ρ"));
+}
+
+#[test]
+fn a_typed_target_is_taken_exactly() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.enter("Target", "3.123456");
+    assert_eq!(bench.targets(), [3.123456]);
+}
+
+#[test]
+fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
+    let mut bench = Bench::new();
+    for (label, wanted) in [("Play approach", Sweep::Approach), ("Play retract", Sweep::Retract), ("Play loop", Sweep::Loop)] {
+        bench.heard();
+        bench.click(label);
+        let heard = bench.heard();
+        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep }] if *sweep == wanted), "{heard:?}");
+    }
+    bench.click("Pause");
+    assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
+    bench.click("Go on");
+    assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
+    bench.click("Stop");
+    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    assert!(!bench.state().busy);
+}
+
+#[test]
+fn a_sweep_takes_the_thumb_along() {
+    let mut bench = Bench::new();
+    bench.click("Play approach");
+    bench.reach(3.7, Branch::Approach);
+    assert_eq!((bench.state().target, bench.state().actual), (3.7, 3.7));
+    bench.say(Event::Rest { run: 1, mean_displacement: 3.7 });
+    assert!(bench.state().sweep.is_none() && !bench.state().busy);
+}
+
+#[test]
+fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.click("law cosine");
+    let scenes = bench.scenes();
+    assert_eq!(scenes.iter().map(|scene| scene.law.shape.word()).collect::<Vec<_>>(), ["cosine"]);
+    assert_eq!(bench.state().run, 2);
+    bench.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.scenes().iter().map(|scene| (**scene).clone()).collect::<Vec<_>>(), [fig2()]);
+    bench.press(Modifiers::COMMAND, Key::Y);
+    assert_eq!(bench.state().scene.law.shape.word(), "cosine");
+    bench.click("Undo");
+    assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn one_drag_of_mu_rho_is_one_undo_and_at_most_one_scene_a_frame() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.drag("mesh number mu_rho", &[vec2(-5.0, 0.0), vec2(-12.0, 0.0), vec2(-20.0, 0.0), vec2(-30.0, 0.0)]);
+    let scenes = bench.scenes();
+    assert!((3..=6).contains(&scenes.len()), "{}", scenes.len());
+    assert_ne!(*bench.state().scene, fig2());
+    bench.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(*bench.state().scene, fig2());
+    assert!(!bench.state().history.can_undo());
+}
+
+#[test]
+fn a_named_mesh_of_table_1_sets_its_mu_rho_exactly_and_warns_above_one_half() {
+    let mut bench = Bench::new();
+    bench.click("mu_rho of Dugdale, 0.798");
+    assert!((bench.state().model.mu_rho - 0.798).abs() < 1e-12);
+    assert!(bench.names().contains("Above 0.5 the mesh lies"));
+}
+
+#[test]
+fn with_the_mesh_following_the_law_stays_and_the_number_of_points_changes() {
+    let mut bench = Bench::new();
+    let before = bench.state().model.clone();
+    bench.click("mesh");
+    bench.click("mu_rho of safe, 0.5");
+    let after = bench.state().model.clone();
+    assert!((after.law.range - before.law.range).abs() < 1e-12);
+    assert!(after.grid.nx.is_multiple_of(2) && (after.mu_rho - 0.5).abs() < 0.03, "{} points, {}", after.grid.nx, after.mu_rho);
+}
+
+#[test]
+fn a_line_cell_is_one_click_away() {
+    let mut bench = Bench::new();
+    bench.click("Line cell (uniform along y)");
+    assert!(matches!(bench.state().scene.cell.points, Points::Line(_)));
+    assert!(bench.state().model.grid.is_line());
+}
+
+#[test]
+fn keys_step_coarsely_finely_and_to_the_ends() {
+    let mut bench = Bench::new();
+    let (low, high) = bench.state().limits;
+    let step = bench.state().scene.drive.step;
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+    bench.press(Modifiers::NONE, Key::ArrowLeft);
+    near(bench.state().target, high - step);
+    bench.press(Modifiers::SHIFT, Key::ArrowLeft);
+    near(bench.state().target, high - 1.1 * step);
+    bench.press(Modifiers::NONE, Key::PageDown);
+    near(bench.state().target, high - 11.1 * step);
+    bench.press(Modifiers::NONE, Key::ArrowRight);
+    near(bench.state().target, high - 10.1 * step);
+    bench.press(Modifiers::NONE, Key::End);
+    assert_eq!(bench.state().target, low);
+    bench.press(Modifiers::NONE, Key::Home);
+    assert_eq!(bench.state().target, high);
+}
+
+#[test]
+fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.press(Modifiers::NONE, Key::Space);
+    assert!(matches!(bench.heard()[..], [Command::Sweep { sweep: Sweep::Loop, .. }]));
+    bench.press(Modifiers::NONE, Key::Space);
+    assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
+    bench.press(Modifiers::NONE, Key::Space);
+    assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    bench.reach(3.0, Branch::Approach);
+    bench.say(Event::Rest { run: 1, mean_displacement: 3.0 });
+    bench.press(Modifiers::NONE, Key::Escape);
+    bench.heard();
+    bench.press(Modifiers::NONE, Key::Period);
+    bench.press(Modifiers::NONE, Key::R);
+    bench.press(Modifiers::NONE, Key::Period);
+    let targets = bench.targets();
+    assert!(targets.len() == 2 && targets[0] < 3.0 && targets[1] > targets[0], "{targets:?}");
+}
+
+#[test]
+fn keys_do_not_fire_while_something_is_typed() {
+    let mut bench = Bench::new();
+    bench.click("Export CSV…");
+    bench.heard();
+    bench.press(Modifiers::NONE, Key::Space);
+    bench.press(Modifiers::NONE, Key::End);
+    bench.press(Modifiers::NONE, Key::R);
+    assert!(bench.heard().is_empty());
+}
+
+#[test]
+fn number_keys_load_presets() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.press(Modifiers::NONE, Key::Num2);
+    let wanted = scene_file::parse(presets::all()[1].text, "second").expect("a preset is allowed");
+    assert_eq!(bench.scenes().iter().map(|scene| scene.title.clone()).collect::<Vec<_>>(), [wanted.title]);
+}
+
+#[test]
+fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
+    let mut bench = Bench::new();
+    bench.reach(3.2, Branch::Approach);
+    assert!(bench.state().hint);
+    bench.jump(3.102);
+    assert!(!bench.state().hint);
+    let names = bench.names();
+    for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jump,"] {
+        assert!(names.contains(words), "{words} in {names}");
+    }
+}
+
+#[test]
+fn the_map_and_the_plot_say_one_sentence_each() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Branch::Approach);
+    let names = bench.names();
+    assert!(names.contains("Gap map: flat, gap from 3.900 to 3.900 rho"), "{names}");
+    assert!(names.contains("Stress against u0: flat at u0 3.900 rho"), "{names}");
+}
+
+#[test]
+fn the_status_bar_says_stability_model_and_cost() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Branch::Approach);
+    let names = bench.names();
+    for words in ["stable, stiffness_min", "flat, closed form", "Newton-Krylov", "0 iterations", "mesh "] {
+        assert!(names.contains(words), "{words} in {names}");
+    }
+}
+
+#[test]
+fn stale_events_of_an_older_run_are_dropped() {
+    let mut bench = Bench::new();
+    bench.click("law cosine");
+    let state = bench.state().clone();
+    bench.say(Event::Failed { run: 1, message: "old".to_owned(), remedy: String::new() });
+    bench.say(Event::Rest { run: 1, mean_displacement: 1.0 });
+    assert_eq!(bench.state().failure, None);
+    assert_eq!(bench.state().actual, state.actual);
+}
+
+#[test]
+fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Branch::Approach);
+    bench.say(Event::Failed {
+        run: 1,
+        message: "did not converge at u0 = 0.31".to_owned(),
+        remedy: "Take a smaller step.".to_owned(),
+    });
+    let names = bench.names();
+    assert!(names.contains("did not converge") && names.contains("Take a smaller step."), "{names}");
+    assert_eq!(bench.state().actual, 3.9);
+    bench.click("Dismiss");
+    assert_eq!(bench.state().failure, None);
+}
+
+#[test]
+fn a_closed_loop_shades_its_area_and_says_its_number() {
+    let mut bench = Bench::new();
+    let run = bench.state().run;
+    let facts = Ready { model: bench.model.clone(), height: None, flat_limits: Some((0.787, 3.102)) };
+    bench.say(Event::Ready { run, ready: Arc::new(facts) });
+    bench.click("Play loop");
+    bench.say(Event::LoopStarted { run });
+    for u0 in [4.0, 3.0, 2.0, 1.0] {
+        bench.reach(u0, Branch::Approach);
+    }
+    for u0 in [2.0, 3.0, 4.0] {
+        bench.reach(u0, Branch::Retraction);
+    }
+    let summary =
+        LoopSummary { dissipated_energy: 0.4321, released_energy_sum: 0.4322, ledger_mismatch: 2e-4, transforms: 9, seconds: 0.1 };
+    bench.say(Event::Loop { run, summary });
+    assert!(bench.names().contains("dissipated 0.4321 γ"));
+    assert!(bench.state().closed_loop.as_ref().is_some_and(|closed| closed.shade.x.len() > 100));
+    bench.say(Event::LoopStarted { run });
+    assert_eq!((bench.state().ghosts.len(), bench.state().closed_loop.is_none()), (1, true));
+}
+
+#[test]
+fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
+    let mut bench = Bench::new();
+    let axes = bench.state().axes();
+    for i in 0..20 {
+        bench.reach(4.0 - 0.1 * f64::from(i), Branch::Approach);
+    }
+    assert_eq!(bench.state().axes(), axes);
+    bench.click("Fit");
+    assert_ne!(bench.state().axes(), axes);
+    bench.click("Scene axes");
+    assert_eq!(bench.state().axes(), axes);
+}
+
+#[test]
+fn without_a_file_chooser_the_path_can_be_typed() {
+    let mut bench = Bench::new();
+    bench.click("Save…");
+    assert!(bench.names().contains("Type the path here."));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("mine.toml");
+    let text = path.display().to_string();
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.window.run();
+    bench.window.event(egui::Event::Text(text));
+    bench.window.run();
+    bench.click("Write");
+    assert!(path.exists());
+    assert!(bench.names().contains("mine.toml written"));
+    bench.click("Open…");
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.window.run();
+    bench.window.event(egui::Event::Text("/nowhere/at/all.toml".to_owned()));
+    bench.window.run();
+    bench.click("Open");
+    assert!(bench.state().failure.is_some(), "{}", bench.names());
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn the_sheet_of_keys_opens_and_closes() {
+    let mut bench = Bench::new();
+    bench.press(Modifiers::NONE, Key::F1);
+    assert!(bench.names().contains("Keys and marks"));
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.names().contains("Keys and marks"));
+}
+
+#[test]
+fn dragging_on_the_map_moves_the_profile_line() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Branch::Approach);
+    let label = "Gap map: flat, gap from 3.900 to 3.900 rho";
+    bench.drag(label, &[vec2(0.0, 10.0), vec2(0.0, 60.0)]);
+    assert!(matches!(bench.state().view.profile, tackscope::ui::action::ProfileLine::AlongX(y) if y < 0.5));
+}
+
+#[test]
+fn a_small_window_keeps_every_panel_inside() {
+    let bench = Bench::sized(900.0, 600.0);
+    for label in ["mean displacement u0", "Play loop", "Help", "Fit", "Centre the pattern"] {
+        let rect = bench.window.get_by_label(label).rect();
+        assert!(rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0, "{label} at {rect:?}");
+    }
+    let map = bench.window.get_by_label("Gap map: no picture yet").rect();
+    assert!(map.width() > 150.0 && egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0)).contains_rect(map), "{map:?}");
+}
