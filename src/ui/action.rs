@@ -115,7 +115,7 @@ impl FileTask {
 /// Along which line the profile is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum ProfileLine {
-    /// Through the smallest gap, along the axis on which the gap varies more.
+    /// Through the middle of the contact, or of the hole in it, along the axis on which the gap varies more.
     #[default]
     Auto,
     /// Along x at this share of the height, 0 to 1.

@@ -135,7 +135,7 @@ pub fn cut(view: &ViewOptions, picture: &GapPicture) -> (bool, usize) {
     match view.profile {
         _ if ny == 1 => (true, 0),
         ProfileLine::Auto => {
-            let (row, column, along_x) = picture.lowest();
+            let (row, column, along_x) = picture.island();
             (along_x, if along_x { row } else { column })
         }
         ProfileLine::AlongX(share) => (true, index(share, ny)),

@@ -13,6 +13,8 @@ pub struct GapPicture {
     pub min: f64,
     /// Largest gap.
     pub max: f64,
+    /// True if the island is a hole in the contact and not a contact.
+    pub hole: bool,
     /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's square.
     pub contour: Vec<[[f32; 2]; 2]>,
 }
@@ -20,11 +22,12 @@ pub struct GapPicture {
 impl GapPicture {
     /// Prepares a field. `contact_gap` is the level of the contact line.
     pub fn new(gap: &Array2<f64>, contact_gap: f64, centred: bool) -> Self {
-        let (dy, dx) = if centred { shift_to_middle(gap, contact_gap) } else { (0, 0) };
+        let hole = 2 * gap.iter().filter(|&&g| g < contact_gap).count() > gap.len();
+        let (dy, dx) = if centred { shift_to_middle(gap, hole) } else { (0, 0) };
         let gap = rolled(gap, dy, dx);
         let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
         let contour = contour(&gap, contact_gap);
-        Self { gap, min, max, contour }
+        Self { gap, min, max, hole, contour }
     }
 
     /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
@@ -39,13 +42,14 @@ impl GapPicture {
         ColorImage::new([nx, ny], pixels)
     }
 
-    /// Row of the smallest gap, and whether the gap varies more along x (true) than along y.
-    pub fn lowest(&self) -> (usize, usize, bool) {
+    /// Row and column of the middle of the island (smallest gap, or largest in a hole), and whether the gap varies more along x (true) than along y.
+    pub fn island(&self) -> (usize, usize, bool) {
         let (ny, nx) = self.gap.dim();
+        let sign = if self.hole { -1.0 } else { 1.0 };
         let mut low = (ny / 2, nx / 2);
         // The middle wins where it is as low as anything: a ridge is then cut in its middle.
         for (at, &g) in self.gap.indexed_iter() {
-            if g < self.gap[low] - 1e-3 * (self.max - self.min) {
+            if sign * g < sign * self.gap[low] - 1e-3 * (self.max - self.min) {
                 low = at;
             }
         }
@@ -64,10 +68,9 @@ pub fn colour(share: f64) -> Color32 {
 }
 
 /// The roll (rows, columns) that brings the island (contact or its hole, whichever is smaller) to the middle: the phase of the first harmonic.
-fn shift_to_middle(gap: &Array2<f64>, contact_gap: f64) -> (usize, usize) {
+fn shift_to_middle(gap: &Array2<f64>, hole: bool) -> (usize, usize) {
     let (ny, nx) = gap.dim();
-    let touching = gap.iter().filter(|&&g| g < contact_gap).count();
-    let sign = if 2 * touching > gap.len() { 1.0 } else { -1.0 };
+    let sign = if hole { 1.0 } else { -1.0 };
     let row_means = gap.rows().into_iter().map(|r| r.sum()).collect::<Vec<_>>();
     let column_means = gap.columns().into_iter().map(|c| c.sum()).collect::<Vec<_>>();
     let scale = gap.iter().map(|g| g.abs()).sum::<f64>();
@@ -136,8 +139,16 @@ mod tests {
     #[test]
     fn an_island_is_rolled_to_the_middle() {
         let picture = GapPicture::new(&island(32, 32, 3.0, 29.0), 2.5, true);
-        assert_eq!(picture.lowest().0, 16);
+        assert_eq!(picture.island().0, 16);
         assert_eq!(picture.gap[(16, 16)], picture.min);
+    }
+
+    #[test]
+    fn a_hole_in_the_contact_is_rolled_to_the_middle_and_cut_there() {
+        let picture = GapPicture::new(&(island(32, 32, 3.0, 29.0) * -1.0 + 6.0), 3.0, true);
+        assert!(picture.hole);
+        assert_eq!(picture.island(), (16, 16, true));
+        assert_eq!(picture.gap[(16, 16)], picture.max);
     }
 
     #[test]
@@ -164,6 +175,6 @@ mod tests {
         let field = Array2::from_shape_fn((1, 32), |(_, i)| 3.0 - (TAU * (i as f64 - 5.0) / 32.0).cos());
         let picture = GapPicture::new(&field, 1.0, true);
         assert_eq!(picture.gap[(0, 16)], picture.min);
-        assert!(picture.lowest().2);
+        assert!(picture.island().2);
     }
 }

@@ -2,12 +2,14 @@
 
 use super::action::Action;
 use super::curves::Curve;
+use super::scene_edit;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::record::Branch;
 use egui::{Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{
-    Arrows, FilledArea, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotUi, Points, Text,
+    Arrows, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints,
+    PlotUi, Points, Text,
 };
 
 /// Draws heading, legend and plot, of this height in all. `axes_seen` remembers which axes the plot has been given.
@@ -33,9 +35,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         .allow_double_click_reset(false)
         .auto_bounds(false)
         .x_axis_label("u₀ / ρ")
-        .y_axis_label("stress / σₘₐₓ  (pulling up)")
+        .y_axis_label("stress / σₘₐₓ")
         .y_axis_min_width(30.0)
         .grid_color(grid)
+        .x_grid_spacer(|input| ticks(input, 7.0))
+        .y_grid_spacer(|input| ticks(input, 8.0))
         .show_crosshair(false)
         .label_formatter(|at| {
             let p = match at {
@@ -131,6 +135,18 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
 
 fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
     Line::new(name, PlotPoints::from(points.to_vec())).stroke(Stroke::new(width, colour))
+}
+
+/// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
+fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let step = scene_edit::tick_spacing(high - low, count);
+    let first = (low / step).ceil();
+    (0..60)
+        .map(|i| (first + f64::from(i)) * step)
+        .take_while(|x| *x <= high)
+        .map(|value| GridMark { value, step_size: step })
+        .collect()
 }
 
 /// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.
