@@ -80,15 +80,21 @@ fn released_energies_add_up_to_the_loop_integral_and_none_is_negative() {
 
 #[test]
 fn along_branches_stress_is_the_derivative_of_the_energy() {
-    for pair in fig2().record.states.windows(2) {
-        let du = pair[1].mean_displacement - pair[0].mean_displacement;
-        let jumped = fig2().record.jumps.iter().any(|j| j.mean_displacement == pair[1].mean_displacement);
-        if !jumped {
-            let missing = pair[1].energy - pair[0].energy - 0.5 * (pair[0].stress + pair[1].stress) * du;
-            // The trapezoid's own error: a third difference, largest next to a fold.
-            assert!(missing.abs() < 1e-5 * 0.15, "{missing:e} at {}", pair[1].mean_displacement);
+    let states = &fig2().record.states;
+    let mut checked = 0;
+    for three in states.windows(3) {
+        let [a, b, c] = [&three[0], &three[1], &three[2]].map(|s| s.mean_displacement);
+        // Simpson's rule needs equal steps on one branch; within half a range of a fold its own error is not small.
+        let near_a_jump = fig2().record.jumps.iter().any(|j| j.branch == three[2].branch && (j.mean_displacement - b).abs() < 0.5);
+        if near_a_jump || three[0].pattern != three[2].pattern || ((b - a) - (c - b)).abs() > 1e-9 {
+            continue;
         }
+        let work = (c - a) / 6.0 * (three[0].stress + 4.0 * three[1].stress + three[2].stress);
+        let missing = three[2].energy - three[0].energy - work;
+        assert!(missing.abs() < 1e-9 * 0.15, "{missing:e} at {b}");
+        checked += 1;
     }
+    assert!(checked > 100, "{checked}");
 }
 
 #[test]

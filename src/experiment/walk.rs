@@ -3,36 +3,29 @@
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment, or a slice of a release) and hands
 //! out what happened. It works on any scene and is the reference for every faster road.
 
+mod advance;
+mod landing;
+
 use super::flat_branch::FlatBranch;
 use super::record::{Branch, Cause, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm};
+use crate::numerics::vector::norm;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
-use crate::solver::method::{Lost, Method, MethodKind, Problem};
-use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
-use crate::solver::release::{Release, Slice};
-use crate::solver::stability::{Tracker, random_smooth};
+use crate::solver::method::{Method, MethodKind, Problem};
+use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
+use crate::solver::release::Release;
+use crate::solver::stability::Tracker;
 use ndarray::Array2;
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 
-/// Width, in ranges, to which the end of a branch is bracketed.
-const LOCATED: f64 = 1e-4;
-/// Root mean square kick along the soft mode, in ranges.
-const KICK: f64 = 0.1;
-/// Released energy, in gamma, below which a landing on the same pattern is no jump.
-const EVENT: f64 = 1e-6;
-/// Time steps of a release between two pictures.
-const SLICE: usize = 6;
-/// How often an unstable landing may be kicked on before the walk gives up.
-const KICKS: usize = 8;
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
 
@@ -253,318 +246,6 @@ impl Walk {
             Some(flat) if self.state.is_uniform() => self.step_flat(flat, observe),
             _ => self.step_patterned(cancel, observe),
         }
-    }
-
-    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
-    fn next_displacement(&self) -> f64 {
-        let here = self.state.mean_displacement;
-        if let Some(barrier) = &self.barrier {
-            return self.towards(barrier);
-        }
-        let k = (self.start - here) / self.step;
-        match self.direction {
-            Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target),
-            Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target),
-        }
-    }
-
-    /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
-    /// where there is no expectation, or it did not help last time.
-    fn towards(&self, barrier: &Barrier) -> f64 {
-        let here = self.state.mean_displacement;
-        let width = barrier.at - here;
-        let (Some(a), Some(b)) = (self.state.stiffness_min, barrier.stiffness) else {
-            return here + 0.5 * width;
-        };
-        let share = a.value / (a.value - b);
-        let fine = LOCATED * self.model.law.range / width.abs();
-        // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
-        let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
-        if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
-    }
-
-    fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let next = self.next_displacement();
-        let Some((stable, unstable)) = flat.limit_between(self.state.mean_displacement, next) else {
-            self.state = flat.state(next, self.system.dimension());
-            self.accept(observe);
-            return Progress::Working;
-        };
-        if stable != self.state.mean_displacement {
-            self.state = flat.state(stable, self.system.dimension());
-            self.accept(observe);
-        }
-        let soft = self.random_soft_wave();
-        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
-    }
-
-    /// All first waves of the cell go soft together; the seed mixes them.
-    fn random_soft_wave(&mut self) -> Vec<f64> {
-        let q1 = self.system.grid().q1();
-        let mut z = random_smooth(&self.system, &mut self.rng);
-        for (z, e) in z.iter_mut().zip(self.system.elastic()) {
-            if 2.0 * e > 1.1 * q1 {
-                *z = 0.0;
-            }
-        }
-        let length = norm(&z);
-        z.iter_mut().for_each(|z| *z /= length);
-        z
-    }
-
-    fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let located = LOCATED * self.model.law.range;
-        let here = self.state.mean_displacement;
-        if let Some(mut barrier) = self.barrier.take_if(|b| (b.at - here).abs() <= located) {
-            if barrier.stiffness.is_none() {
-                barrier.soft_mode = self.state.soft_mode.clone();
-            }
-            return self.release(barrier, true);
-        }
-        let next = self.next_displacement();
-        let problem = problem(&self.system, &self.preconditioner, self.slides);
-        let locates = self.method.locates();
-        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
-        match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
-            Ok(mut state) => {
-                self.counts.iterations += state.cost.iterations;
-                let (stiffness, mode) =
-                    self.tracker.check(&self.system, &state.field, self.slides, &self.preconditioner, &mut self.ws, cancel);
-                if cancel.requested() {
-                    return Progress::Cancelled;
-                }
-                state.measured(stiffness, mode);
-                if state.stop != Stop::Unstable || !locates {
-                    self.take(state, observe);
-                    self.watch_bracket();
-                    return Progress::Working;
-                }
-                barrier.cause = Cause::SymmetryBreaking;
-                barrier.stiffness = Some(stiffness.value);
-                barrier.soft_mode = state.soft_mode;
-            }
-            Err(Lost::Cancelled) => return Progress::Cancelled,
-            Err(_) if !locates => {
-                return Progress::Stuck(format!(
-                    "{} left the numbers at u0 = {next:.6}: its time step is beyond the stability limit for this compression",
-                    self.method.name()
-                ));
-            }
-            Err(Lost::Unstable | Lost::Gone) => {}
-        }
-        self.barrier = Some(barrier);
-        self.watch_bracket();
-        Progress::Working
-    }
-
-    fn watch_bracket(&mut self) {
-        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.state.mean_displacement).abs());
-        self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
-        self.bracket = width;
-    }
-
-    /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
-    fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) {
-        let (before, energy, stress) = (self.record.clone(), self.state.energy, self.state.stress);
-        let du = state.mean_displacement - self.state.mean_displacement;
-        let work = 0.5 * (stress + state.stress) * du;
-        let released = (energy + work - state.energy) / self.model.law.surface_energy;
-        self.history.push(state.mean_displacement, state.field.clone());
-        self.state = state;
-        if self.method.locates() {
-            self.preconditioner.refresh(&self.system, &mut self.ws);
-        }
-        let pattern = self.pattern();
-        if !self.method.locates() && pattern != before.pattern {
-            observe(Happening::Jump(JumpRecord {
-                branch: self.direction,
-                mean_displacement: self.state.mean_displacement,
-                from: before.pattern,
-                to: pattern,
-                stress_before: stress,
-                stress_after: self.state.stress,
-                released_energy: released,
-                cause: Cause::PatternChange,
-            }));
-        }
-        self.accept(observe);
-    }
-
-    /// Starts the release at a barrier. `choose`: take the side of the soft mode on which the energy falls.
-    fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
-        let du = barrier.at - self.state.mean_displacement;
-        let energy_before = self.state.energy + self.state.stress * du;
-        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, choose);
-        self.jumping = Some(Jumping { release: Release::new(z, barrier.at), cause: barrier.cause, kicks: 1, energy_before });
-        Progress::Working
-    }
-
-    /// `z` moved by the kick along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
-    fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], choose: bool) -> Vec<f64> {
-        let size = KICK * self.model.law.range;
-        let random = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
-        let mut side = |sign: f64| {
-            let mut moved = z.to_vec();
-            if !mode.is_empty() {
-                add(&mut moved, sign * size, mode);
-            }
-            let mut g = vec![0.0; moved.len()];
-            let energy = self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy;
-            (moved, energy)
-        };
-        let (one, energy_one) = side(random);
-        if !choose {
-            return one;
-        }
-        let (other, energy_other) = side(-random);
-        let equal = 1e-7 * self.model.law.surface_energy;
-        if energy_other < energy_one - equal || !energy_one.is_finite() { other } else { one }
-    }
-
-    fn relax(&mut self, mut jumping: Jumping, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let slice = jumping.release.advance(&self.system, SLICE, &mut self.preconditioner, self.slides, &mut self.ws, cancel);
-        let u0 = jumping.release.u0;
-        match slice {
-            Slice::Moving => {
-                let stress = jumping.release.stress;
-                self.jumping = Some(jumping);
-                observe(Happening::Moving { stress });
-                Progress::Working
-            }
-            Slice::Cancelled => {
-                self.jumping = Some(jumping);
-                Progress::Cancelled
-            }
-            Slice::Stuck => Progress::Stuck(format!("the release at u0 = {u0:.6} found no way down")),
-            Slice::Settled(settled) => self.settle(jumping, settled, cancel, observe),
-        }
-    }
-
-    /// Checks the stability of where the release came to rest; lands there, or kicks on.
-    fn settle(
-        &mut self,
-        mut jumping: Jumping,
-        settled: NewtonState,
-        cancel: &Cancel,
-        observe: &mut dyn FnMut(Happening),
-    ) -> Progress {
-        let u0 = jumping.release.u0;
-        let dimension = self.system.dimension();
-        let landed = match self.flat {
-            Some(flat) if norm(&settled.z) < 1e-4 * self.model.law.range => {
-                let mut state = flat.state(u0, dimension);
-                if state.stop == Stop::Unstable {
-                    state.soft_mode = self.random_soft_wave();
-                }
-                state
-            }
-            _ => match self.measure(settled, u0, &jumping, cancel) {
-                Some(state) => state,
-                None => {
-                    self.jumping = Some(jumping);
-                    return Progress::Cancelled;
-                }
-            },
-        };
-        if landed.stop == Stop::Unstable {
-            if jumping.kicks >= KICKS {
-                return Progress::Stuck(format!("after the jump at u0 = {u0:.6} every resting place found was unstable"));
-            }
-            jumping.kicks += 1;
-            let z = self.kicked(&landed.field, u0, &landed.soft_mode, true);
-            jumping.release = Release::new(z, u0);
-            self.jumping = Some(jumping);
-            return Progress::Working;
-        }
-        self.land(jumping, landed, observe)
-    }
-
-    /// Centres, polishes and measures a settled pattern; `None` if cancelled.
-    fn measure(&mut self, settled: NewtonState, u0: f64, jumping: &Jumping, cancel: &Cancel) -> Option<Equilibrium> {
-        let steps = jumping.release.steps;
-        let mut settled = settled;
-        if self.slides {
-            let centred = self.centred(&settled.z);
-            let limits = NewtonLimits::default();
-            let polished =
-                solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
-            if polished.end == NewtonEnd::Converged {
-                settled = polished;
-            }
-        }
-        let mut gradient = vec![0.0; settled.z.len()];
-        self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
-        self.preconditioner.refresh(&self.system, &mut self.ws);
-        self.tracker.reset();
-        let (stiffness, mode) =
-            self.tracker.check(&self.system, &settled.z, self.slides, &self.preconditioner, &mut self.ws, cancel);
-        if cancel.requested() {
-            return None;
-        }
-        let mut state = Equilibrium {
-            mean_displacement: u0,
-            field: settled.z,
-            residual: settled.residual,
-            stress: settled.at.stress,
-            energy: settled.at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost { iterations: settled.steps + steps, transforms: 0 },
-        };
-        state.measured(stiffness, mode);
-        Some(state)
-    }
-
-    /// Moves a pattern by less than half a mesh spacing so that its centre lies on a mesh point. There the mesh's own weak pinning
-    /// vanishes by symmetry; elsewhere it would keep the residual from converging.
-    fn centred(&self, z: &[f64]) -> Vec<f64> {
-        let grid = self.system.grid();
-        let shift = |pair: usize| {
-            let (re, im) = (z[2 * pair], z[2 * pair + 1]);
-            if re.hypot(im) < 1e-3 * norm(z) {
-                return 0.0;
-            }
-            // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
-            let x0 = -im.atan2(re) / grid.q1();
-            (x0 / grid.spacing()).round() * grid.spacing() - x0
-        };
-        let (along_x, along_y) = (grid.ny, 1);
-        let dy = if grid.is_line() { 0.0 } else { shift(along_y) };
-        self.system.moved(z, shift(along_x), dy)
-    }
-
-    fn land(&mut self, jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let law = self.model.law;
-        let released = (jumping.energy_before - landed.energy) / law.surface_energy;
-        let (from, stress_before) = (self.record.pattern, self.state.stress);
-        self.counts.iterations += landed.cost.iterations;
-        if released < -1e-7 {
-            return Progress::Stuck(format!(
-                "the release at u0 = {:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver",
-                landed.mean_displacement
-            ));
-        }
-        self.state = landed;
-        let to = self.pattern();
-        // Newton can fail on a branch that goes on, and a mode can soften without a jump; then nothing is released.
-        if from == to && released <= EVENT {
-            self.history.push(self.state.mean_displacement, self.state.field.clone());
-        } else {
-            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
-            observe(Happening::Jump(JumpRecord {
-                branch: self.direction,
-                mean_displacement: self.state.mean_displacement,
-                from,
-                to,
-                stress_before,
-                stress_after: self.state.stress,
-                released_energy: released,
-                cause: jumping.cause,
-            }));
-        }
-        self.accept(observe);
-        Progress::Working
     }
 
     fn rest_at_start(&mut self) {

@@ -120,7 +120,7 @@ impl System {
 
     /// The gap field of amplitudes `z` at mean displacement `u0`, into `ws.gap`. One transform.
     pub fn gap(&self, z: &[f64], u0: f64, ws: &mut Workspace) {
-        self.to_spectrum(z, &mut ws.spectrum);
+        self.fill_spectrum(z, &mut ws.spectrum);
         ws.spectrum[[0, 0]] = Complex::new(u0, 0.0);
         self.fourier.inverse(&mut ws.spectrum, &mut ws.gap, &mut ws.scratch);
         ws.transforms += 1;
@@ -137,7 +137,7 @@ impl System {
         self.fourier.forward(&ws.traction, &mut ws.spectrum, &mut ws.scratch);
         ws.transforms += 1;
         let stress = ws.spectrum[[0, 0]].re;
-        self.from_spectrum(&ws.spectrum, gradient);
+        self.read_spectrum(&ws.spectrum, gradient);
         let mut elastic = 0.0;
         for ((g, z), e) in gradient.iter_mut().zip(z).zip(&self.elastic) {
             *g += e * z;
@@ -148,12 +148,12 @@ impl System {
 
     /// The Hessian at the last evaluated state times `v`. Two transforms.
     pub fn hessian(&self, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.to_spectrum(v, &mut ws.spectrum);
+        self.fill_spectrum(v, &mut ws.spectrum);
         self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
         ws.field *= &ws.stiffness;
         self.fourier.forward(&ws.field, &mut ws.spectrum, &mut ws.scratch);
         ws.transforms += 2;
-        self.from_spectrum(&ws.spectrum, out);
+        self.read_spectrum(&ws.spectrum, out);
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
         }
@@ -182,7 +182,7 @@ impl System {
 
     /// The real field of amplitudes `v` (without mean). One transform.
     pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
-        self.to_spectrum(v, &mut ws.spectrum);
+        self.fill_spectrum(v, &mut ws.spectrum);
         self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
         ws.transforms += 1;
         &ws.field
@@ -193,7 +193,7 @@ impl System {
         let mut z = vec![0.0; self.dimension()];
         self.fourier.forward(field, &mut ws.spectrum, &mut ws.scratch);
         ws.transforms += 1;
-        self.from_spectrum(&ws.spectrum, &mut z);
+        self.read_spectrum(&ws.spectrum, &mut z);
         z
     }
 
@@ -242,7 +242,7 @@ impl System {
         if k == 0 || 2 * k == self.grid.nx { 1.0 } else { std::f64::consts::SQRT_2 }
     }
 
-    fn to_spectrum(&self, z: &[f64], spectrum: &mut Array2<Complex<f64>>) {
+    fn fill_spectrum(&self, z: &[f64], spectrum: &mut Array2<Complex<f64>>) {
         for (k, (row, z)) in flat(spectrum).chunks_exact_mut(self.grid.ny).zip(z.chunks_exact(2 * self.grid.ny)).enumerate() {
             let s = 1.0 / self.weight(k);
             for (c, z) in row.iter_mut().zip(z.chunks_exact(2)) {
@@ -251,7 +251,7 @@ impl System {
         }
     }
 
-    fn from_spectrum(&self, spectrum: &Array2<Complex<f64>>, z: &mut [f64]) {
+    fn read_spectrum(&self, spectrum: &Array2<Complex<f64>>, z: &mut [f64]) {
         let rows = spectrum.as_slice().expect("standard layout").chunks_exact(self.grid.ny);
         for (k, (row, z)) in rows.zip(z.chunks_exact_mut(2 * self.grid.ny)).enumerate() {
             let s = self.weight(k);

@@ -1,0 +1,151 @@
+//! One increment along a branch, and the bracketing of where the branch ends.
+
+use super::{Barrier, Happening, Progress, Walk, problem};
+use crate::experiment::flat_branch::FlatBranch;
+use crate::experiment::record::{Branch, Cause, JumpRecord};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::norm;
+use crate::solver::Stop;
+use crate::solver::equilibrium::Equilibrium;
+use crate::solver::method::Lost;
+use crate::solver::stability::random_smooth;
+
+/// Width, in ranges, to which the end of a branch is bracketed.
+const LOCATED: f64 = 1e-4;
+
+impl Walk {
+    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
+    pub(super) fn next_displacement(&self) -> f64 {
+        let here = self.state.mean_displacement;
+        if let Some(barrier) = &self.barrier {
+            return self.towards(barrier);
+        }
+        let k = (self.start - here) / self.step;
+        match self.direction {
+            Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target),
+            Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target),
+        }
+    }
+
+    /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
+    /// where there is no expectation, or it did not help last time.
+    pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
+        let here = self.state.mean_displacement;
+        let width = barrier.at - here;
+        let (Some(a), Some(b)) = (self.state.stiffness_min, barrier.stiffness) else {
+            return here + 0.5 * width;
+        };
+        let share = a.value / (a.value - b);
+        let fine = LOCATED * self.model.law.range / width.abs();
+        // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
+        let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
+        if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
+    }
+
+    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
+        let next = self.next_displacement();
+        let Some((stable, unstable)) = flat.limit_between(self.state.mean_displacement, next) else {
+            self.state = flat.state(next, self.system.dimension());
+            self.accept(observe);
+            return Progress::Working;
+        };
+        if stable != self.state.mean_displacement {
+            self.state = flat.state(stable, self.system.dimension());
+            self.accept(observe);
+        }
+        let soft = self.random_soft_wave();
+        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
+    }
+
+    /// All first waves of the cell go soft together; the seed mixes them.
+    pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
+        let q1 = self.system.grid().q1();
+        let mut z = random_smooth(&self.system, &mut self.rng);
+        for (z, e) in z.iter_mut().zip(self.system.elastic()) {
+            if 2.0 * e > 1.1 * q1 {
+                *z = 0.0;
+            }
+        }
+        let length = norm(&z);
+        z.iter_mut().for_each(|z| *z /= length);
+        z
+    }
+
+    pub(super) fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+        let located = LOCATED * self.model.law.range;
+        let here = self.state.mean_displacement;
+        if let Some(mut barrier) = self.barrier.take_if(|b| (b.at - here).abs() <= located) {
+            if barrier.stiffness.is_none() {
+                barrier.soft_mode = self.state.soft_mode.clone();
+            }
+            return self.release(barrier, true);
+        }
+        let next = self.next_displacement();
+        let problem = problem(&self.system, &self.preconditioner, self.slides);
+        let locates = self.method.locates();
+        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
+        match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
+            Ok(mut state) => {
+                self.counts.iterations += state.cost.iterations;
+                let (stiffness, mode) =
+                    self.tracker.check(&self.system, &state.field, self.slides, &self.preconditioner, &mut self.ws, cancel);
+                if cancel.requested() {
+                    return Progress::Cancelled;
+                }
+                state.measured(stiffness, mode);
+                if state.stop != Stop::Unstable || !locates {
+                    self.take(state, observe);
+                    self.watch_bracket();
+                    return Progress::Working;
+                }
+                barrier.cause = Cause::SymmetryBreaking;
+                barrier.stiffness = Some(stiffness.value);
+                barrier.soft_mode = state.soft_mode;
+            }
+            Err(Lost::Cancelled) => return Progress::Cancelled,
+            Err(_) if !locates => {
+                return Progress::Stuck(format!(
+                    "{} left the numbers at u0 = {next:.6}: its time step is beyond the stability limit for this compression",
+                    self.method.name()
+                ));
+            }
+            Err(Lost::Unstable | Lost::Gone) => {}
+        }
+        self.barrier = Some(barrier);
+        self.watch_bracket();
+        Progress::Working
+    }
+
+    pub(super) fn watch_bracket(&mut self) {
+        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.state.mean_displacement).abs());
+        self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
+        self.bracket = width;
+    }
+
+    /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
+    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) {
+        let (before, energy, stress) = (self.record.clone(), self.state.energy, self.state.stress);
+        let du = state.mean_displacement - self.state.mean_displacement;
+        let work = 0.5 * (stress + state.stress) * du;
+        let released = (energy + work - state.energy) / self.model.law.surface_energy;
+        self.history.push(state.mean_displacement, state.field.clone());
+        self.state = state;
+        if self.method.locates() {
+            self.preconditioner.refresh(&self.system, &mut self.ws);
+        }
+        let pattern = self.pattern();
+        if !self.method.locates() && pattern != before.pattern {
+            observe(Happening::Jump(JumpRecord {
+                branch: self.direction,
+                mean_displacement: self.state.mean_displacement,
+                from: before.pattern,
+                to: pattern,
+                stress_before: stress,
+                stress_after: self.state.stress,
+                released_energy: released,
+                cause: Cause::PatternChange,
+            }));
+        }
+        self.accept(observe);
+    }
+}

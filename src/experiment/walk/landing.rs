@@ -1,0 +1,200 @@
+//! The release at the end of a branch, and the landing on what is stable.
+
+use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
+use crate::experiment::record::JumpRecord;
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{add, norm};
+use crate::solver::Stop;
+use crate::solver::branch::History;
+use crate::solver::equilibrium::{Cost, Equilibrium};
+use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
+use crate::solver::release::{Release, Slice};
+use rand::Rng;
+
+/// Root mean square kick along the soft mode, in ranges.
+const KICK: f64 = 0.1;
+/// Released energy, in gamma, below which a landing on the same pattern is no jump.
+const EVENT: f64 = 1e-6;
+/// Time steps of a release between two pictures.
+const SLICE: usize = 6;
+/// How often an unstable landing may be kicked on before the walk gives up.
+const KICKS: usize = 8;
+
+impl Walk {
+    /// Starts the release at a barrier. `choose`: take the side of the soft mode on which the energy falls.
+    pub(super) fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
+        let du = barrier.at - self.state.mean_displacement;
+        let energy_before = self.state.energy + self.state.stress * du;
+        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, choose);
+        self.jumping = Some(Jumping { release: Release::new(z, barrier.at), cause: barrier.cause, kicks: 1, energy_before });
+        Progress::Working
+    }
+
+    /// `z` moved by the kick along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
+    pub(super) fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], choose: bool) -> Vec<f64> {
+        let size = KICK * self.model.law.range;
+        let random = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
+        let mut side = |sign: f64| {
+            let mut moved = z.to_vec();
+            if !mode.is_empty() {
+                add(&mut moved, sign * size, mode);
+            }
+            let mut g = vec![0.0; moved.len()];
+            let energy = self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy;
+            (moved, energy)
+        };
+        let (one, energy_one) = side(random);
+        if !choose {
+            return one;
+        }
+        let (other, energy_other) = side(-random);
+        let equal = 1e-7 * self.model.law.surface_energy;
+        if energy_other < energy_one - equal || !energy_one.is_finite() { other } else { one }
+    }
+
+    pub(super) fn relax(&mut self, mut jumping: Jumping, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+        let slice = jumping.release.advance(&self.system, SLICE, &mut self.preconditioner, self.slides, &mut self.ws, cancel);
+        let u0 = jumping.release.u0;
+        match slice {
+            Slice::Moving => {
+                let stress = jumping.release.stress;
+                self.jumping = Some(jumping);
+                observe(Happening::Moving { stress });
+                Progress::Working
+            }
+            Slice::Cancelled => {
+                self.jumping = Some(jumping);
+                Progress::Cancelled
+            }
+            Slice::Stuck => Progress::Stuck(format!("the release at u0 = {u0:.6} found no way down")),
+            Slice::Settled(settled) => self.settle(jumping, settled, cancel, observe),
+        }
+    }
+
+    /// Checks the stability of where the release came to rest; lands there, or kicks on.
+    pub(super) fn settle(
+        &mut self,
+        mut jumping: Jumping,
+        settled: NewtonState,
+        cancel: &Cancel,
+        observe: &mut dyn FnMut(Happening),
+    ) -> Progress {
+        let u0 = jumping.release.u0;
+        let dimension = self.system.dimension();
+        let landed = match self.flat {
+            Some(flat) if norm(&settled.z) < 1e-4 * self.model.law.range => {
+                let mut state = flat.state(u0, dimension);
+                if state.stop == Stop::Unstable {
+                    state.soft_mode = self.random_soft_wave();
+                }
+                state
+            }
+            _ => match self.measure(settled, u0, &jumping, cancel) {
+                Some(state) => state,
+                None => {
+                    self.jumping = Some(jumping);
+                    return Progress::Cancelled;
+                }
+            },
+        };
+        if landed.stop == Stop::Unstable {
+            if jumping.kicks >= KICKS {
+                return Progress::Stuck(format!("after the jump at u0 = {u0:.6} every resting place found was unstable"));
+            }
+            jumping.kicks += 1;
+            let z = self.kicked(&landed.field, u0, &landed.soft_mode, true);
+            jumping.release = Release::new(z, u0);
+            self.jumping = Some(jumping);
+            return Progress::Working;
+        }
+        self.land(jumping, landed, observe)
+    }
+
+    /// Centres, polishes and measures a settled pattern; `None` if cancelled.
+    pub(super) fn measure(&mut self, settled: NewtonState, u0: f64, jumping: &Jumping, cancel: &Cancel) -> Option<Equilibrium> {
+        let steps = jumping.release.steps;
+        let mut settled = settled;
+        if self.slides {
+            let centred = self.centred(&settled.z);
+            let limits = NewtonLimits::default();
+            let polished =
+                solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
+            if polished.end == NewtonEnd::Converged {
+                settled = polished;
+            }
+        }
+        let mut gradient = vec![0.0; settled.z.len()];
+        self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
+        self.preconditioner.refresh(&self.system, &mut self.ws);
+        self.tracker.reset();
+        let (stiffness, mode) =
+            self.tracker.check(&self.system, &settled.z, self.slides, &self.preconditioner, &mut self.ws, cancel);
+        if cancel.requested() {
+            return None;
+        }
+        let mut state = Equilibrium {
+            mean_displacement: u0,
+            field: settled.z,
+            residual: settled.residual,
+            stress: settled.at.stress,
+            energy: settled.at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: Stop::Stable,
+            cost: Cost { iterations: settled.steps + steps, transforms: 0 },
+        };
+        state.measured(stiffness, mode);
+        Some(state)
+    }
+
+    /// Moves a pattern by less than half a mesh spacing so that its centre lies on a mesh point. There the mesh's own weak pinning
+    /// vanishes by symmetry; elsewhere it would keep the residual from converging.
+    pub(super) fn centred(&self, z: &[f64]) -> Vec<f64> {
+        let grid = self.system.grid();
+        let shift = |pair: usize| {
+            let (re, im) = (z[2 * pair], z[2 * pair + 1]);
+            if re.hypot(im) < 1e-3 * norm(z) {
+                return 0.0;
+            }
+            // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
+            let x0 = -im.atan2(re) / grid.q1();
+            (x0 / grid.spacing()).round() * grid.spacing() - x0
+        };
+        let (along_x, along_y) = (grid.ny, 1);
+        let dy = if grid.is_line() { 0.0 } else { shift(along_y) };
+        self.system.moved(z, shift(along_x), dy)
+    }
+
+    pub(super) fn land(&mut self, jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
+        let law = self.model.law;
+        let released = (jumping.energy_before - landed.energy) / law.surface_energy;
+        let (from, stress_before) = (self.record.pattern, self.state.stress);
+        self.counts.iterations += landed.cost.iterations;
+        if released < -1e-7 {
+            return Progress::Stuck(format!(
+                "the release at u0 = {:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver",
+                landed.mean_displacement
+            ));
+        }
+        self.state = landed;
+        let to = self.pattern();
+        // Newton can fail on a branch that goes on, and a mode can soften without a jump; then nothing is released.
+        if from == to && released <= EVENT {
+            self.history.push(self.state.mean_displacement, self.state.field.clone());
+        } else {
+            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
+            observe(Happening::Jump(JumpRecord {
+                branch: self.direction,
+                mean_displacement: self.state.mean_displacement,
+                from,
+                to,
+                stress_before,
+                stress_after: self.state.stress,
+                released_energy: released,
+                cause: jumping.cause,
+            }));
+        }
+        self.accept(observe);
+        Progress::Working
+    }
+}
