@@ -173,19 +173,17 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
     let stiffness: Vec<f64> = gap.iter().map(|g| LAW.at(*g).stiffness).collect();
     let mut a = vec![vec![0.0; n]; n];
     for r in 0..n {
-        for s in 0..n {
-            let (dj, di) = ((r / nx + ny - s / nx) % ny, (r % nx + nx - s % nx) % nx);
-            // A large multiple of the mean's projector lifts the uniform field out of the way.
-            a[r][s] = kernel[[dj, di]] + 10.0 / n as f64;
+        for (s, entry) in a[r].iter_mut().enumerate() {
+            *entry = kernel[[(r / nx + ny - s / nx) % ny, (r % nx + nx - s % nx) % nx]];
         }
         a[r][r] += stiffness[r];
     }
-    // Project: P A P with P = 1 - mean, plus the lift.
+    // Project the mean out, P A P with P = 1 - mean, and lift the uniform field out of the way.
     let mean_row: Vec<f64> = (0..n).map(|s| (0..n).map(|r| a[r][s]).sum::<f64>() / n as f64).collect();
     let mean = mean_row.iter().sum::<f64>() / n as f64;
-    for r in 0..n {
-        for s in 0..n {
-            a[r][s] += -mean_row[r] - mean_row[s] + mean + 10.0 / n as f64;
+    for (row, row_mean) in a.iter_mut().zip(&mean_row) {
+        for (entry, column_mean) in row.iter_mut().zip(&mean_row) {
+            *entry += mean - row_mean - column_mean + 10.0 / n as f64;
         }
     }
     symmetric_eigen(a).0

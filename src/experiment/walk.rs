@@ -24,7 +24,7 @@ use crate::solver::stability::Tracker;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
@@ -112,7 +112,9 @@ pub struct Walk {
     target: f64,
     direction: Branch,
     counts: Counts,
-    clock: Instant,
+    /// Work on the next record so far, not counting the time between steps.
+    worked: Duration,
+    step_began: Instant,
     seen: Cost,
 }
 
@@ -161,7 +163,8 @@ impl Walk {
             target: start,
             direction: Branch::Approach,
             counts: Counts::default(),
-            clock: Instant::now(),
+            worked: Duration::ZERO,
+            step_began: Instant::now(),
             seen: Cost::default(),
             system,
             model,
@@ -230,6 +233,20 @@ impl Walk {
 
     /// Does one bounded piece of work.
     pub fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+        self.step_began = Instant::now();
+        let progress = self.work(cancel, observe);
+        self.pause_clock();
+        progress
+    }
+
+    /// Books the time since the step began, or since it was last booked.
+    fn pause_clock(&mut self) {
+        let now = Instant::now();
+        self.worked += now.duration_since(self.step_began);
+        self.step_began = now;
+    }
+
+    fn work(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
         if let Some(jumping) = self.jumping.take() {
             return self.relax(jumping, cancel, observe);
         }
@@ -293,7 +310,7 @@ impl Walk {
         if pattern != Pattern::Flat {
             self.counts.patterned_increments += 1;
         }
-        let now = Instant::now();
+        self.pause_clock();
         let stiffness = self.state.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
         let length = self.model.grid.length;
         self.record = StateRecord {
@@ -317,10 +334,9 @@ impl Walk {
             stop: self.state.stop,
             iterations: self.counts.iterations - self.seen.iterations,
             transforms: self.ws.transforms - self.seen.transforms,
-            milliseconds: now.duration_since(self.clock).as_secs_f64() * 1e3,
+            milliseconds: std::mem::take(&mut self.worked).as_secs_f64() * 1e3,
         };
         self.seen = Cost { iterations: self.counts.iterations, transforms: self.ws.transforms };
-        self.clock = now;
         observe(Happening::State(self.record.clone()));
     }
 }

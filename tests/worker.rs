@@ -1,0 +1,141 @@
+//! The solver thread as the window meets it: latest target, kept path, quick cancel, stale runs, films of jumps.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::pattern::Pattern;
+use tackscope::solver::method::MethodKind;
+use tackscope::storage::{presets, scene_file};
+use tackscope::worker::protocol::{Command, Event, Sweep};
+use tackscope::worker::session::Session;
+use tackscope::worker::{Output, Worker};
+
+fn fig2(points: usize) -> Scene {
+    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    scene.cell.points = Points::Square(points);
+    scene
+}
+
+fn set_scene(run: u64, scene: Scene) -> Command {
+    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov }
+}
+
+/// Steps a session by hand, at no pace, until it rests; returns everything it handed out.
+fn drain(session: &mut Session, commands: Vec<Command>) -> Vec<Output> {
+    let mut out = Vec::new();
+    for command in commands {
+        session.command(command, &mut |o| out.push(o));
+    }
+    let now = Instant::now();
+    while session.wait(now + Duration::from_secs(3600)).is_some() {
+        session.step(now, &Cancel::default(), &mut |o| out.push(o));
+    }
+    out
+}
+
+fn events(out: &[Output]) -> Vec<&Event> {
+    out.iter().filter_map(|o| if let Output::Event(event) = o { Some(event) } else { None }).collect()
+}
+
+#[test]
+fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
+    let mut session = Session::default();
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, mean_displacement: 2.0 }]);
+    let path: Vec<f64> = events(&out)
+        .iter()
+        .filter_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None })
+        .collect();
+    assert_eq!(*path.last().unwrap(), 2.0);
+    assert!(path.windows(2).all(|w| w[0] - w[1] <= 0.02 + 1e-9 && w[1] <= w[0]), "{path:?}");
+}
+
+#[test]
+fn a_jump_is_seen_as_a_film_and_told_once() {
+    let mut session = Session::default();
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::SetTarget { run: 1, mean_displacement: 3.05 }]);
+    let film = out.iter().filter(|o| matches!(o, Output::Frame(_, frame) if frame.relaxing && frame.state.is_none())).count();
+    let jumps: Vec<_> = events(&out)
+        .into_iter()
+        .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.from, jump.to)) } else { None })
+        .collect();
+    assert_eq!(jumps, [(Pattern::Flat, Pattern::Bulge)]);
+    assert!(film >= 5, "{film} pictures");
+}
+
+#[test]
+fn a_closed_loop_reports_a_ledger_that_agrees() {
+    let mut session = Session::default();
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::Sweep { run: 1, sweep: Sweep::Loop }]);
+    let summary =
+        events(&out).into_iter().find_map(|e| if let Event::Loop { summary, .. } = e { Some(summary.clone()) } else { None });
+    let summary = summary.expect("a loop was closed");
+    assert!(summary.dissipated_energy > 0.1 && summary.ledger_mismatch < 2e-3, "{summary:?}");
+}
+
+#[test]
+fn commands_of_an_older_run_are_dropped() {
+    let mut session = Session::default();
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), Command::SetTarget { run: 1, mean_displacement: 1.0 }],
+    );
+    let moved = events(&out).into_iter().any(|e| matches!(e, Event::State { run: 2, state } if state.mean_displacement < 4.2));
+    assert!(!moved);
+}
+
+#[test]
+fn a_scene_that_cannot_run_is_refused_in_words() {
+    let mut scene = fig2(64);
+    scene.law.surface_energy = f64::NAN;
+    let out = drain(&mut Session::default(), vec![set_scene(1, scene)]);
+    let [Event::Failed { message, remedy, .. }] = events(&out)[..] else { panic!("one refusal expected") };
+    assert!(message.contains("law.surface_energy") && message.contains("NaN") && remedy.contains("above 0"), "{message} {remedy}");
+}
+
+/// Waits until the worker has shown `event`, at most 20 s.
+fn await_event(worker: &Worker, wanted: impl Fn(&Event) -> bool) -> Event {
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_secs(20) {
+        if let Some(event) = worker.next_event(Duration::from_millis(50)).filter(&wanted) {
+            return event;
+        }
+    }
+    panic!("the event did not come");
+}
+
+#[test]
+fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() {
+    let wakes = Arc::new(AtomicUsize::new(0));
+    let counter = wakes.clone();
+    let worker = Worker::spawn(move || {
+        counter.fetch_add(1, Ordering::Relaxed);
+    });
+    worker.send(set_scene(1, fig2(256)));
+    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    worker.send(Command::SetTarget { run: 1, mean_displacement: 0.5 });
+    // In the thick of the first jump.
+    await_event(&worker, |e| matches!(e, Event::State { state, .. } if state.mean_displacement < 3.12));
+    std::thread::sleep(Duration::from_millis(30));
+    let begin = Instant::now();
+    worker.send(Command::Stop);
+    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    // 50 ms are promised and were measured (see the benchmarks); a shared test machine may itself sleep that long.
+    assert!(begin.elapsed() < Duration::from_millis(500), "{:?}", begin.elapsed());
+    worker.send(Command::SetTarget { run: 1, mean_displacement: 4.2 });
+    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    assert!(wakes.load(Ordering::Relaxed) > 5);
+}
+
+#[test]
+fn the_latest_of_many_targets_is_where_it_rests() {
+    let worker = Worker::spawn(|| {});
+    worker.send(set_scene(7, fig2(32)));
+    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    for i in 0..100 {
+        worker.send(Command::SetTarget { run: 7, mean_displacement: 4.2 - 0.005 * f64::from(i) });
+    }
+    worker.send(Command::SetTarget { run: 7, mean_displacement: 4.0 });
+    await_event(&worker, |e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0));
+}
