@@ -192,6 +192,7 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
 #[test]
 fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_space() {
     use tackscope::numerics::cancel::Cancel;
+    use tackscope::solver::method::Slides;
     use tackscope::solver::stability::Tracker;
     for (grid, seed) in [(Grid::square(60.0, 8), 8), (Grid::line(90.0, 32), 9), (Grid::square(40.0, 10), 10)] {
         let system = system(grid);
@@ -203,7 +204,7 @@ fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_spac
         let mut preconditioner = Preconditioner::new(&system, 0.075);
         preconditioner.refresh(&system, &mut ws);
         let mut tracker = Tracker::new(Pcg64::seed_from_u64(1));
-        let (found, _) = tracker.check(&system, &z, false, &preconditioner, &mut ws, &Cancel::default());
+        let (found, _) = tracker.check(&system, &z, Slides::Never, &preconditioner, &mut ws, &Cancel::default());
         assert!((found.value - dense[0]).abs() <= found.error + 1e-12, "{grid:?}: {found:?}, dense {}", dense[0]);
         assert!((found.value - dense[0]).abs() < 2e-3 * PI / grid.length, "{grid:?}: {found:?}, dense {}", dense[0]);
     }

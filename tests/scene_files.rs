@@ -45,7 +45,9 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
 #[test]
 fn the_coarse_mesh_preset_has_the_range_of_the_mesh_rule() {
     let model = presets::find("coarse-mesh").expect("built in").scene().expect("allowed").model().expect("allowed");
-    assert!((model.law.range - 0.2582).abs() < 1e-4 && (model.mu_rho - 1.5).abs() < 1e-12);
+    // Eq. 11 with da = 256/32.
+    let range = (0.15f64 * 256.0 / 32.0).sqrt() / (2.0 * 1.5);
+    assert!((model.law.range - range).abs() < 1e-12 && (model.mu_rho - 1.5).abs() < 1e-12);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
-use crate::solver::method::{Method, MethodKind, Problem};
+use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
@@ -95,7 +95,7 @@ pub struct Walk {
     start: f64,
     system: System,
     preconditioner: Preconditioner,
-    slides: bool,
+    slides: Slides,
     method: Box<dyn Method>,
     flat: Option<FlatBranch>,
     rng: Pcg64,
@@ -147,7 +147,11 @@ impl Walk {
             step: scene.drive.step,
             start,
             preconditioner,
-            slides: system.is_flat() && model.mu_rho <= SLIDING_MU_RHO,
+            slides: match system.is_flat() {
+                false => Slides::Never,
+                true if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+                true => Slides::UnlessPinned,
+            },
             method,
             flat,
             tracker: Tracker::new(Pcg64::seed_from_u64(scene.seed ^ 0x5eed)),
@@ -341,6 +345,6 @@ impl Walk {
     }
 }
 
-fn problem<'s>(system: &'s System, preconditioner: &'s Preconditioner, slides: bool) -> Problem<'s> {
+fn problem<'s>(system: &'s System, preconditioner: &'s Preconditioner, slides: Slides) -> Problem<'s> {
     Problem { system, preconditioner, slides }
 }

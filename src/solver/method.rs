@@ -40,8 +40,19 @@ pub struct Problem<'s> {
     pub system: &'s System,
     /// Diagonal approximate inverse of the Hessian.
     pub preconditioner: &'s Preconditioner,
-    /// True where patterns can slide freely (flat ground, fine mesh).
-    pub slides: bool,
+    /// Whether patterns can slide.
+    pub slides: Slides,
+}
+
+/// Whether patterns can slide over the ground, which gives modes without stiffness that say nothing about stability.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slides {
+    /// Uneven ground holds them.
+    Never,
+    /// Flat ground under a fine mesh.
+    Freely,
+    /// Flat ground under a coarse mesh, which may pin them: where it does the modes are real and stay.
+    UnlessPinned,
 }
 
 /// Why a branch was not followed.
@@ -110,11 +121,11 @@ impl Method for NewtonKrylov {
     ) -> Result<Equilibrium, Lost> {
         let before = ws.transforms;
         let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
-        if problem.slides {
+        if problem.slides == Slides::Freely {
             // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.
             let mut change = guess;
             add(&mut change, -1.0, &from.field);
-            project_out(&mut change, &sliding_basis(problem.system, &from.field));
+            project_out(&mut change, &sliding_basis(problem.system, &from.field, problem.slides, ws));
             add(&mut change, 1.0, &from.field);
             guess = change;
         }

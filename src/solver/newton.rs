@@ -1,9 +1,9 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
-use super::method::Problem;
+use super::method::{Problem, Slides};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
-use crate::numerics::vector::{add, dot, norm, project_out};
+use crate::numerics::vector::{add, dot, norm, orthonormalise, project_out};
 use crate::physics::system::{Evaluation, System, Workspace};
 
 /// Tolerances of [`solve`].
@@ -83,7 +83,7 @@ pub fn solve(
                 return end(NewtonEnd::Stalled, residual, z);
             }
         }
-        let removed = if slides { sliding_basis(system, &z) } else { Vec::new() };
+        let removed = sliding_basis(system, &z, slides, ws);
         project_out(&mut g, &removed);
         let forcing = (0.15 * limits.tolerance * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
@@ -147,7 +147,7 @@ pub fn descend(
         if let Some(end) = end {
             return NewtonState { z, at, residual, steps: step, end };
         }
-        let removed = if problem.slides { sliding_basis(system, &z) } else { Vec::new() };
+        let removed = sliding_basis(system, &z, problem.slides, ws);
         let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, 0.1), products: limits.products };
         let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
         let found = conjugate_gradients(apply, &g, |r, out| problem.preconditioner.apply(r, out), &removed, cg, cancel);
@@ -176,11 +176,26 @@ pub fn descend(
     unreachable!("the last step returns")
 }
 
-/// Orthonormal basis of the directions in which the pattern of `z` slides; none for a flat surface, one for a ridge.
-pub fn sliding_basis(system: &System, z: &[f64]) -> Vec<Vec<f64>> {
+/// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where nothing attracts.
+const PINNED: f64 = 0.02;
+
+/// Orthonormal basis of the directions in which the pattern of `z` slides; none for a flat surface, one for a ridge. `ws` must be
+/// evaluated at the state where it depends on the mesh's pinning.
+pub fn sliding_basis(system: &System, z: &[f64], slides: Slides, ws: &mut Workspace) -> Vec<Vec<f64>> {
+    if slides == Slides::Never {
+        return Vec::new();
+    }
     // A ridge carries a trace of its softest modulation, whose derivative is that modulation moved by a quarter wave: taken for a
     // sliding mode it would hide the coming instability.
     let weakest = 1e-3 * system.grid().q1() * norm(z);
     let modes = system.sliding_modes(z).into_iter().filter(|m| norm(m) > weakest).collect();
-    crate::numerics::vector::orthonormalise(modes, 1e-6)
+    let mut basis = orthonormalise(modes, 1e-6);
+    if slides == Slides::UnlessPinned {
+        let mut image = vec![0.0; z.len()];
+        basis.retain(|mode| {
+            system.hessian(mode, &mut image, ws);
+            (dot(mode, &image) * system.grid().length).abs() < PINNED
+        });
+    }
+    basis
 }

@@ -1,6 +1,6 @@
 //! The release after an instability: damped dynamics at fixed u0 that cannot gain energy, until Newton can take over.
 
-use super::method::Problem;
+use super::method::{Problem, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
@@ -40,6 +40,7 @@ pub struct Release {
     energy: f64,
     shrink: f64,
     try_newton_at: f64,
+    limits: NewtonLimits,
 }
 
 /// How a slice of the release ended.
@@ -70,7 +71,19 @@ impl Release {
             energy: f64::INFINITY,
             shrink: 1.0,
             try_newton_at: FIRST_TRY,
+            limits: NewtonLimits { steps: DESCENT, ..NewtonLimits::default() },
         }
+    }
+
+    /// The same with another goal for the residual.
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.limits.tolerance = tolerance;
+        self
+    }
+
+    /// Goal for the residual.
+    pub fn tolerance(&self) -> f64 {
+        self.limits.tolerance
     }
 
     /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of `preconditioner`), so that all waves move alike.
@@ -79,7 +92,7 @@ impl Release {
         system: &System,
         count: usize,
         preconditioner: &mut Preconditioner,
-        slides: bool,
+        slides: Slides,
         ws: &mut Workspace,
         cancel: &Cancel,
     ) -> Slice {
@@ -105,9 +118,8 @@ impl Release {
             if force < self.try_newton_at * sigma || self.steps.is_multiple_of(RETRY) {
                 self.try_newton_at *= 0.1;
                 preconditioner.refresh(system, ws);
-                let limits = NewtonLimits { steps: DESCENT, ..NewtonLimits::default() };
                 let problem = Problem { system, preconditioner, slides };
-                let state = descend(&problem, self.z.clone(), self.u0, STEP_MAX * system.law().range, limits, ws, cancel);
+                let state = descend(&problem, self.z.clone(), self.u0, STEP_MAX * system.law().range, self.limits, ws, cancel);
                 match state.end {
                     NewtonEnd::Converged => return Slice::Settled(state),
                     NewtonEnd::Cancelled => return Slice::Cancelled,

@@ -1,6 +1,7 @@
 //! The smallest Hessian eigenvalue: tracked from state to state, or found afresh.
 
 use super::equilibrium::Stiffness;
+use super::method::Slides;
 use super::newton::sliding_basis;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
@@ -38,13 +39,13 @@ impl Tracker {
         &mut self,
         system: &System,
         z: &[f64],
-        slides: bool,
+        slides: Slides,
         preconditioner: &Preconditioner,
         ws: &mut Workspace,
         cancel: &Cancel,
     ) -> (Stiffness, Vec<f64>) {
         let fresh = self.modes.is_empty();
-        let removed = if slides { sliding_basis(system, z) } else { Vec::new() };
+        let removed = sliding_basis(system, z, slides, ws);
         let mut start = std::mem::take(&mut self.modes);
         for _ in 0..if fresh { 6 } else { 1 } {
             start.push(random_smooth(system, &mut self.rng));

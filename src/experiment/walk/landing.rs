@@ -7,6 +7,7 @@ use crate::numerics::vector::{add, norm};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
+use crate::solver::method::Slides;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
 use crate::solver::release::{Release, Slice};
 use rand::Rng;
@@ -103,7 +104,9 @@ impl Walk {
             }
             jumping.kicks += 1;
             let z = self.kicked(&landed.field, u0, &landed.soft_mode, true);
-            jumping.release = Release::new(z, u0);
+            // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
+            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10);
+            jumping.release = Release::new(z, u0).with_tolerance(tolerance);
             self.jumping = Some(jumping);
             return Progress::Working;
         }
@@ -114,7 +117,7 @@ impl Walk {
     pub(super) fn measure(&mut self, settled: NewtonState, u0: f64, jumping: &Jumping, cancel: &Cancel) -> Option<Equilibrium> {
         let steps = jumping.release.steps;
         let mut settled = settled;
-        if self.slides {
+        if self.slides == Slides::Freely {
             let centred = self.centred(&settled.z);
             let limits = NewtonLimits::default();
             let polished =
@@ -170,7 +173,7 @@ impl Walk {
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
         let (from, stress_before) = (self.record.pattern, self.state.stress);
         self.counts.iterations += landed.cost.iterations;
-        if released < -1e-7 {
+        if released < -EVENT {
             return Progress::Stuck(format!(
                 "the release at u0 = {:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver",
                 landed.mean_displacement

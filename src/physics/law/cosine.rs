@@ -30,6 +30,10 @@ impl Form for Cosine {
         (0.5, PI / 2.0)
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn softest(&self) -> (f64, f64) {
         (1.0, PI * PI / 2.0)
     }

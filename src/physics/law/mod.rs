@@ -30,6 +30,11 @@ pub trait Form {
         0.0
     }
 
+    /// True if f'' is continuous: then a fine mesh does not pin patterns.
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f.
     ///
     /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
@@ -107,6 +112,11 @@ impl Law {
         traction.iter_mut().for_each(|t| *t *= gamma / rho);
         stiffness.iter_mut().for_each(|s| *s *= gamma / (rho * rho));
         gamma * sum
+    }
+
+    /// True if the stiffness is a continuous function of the gap.
+    pub fn is_smooth(&self) -> bool {
+        self.shape.form().is_smooth()
     }
 
     /// Largest tensile traction sigma_max (E*).

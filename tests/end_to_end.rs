@@ -1,0 +1,114 @@
+//! The real binary in a real window on a virtual screen: it opens at rest, u0 is dragged through the first jump, the picture shows it.
+//!
+//! Needs a display, xdotool and ImageMagick; without them it says so and passes, unless TACKSCOPE_REQUIRE_DISPLAY is set (as in CI).
+#![cfg(feature = "gui")]
+
+use image::RgbImage;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// The window; killed if a test fails, so that nothing is left behind.
+struct Window(Child);
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Runs a tool and returns what it printed, or `None` if it is missing or fails.
+fn tool(name: &str, arguments: &[&str]) -> Option<String> {
+    let output = Command::new(name).args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn xdotool(arguments: &str) {
+    let arguments: Vec<_> = arguments.split_whitespace().collect();
+    assert!(tool("xdotool", &arguments).is_some(), "xdotool {arguments:?}");
+}
+
+/// Why the test cannot run here.
+fn missing() -> Option<&'static str> {
+    if std::env::var_os("DISPLAY").is_none() {
+        Some("there is no display")
+    } else if tool("xdotool", &["version"]).is_none() {
+        Some("xdotool is not installed")
+    } else if tool("import", &["-version"]).is_none() {
+        Some("ImageMagick is not installed")
+    } else {
+        None
+    }
+}
+
+fn screenshot(path: &Path) -> RgbImage {
+    tool("import", &["-window", "root", path.to_str().unwrap()]).expect("a screenshot");
+    image::open(path).expect("a picture").to_rgb8()
+}
+
+/// Repeats `look` until it gives something, at most 20 s.
+fn await_some<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what} did not come");
+        sleep(Duration::from_millis(100));
+    }
+}
+
+/// Largest difference of brightness within the gap map, which fills the middle of the window.
+fn contrast_of_the_map(picture: &RgbImage) -> u32 {
+    let brightness: Vec<u32> = (150..550)
+        .step_by(10)
+        .flat_map(|y| (300..760).step_by(10).map(move |x| (x, y)))
+        .map(|(x, y)| picture.get_pixel(x, y).0.iter().map(|c| u32::from(*c)).sum())
+        .collect();
+    brightness.iter().max().unwrap() - brightness.iter().min().unwrap()
+}
+
+#[test]
+fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
+    if let Some(reason) = missing() {
+        assert!(std::env::var_os("TACKSCOPE_REQUIRE_DISPLAY").is_none(), "required, yet {reason}");
+        println!("skipped: {reason}");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_tackscope"))
+        .env("HOME", folder.path())
+        .env("XDG_DATA_HOME", folder.path())
+        .env_remove("WAYLAND_DISPLAY")
+        .stdin(Stdio::null())
+        .spawn()
+        .unwrap();
+    let pid = child.id().to_string();
+    let mut window = Window(child);
+    let id =
+        await_some("the window", || tool("xdotool", &["search", "--onlyvisible", "--all", "--pid", &pid, "--name", "^Tackscope"]));
+    let id = id.lines().next().unwrap().to_owned();
+    xdotool(&format!("windowmove {id} 0 0"));
+    xdotool(&format!("windowfocus {id}"));
+    let path = folder.path().join("shot.png");
+    // At rest the map shows one colour (and the line of the profile, and the hint, above the part that is looked at).
+    let lit = |picture: &RgbImage| picture.get_pixel(520, 500).0.iter().map(|c| u32::from(*c)).sum::<u32>() > 60;
+    let rest = await_some("the first picture", || Some(screenshot(&path)).filter(lit));
+    assert!(contrast_of_the_map(&rest) < 200, "the flat surface is not uniform");
+
+    // The thumb of the vertical u0 slider is at its upper end; one step of the mouse a frame.
+    xdotool("mousemove 50 70 mousedown 1");
+    for y in 71..150 {
+        xdotool(&format!("mousemove 50 {y}"));
+        sleep(Duration::from_millis(10));
+    }
+    xdotool("mouseup 1");
+    let picture = await_some("a pattern", || Some(screenshot(&path)).filter(|p| contrast_of_the_map(p) > 200));
+    assert_eq!(picture.dimensions(), (1280, 800));
+
+    xdotool("key --clearmodifiers ctrl+q");
+    let status = await_some("the end", || window.0.try_wait().unwrap());
+    assert!(status.success(), "{status}");
+}
