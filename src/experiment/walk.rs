@@ -177,6 +177,19 @@ impl Walk {
         Ok(walk)
     }
 
+    /// A walk that stands on a state an earlier walk of the same scene stood on.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn resume(scene: &Scene, method: MethodKind, state: Equilibrium, record: StateRecord) -> Result<Self, SceneError> {
+        let mut walk = Self::new(scene, method)?;
+        walk.target = state.mean_displacement;
+        walk.direction = record.branch;
+        walk.history = History::starting(state.mean_displacement, state.field.clone());
+        (walk.state, walk.record) = (state, record);
+        Ok(walk)
+    }
+
     /// The decided model.
     pub fn model(&self) -> &Model {
         &self.model

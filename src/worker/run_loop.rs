@@ -138,7 +138,7 @@ fn guarded(session: &mut Session, post: &Post, job: impl FnOnce(&mut Session, &m
         post.event(Event::Failed {
             run,
             message: format!("The solver stopped with a fault of its own: {}", words.unwrap_or_else(|| "no words".into())),
-            remedy: "The scene is back at its start; please report it with the saved scene.".into(),
+            remedy: "It rests on the last good state. Please save the scene and report it.".into(),
         });
     }
 }
@@ -149,4 +149,57 @@ pub enum Output {
     Event(Event),
     /// For the mailbox.
     Frame(RunId, Frame),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+    use crate::physics::indenter::Indenter;
+    use crate::physics::law::{Morse, Shape};
+    use crate::solver::method::MethodKind;
+
+    fn scene() -> Scene {
+        Scene {
+            title: "test".into(),
+            source: String::new(),
+            cell: Cell { length: 256.0, points: Points::Square(32) },
+            law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.15, range: Range::Length(1.0) },
+            indenter: Indenter::Flat,
+            drive: Drive { start: 4.2, turn: Turn::At(0.2), step: 0.02 },
+            accuracy: 0.01,
+            seed: 1,
+        }
+    }
+
+    #[test]
+    fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
+        let (outbox, events) = unbounded();
+        let (mailbox, stale) = bounded(1);
+        let post = Post { outbox, mailbox, stale, wake: Box::new(|| {}) };
+        let mut session = Session::default();
+        let scene = Arc::new(scene());
+        let method = MethodKind::NewtonKrylov;
+        let commands = [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, mean_displacement: 4.0 }];
+        for command in commands {
+            guarded(&mut session, &post, |session, sink| session.command(command, sink));
+        }
+        let cancel = Cancel::default();
+        for _ in 0..4 {
+            work(&mut session, &post, &cancel);
+        }
+        events.try_iter().for_each(drop);
+        guarded(&mut session, &post, |_, _| panic!("a fault for the test"));
+        let told: Vec<Event> = events.try_iter().collect();
+        assert!(
+            matches!(&told[..], [Event::Failed { run: 3, message, .. }] if message.contains("a fault for the test")),
+            "{told:?}"
+        );
+        guarded(&mut session, &post, |session, sink| session.command(Command::SetTarget { run: 3, mean_displacement: 4.19 }, sink));
+        work(&mut session, &post, &cancel);
+        let next =
+            events.try_iter().find_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None });
+        // Four steps of 0.02 down from 4.2, then one up.
+        assert!((next.unwrap() - 4.14).abs() < 1e-9, "{next:?}");
+    }
 }

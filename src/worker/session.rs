@@ -2,12 +2,13 @@
 
 use super::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
 use super::run_loop::Output;
-use crate::experiment::record::LoopRecord;
+use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{Scene, Turn};
 use crate::experiment::walk::{Happening, Progress, Walk};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
+use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::MethodKind;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,6 +24,8 @@ pub struct Session {
     run: RunId,
     scene: Option<(Arc<Scene>, MethodKind)>,
     walk: Option<Walk>,
+    /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be trusted.
+    good: Option<(Equilibrium, StateRecord)>,
     sweep: Option<Leg>,
     record: LoopRecord,
     loop_began: Option<Instant>,
@@ -87,6 +90,7 @@ impl Session {
                         pace = PACE_STATE;
                     }
                     self.record.states.push(state.clone());
+                    self.good = Some((walk.state().clone(), state.clone()));
                     sink(Output::Event(Event::State { run, state }));
                     sink(Output::Frame(run, resting_frame(walk)));
                 }
@@ -96,14 +100,17 @@ impl Session {
         self.follow_up(progress, now, sink);
     }
 
-    /// After a panic: back to the start of the scene. Returns the run it belongs to.
+    /// After a panic: rests on the last good state, or at the start of the scene if there is none. Returns the run it belongs to.
     pub fn recover(&mut self) -> RunId {
-        let scene = self.scene.take();
-        *self = Self { run: self.run, scene, ..Self::default() };
+        let Self { run, scene, good, record, .. } = std::mem::take(self);
+        *self = Self { run, scene, record, ..Self::default() };
         if let Some((scene, method)) = &self.scene {
-            self.walk = Walk::new(scene, *method).ok();
+            self.walk = match good {
+                Some((state, record)) => Walk::resume(scene, *method, state, record).ok(),
+                None => Walk::new(scene, *method).ok(),
+            };
         }
-        self.run
+        run
     }
 
     fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodKind, sink: &mut dyn FnMut(Output)) {
