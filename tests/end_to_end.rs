@@ -93,10 +93,9 @@ fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
     xdotool(&format!("windowmove {id} 0 0"));
     xdotool(&format!("windowfocus {id}"));
     let path = folder.path().join("shot.png");
-    // At rest the map shows one colour (and the line of the profile, and the hint, above the part that is looked at).
+    // At rest the map shows one colour (and the hint, above the part that is looked at). The first frames may show less.
     let lit = |picture: &RgbImage| picture.get_pixel(520, 500).0.iter().map(|c| u32::from(*c)).sum::<u32>() > 60;
-    let rest = await_some("the first picture", || Some(screenshot(&path)).filter(lit));
-    assert!(contrast_of_the_map(&rest) < 200, "the flat surface is not uniform");
+    await_some("a uniform map", || Some(screenshot(&path)).filter(|p| lit(p) && contrast_of_the_map(p) < 200));
 
     // The thumb of the vertical u0 slider is at its upper end; one step of the mouse a frame.
     xdotool("mousemove 50 70 mousedown 1");

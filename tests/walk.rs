@@ -279,7 +279,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
 #[test]
 fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
     let text = "format = 1\n[cell]\nlength = 1.0\npoints = 64\n[law]\nkind = \"morse\"\nsurface_energy = 0.5859e-3\nmu_rho = 0.5\n\
-                [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0002\n";
+                [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0001\n";
     let scene = scene_file::parse(text, "hertz").unwrap();
     let run = newton(&scene);
     let jumps: Vec<_> = run.record.jumps.iter().map(|j| (j.branch, j.from, j.to)).collect();

@@ -139,8 +139,10 @@ impl Method for NewtonKrylov {
         }
         let du = (u0 - from.mean_displacement).abs();
         let stray = distance(&guess, &state.z);
-        // Without a second state there is no prediction to stray from; the audit alone decides.
-        let strayed = predicted_change > 0.0 && stray > STRAY * predicted_change + 0.1 * du;
+        // Without a second state there is no prediction to stray from; the audit alone decides. Where the branch is soft, a residual
+        // within tolerance leaves a thousandth of a range undecided.
+        let reach = STRAY * predicted_change + 0.1 * du + 1e-3 * problem.system.law().range;
+        let strayed = predicted_change > 0.0 && stray > reach;
         if strayed || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
             return Err(Lost::Gone);
         }

@@ -74,13 +74,14 @@ impl Walk {
     pub(super) fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
         let located = LOCATED * self.model.law.range;
         let here = self.state.mean_displacement;
-        if let Some(mut barrier) = self.barrier.take_if(|b| (b.at - here).abs() <= located) {
-            if barrier.stiffness.is_none() {
-                barrier.soft_mode = self.state.soft_mode.clone();
-            }
-            return self.release(barrier, true);
-        }
-        let next = self.next_displacement();
+        let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
+        let next = match &reached {
+            // An unstable equilibrium was seen there: nothing to confirm.
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(barrier.clone(), true),
+            // Newton failed there from afar. From this close its failure means a fold.
+            Some(barrier) => barrier.at,
+            None => self.next_displacement(),
+        };
         let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
         let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
@@ -110,6 +111,12 @@ impl Walk {
                 ));
             }
             Err(Lost::Unstable | Lost::Gone) => {}
+        }
+        if reached.is_some() {
+            if barrier.stiffness.is_none() {
+                barrier.soft_mode = self.state.soft_mode.clone();
+            }
+            return self.release(barrier, true);
         }
         self.barrier = Some(barrier);
         self.watch_bracket();
