@@ -121,8 +121,10 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
     let begin = Instant::now();
     worker.send(Command::Stop);
     await_event(&worker, |e| matches!(e, Event::Rest { .. }));
-    // 50 ms are promised and were measured (see the benchmarks); a shared test machine may itself sleep that long.
-    assert!(begin.elapsed() < Duration::from_millis(500), "{:?}", begin.elapsed());
+    let answered = begin.elapsed();
+    println!("stop answered after {answered:?}");
+    // 50 ms are promised; a loaded test machine may itself sleep longer than that.
+    assert!(answered < Duration::from_millis(500), "{answered:?}");
     worker.send(Command::SetTarget { run: 1, mean_displacement: 4.2 });
     await_event(&worker, |e| matches!(e, Event::Rest { .. }));
     assert!(wakes.load(Ordering::Relaxed) > 5);
