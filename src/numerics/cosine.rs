@@ -36,15 +36,7 @@ impl Cosine {
     pub fn new(ny: usize, nx: usize) -> Self {
         let turns = |m: usize| (0..=m / 2).map(|k| Complex::cis(-PI * k as f64 / (2 * m) as f64)).collect();
         let order = |m: usize| (0..m).step_by(2).chain((1..m).step_by(2).rev()).collect();
-        Self {
-            nx,
-            ny,
-            fourier: Fourier::new(ny, nx),
-            turn_x: turns(nx),
-            turn_y: turns(ny),
-            from_x: order(nx),
-            from_y: order(ny),
-        }
+        Self { nx, ny, fourier: Fourier::new(ny, nx), turn_x: turns(nx), turn_y: turns(ny), from_x: order(nx), from_y: order(ny) }
     }
 
     /// Scratch that fits these plans.
