@@ -10,6 +10,7 @@ mod report;
 mod run;
 mod window;
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -62,8 +63,8 @@ struct RunArguments {
     #[arg(long, short)]
     quiet: bool,
     /// Which method follows the branches
-    #[arg(long, value_enum, default_value_t = Method::Newton)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
+    method: MethodKind,
     /// Seed in place of the scene's: it chooses between equivalent patterns
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
@@ -78,28 +79,13 @@ struct RunArguments {
     yardstick: bool,
 }
 
-/// The methods by their words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Method {
-    /// Newton-Krylov with tracked stability
-    Newton,
-    /// The paper's mass-weighted dynamics, 50 + 150 time steps per increment
-    Gfmd,
-}
-
-impl Method {
-    fn kind(self) -> MethodKind {
-        match self {
-            Method::Newton => MethodKind::NewtonKrylov,
-            Method::Gfmd => MethodKind::Gfmd,
-        }
+impl ValueEnum for MethodKind {
+    fn value_variants<'a>() -> &'a [Self] {
+        &MethodKind::ALL
     }
 
-    fn word(self) -> &'static str {
-        match self {
-            Method::Newton => "newton",
-            Method::Gfmd => "gfmd",
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()).help(self.title()))
     }
 }
 
@@ -126,7 +112,7 @@ fn window_or_default_scene() -> u8 {
                 scene: "fig2".to_owned(),
                 out: PathBuf::from("tackscope-out"),
                 quiet: false,
-                method: Method::Newton,
+                method: MethodKind::NewtonKrylov,
                 seed: None,
                 points: None,
                 step: None,
