@@ -7,10 +7,11 @@ use super::Stop;
 use super::branch::History;
 use super::descent::{stiffest, tractions};
 use super::equilibrium::{Cost, Equilibrium};
-use super::method::{Lost, Method, Problem, predicted};
+use super::method::{Lost, Method, Problem, Slides, predicted};
+use super::newton::{centred, sliding_basis};
 use super::stability::random_smooth;
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, scale};
+use crate::numerics::vector::{add, norm, project_out, scale};
 use crate::physics::system::Workspace;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -18,13 +19,15 @@ use rand_pcg::Pcg64;
 /// Goal for the residual.
 const TOLERANCE: f64 = 1e-6;
 /// Time steps after which an increment is given up. Tens are normal; a jump takes hundreds.
-const BUDGET: usize = 4000;
+const BUDGET: usize = 1000;
 /// Time step over its limit 2/sqrt(stiffest eigenvalue).
 const TIME_STEP: f64 = 0.75;
 /// Damping rate in units of the frequency of a free wave.
 const DAMPING: f64 = 0.5;
 /// Largest root mean square step of the surface, in ranges: in a jump an overshoot into the wall of the law would be the end of it.
 const STEP_MAX: f64 = 0.05;
+/// Time steps after which the sliding directions are asked for again.
+const RECENTRE: usize = 50;
 /// Root mean square push at the start of an increment, in ranges: well above what the tolerance cannot see, well below any pattern.
 const PUSH: f64 = 1e-4;
 
@@ -61,11 +64,14 @@ impl Method for GfmdTuned {
     ) -> Result<Equilibrium, Lost> {
         let (before, system) = (ws.transforms, problem.system);
         let law = system.law();
+        let mut g = vec![0.0; from.field.len()];
         let mut z = predicted(problem, branch, from, u0, ws);
-        let push = random_smooth(system, &mut self.rng);
+        system.evaluate(&z, u0, &mut g, ws);
+        let mut slides = sliding_basis(system, &z, problem.slides, ws);
+        let mut push = random_smooth(system, &mut self.rng);
+        project_out(&mut push, &slides);
         add(&mut z, PUSH * law.range / norm(&push), &push);
         let mut velocity = vec![0.0; z.len()];
-        let mut g = vec![0.0; z.len()];
         for step in 0.. {
             if cancel.requested() {
                 return Err(Lost::Cancelled);
@@ -76,7 +82,8 @@ impl Method for GfmdTuned {
                 return Err(Lost::Diverged("a jump overshot into the wall of the law"));
             }
             // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-            let near = force <= 0.5 * TOLERANCE * tractions(system, ws);
+            let goal = 0.5 * TOLERANCE * tractions(system, ws);
+            let near = force <= goal;
             if near || step == BUDGET {
                 let residual = system.residual(&g, ws);
                 if residual <= TOLERANCE || step == BUDGET {
@@ -92,6 +99,17 @@ impl Method for GfmdTuned {
                         cost: Cost { iterations: step, transforms: ws.transforms - before },
                     });
                 }
+            }
+            if step % RECENTRE == 0 {
+                // Along them a pattern would creep for ever: the mesh holds it with next to nothing.
+                slides = sliding_basis(system, &z, problem.slides, ws);
+            }
+            project_out(&mut g, &slides);
+            if !near && problem.slides != Slides::Never && norm(&g) <= 0.1 * goal {
+                // All that is left is the mesh's pull on a pattern between its points.
+                z = centred(system, &z);
+                velocity.fill(0.0);
+                continue;
             }
             let dt = TIME_STEP * 2.0 / stiffest(problem, ws).sqrt();
             let keep = 1.0 - DAMPING * dt.min(1.0);
