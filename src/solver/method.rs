@@ -69,7 +69,7 @@ pub enum Lost {
 }
 
 /// Which relaxation method follows the branches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum MethodKind {
     /// Newton-Krylov with a predictor.
     #[default]

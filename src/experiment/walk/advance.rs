@@ -106,7 +106,7 @@ impl Walk {
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(Lost::Diverged(reason)) => {
-                return Progress::Stuck(format!("{} gave NaN at u0 = {next:.6}: {reason}", self.method.name()));
+                return Progress::Stuck(format!("NaN: {reason} ({} at u0 = {next:.6})", self.method.name()));
             }
             Err(Lost::Unstable | Lost::Gone) => {}
         }

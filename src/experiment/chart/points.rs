@@ -1,0 +1,204 @@
+//! Which points a chart has, and what they may cost.
+
+use super::Measured;
+use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn, fast_even};
+use crate::solver::method::MethodKind;
+use std::collections::HashMap;
+use std::fmt;
+
+/// The share of the budget that one loop may take.
+pub(super) const SHARE: f64 = 0.3;
+/// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
+const SECONDS: f64 = 1e-9;
+
+/// How much is solved of the problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Reduction {
+    /// The whole square cell.
+    Whole,
+    /// A line cell.
+    Line,
+}
+
+impl Reduction {
+    /// Its word in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Reduction::Whole => "whole",
+            Reduction::Line => "line",
+        }
+    }
+}
+
+/// Of which numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// 64 bits.
+    Double,
+}
+
+impl Precision {
+    /// Its word in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Precision::Double => "double",
+        }
+    }
+}
+
+/// One way to compute the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// The relaxation method.
+    pub method: MethodKind,
+    /// How much is solved.
+    pub model: Reduction,
+    /// Points along a side.
+    pub points: usize,
+    /// Of which numbers.
+    pub precision: Precision,
+    /// Largest step of u0 (length).
+    pub step: f64,
+}
+
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, {} cell, n = {}, {}, step {}",
+            self.method.word(),
+            self.model.word(),
+            self.points,
+            self.precision.word(),
+            self.step
+        )
+    }
+}
+
+/// How much trouble to take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// Every method on several meshes and steps, within this many processor seconds.
+    Full {
+        /// The budget.
+        seconds: f64,
+    },
+    /// Every method once or twice, on coarse meshes with long steps.
+    Quick,
+}
+
+impl Effort {
+    /// The budget in processor seconds.
+    pub fn seconds(self) -> f64 {
+        match self {
+            Effort::Full { seconds } => seconds,
+            Effort::Quick => 30.0,
+        }
+    }
+}
+
+/// The scene with its range as a length: it must not change with the mesh.
+pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
+    let model = scene.model()?;
+    let points = if model.grid.is_line() { Points::Line(model.grid.nx) } else { Points::Square(model.grid.nx) };
+    let law = LawChoice { range: Range::Length(model.law.range), ..scene.law };
+    Ok(Scene { cell: Cell { points, ..scene.cell }, law, ..scene.clone() })
+}
+
+/// The points of a chart, cheapest first, and the loops of its reference, each with the next finer mesh and half the step of all
+/// points (first) or one of the two (second and third).
+///
+/// # Errors
+/// The first value of the scene that is not allowed.
+pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
+    let predictor = Predictor::new(scene);
+    let grid = scene.model()?.grid;
+    let model = if grid.is_line() { Reduction::Line } else { Reduction::Whole };
+    let mesh = |share: f64| fast_even(share * grid.nx as f64);
+    let point = |method, points, step| Point { method, model, points, precision: Precision::Double, step };
+    let finest = |most: usize, step: f64| {
+        let finer = fast_even(1.2 * most as f64 + 1.0);
+        [(finer, step / 2.0), (most, step / 2.0), (finer, step)].map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
+    };
+    let (mut meshes, step) = match effort {
+        Effort::Full { .. } => (vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)], scene.drive.step),
+        Effort::Quick => (vec![mesh(0.625), mesh(0.75)], 4.0 * scene.drive.step),
+    };
+    meshes.dedup();
+    let most = |meshes: &[usize]| meshes.last().copied().unwrap_or(grid.nx);
+    // Where even the reference is beyond the means the finest mesh goes.
+    while meshes.len() > 1 && finest(most(&meshes), step).iter().map(|p| predictor.seconds(p)).sum::<f64>() > 0.4 * effort.seconds()
+    {
+        meshes.pop();
+    }
+    let finest = finest(most(&meshes), step);
+    let mut list = Vec::new();
+    for method in MethodKind::ALL {
+        // The paper's method costs ten times as much and gains nothing from a finer mesh.
+        let from = if method == MethodKind::Gfmd { meshes.len().saturating_sub(2) } else { 0 };
+        list.extend(meshes[from..].iter().map(|&n| point(method, n, step)));
+        if matches!(effort, Effort::Full { .. }) {
+            list.extend([2.0, 4.0, 8.0].map(|longer| point(method, most(&meshes), longer * step)));
+        }
+    }
+    list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
+    Ok((list, finest))
+}
+
+/// What `tackscope run` would do.
+pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step;
+    Ok(own && point.method == MethodKind::default())
+}
+
+/// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
+pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step;
+    Ok(own && point.method == MethodKind::Gfmd)
+}
+
+/// Predicts processor time: typical transforms per increment, corrected by what the method needed last.
+#[derive(Clone, Debug)]
+pub(super) struct Predictor {
+    /// Length of the loop in u0.
+    way: f64,
+    /// Measured over predicted, by method.
+    correction: HashMap<MethodKind, f64>,
+}
+
+impl Predictor {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let depth = match scene.drive.turn {
+            Turn::At(turn) => scene.drive.start - turn,
+            // A tip is drawn in by about as much as it is lifted.
+            Turn::ZeroLoad => 1.5 * scene.drive.start.abs(),
+        };
+        Self { way: 2.0 * depth, correction: HashMap::new() }
+    }
+
+    /// Processor seconds of a loop.
+    pub(super) fn seconds(&self, point: &Point) -> f64 {
+        self.typical(point) * self.correction.get(&point.method).unwrap_or(&1.0)
+    }
+
+    pub(super) fn learn(&mut self, measured: &Measured) {
+        let ratio = measured.processor_seconds / self.typical(&measured.point);
+        if ratio.is_finite() && ratio > 0.0 && measured.is_complete() {
+            self.correction.insert(measured.point.method, ratio);
+        }
+    }
+
+    fn typical(&self, point: &Point) -> f64 {
+        let per_increment = match point.method {
+            MethodKind::NewtonKrylov => 40.0,
+            MethodKind::Lbfgs => 45.0,
+            MethodKind::ConjugateGradients => 60.0,
+            MethodKind::Fire => 110.0,
+            MethodKind::GfmdTuned => 150.0,
+            MethodKind::Gfmd => 420.0,
+        };
+        let n = point.points as f64;
+        let all = if point.model == Reduction::Line { n } else { n * n };
+        SECONDS * per_increment * (self.way / point.step) * all * all.log2()
+    }
+}

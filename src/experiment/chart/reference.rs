@@ -1,0 +1,42 @@
+//! What everything is compared with: the same loop on a finer mesh with half the step, and how far it can be trusted.
+
+use super::judge::{Errors, Judged, compare};
+use super::{Measured, Point};
+
+/// The finest solution, with its own error estimate.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The loop with the finest mesh and step.
+    pub finest: Measured,
+    /// Loss over gamma: its sum of releases.
+    pub dissipated_energy: f64,
+    /// Loop integral over gamma, extrapolated in the step (Richardson, second order).
+    pub integral: f64,
+    /// What a coarser mesh, or a longer step, changes: upper bounds of its own errors. NaN if it failed.
+    pub errors: Errors,
+}
+
+impl Reference {
+    /// From three loops: the finest, one on a coarser mesh, one with a longer step.
+    pub(super) fn new(mut loops: Vec<Measured>) -> Self {
+        let finest = loops.remove(0);
+        let mut errors = Errors::default();
+        for other in &loops {
+            errors = errors.larger(compare(other, &finest).errors);
+        }
+        let longer = loops.pop().map_or(f64::NAN, |longer| longer.integral());
+        let integral = finest.integral() + (finest.integral() - longer) / 3.0;
+        Self { dissipated_energy: finest.dissipated_energy(), integral, errors, finest }
+    }
+
+    /// The row of a measured loop.
+    pub(super) fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
+        let comparison = compare(measured, &self.finest);
+        Judged::new(measured, comparison, plan, paper_budget)
+    }
+
+    /// Its own settings.
+    pub fn point(&self) -> &Point {
+        &self.finest.point
+    }
+}
