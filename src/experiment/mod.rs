@@ -4,6 +4,7 @@
 
 pub mod chart;
 pub mod flat_branch;
+pub mod plan;
 pub mod record;
 pub mod run;
 pub mod scene;
