@@ -4,6 +4,7 @@
 //! 3 and 130 everything computed so far is written. Results go to files, one closing line to standard output, progress and
 //! refusals to standard error. May use every room below.
 
+mod chart;
 mod presets;
 mod progress;
 mod report;
@@ -15,7 +16,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Done.
 const DONE: u8 = 0;
@@ -47,8 +50,32 @@ enum Command {
     /// Writes loop.csv, events.csv, summary.json, loop.svg, loop.png and gaps/*.png into the folder, replacing those of an
     /// earlier run.
     Run(RunArguments),
+    /// Chart the speed of every method against its accuracy on the loop of a scene
+    ///
+    /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a finer mesh with half the step;
+    /// failures are rows of the table and marks in the picture. Exit code 0 if the chart is complete, whatever failed in it.
+    Chart(ChartArguments),
     /// List the built-in scenes
     Presets,
+}
+
+/// What `tackscope chart` is told.
+#[derive(Args, Clone, Debug)]
+struct ChartArguments {
+    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    scene: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    /// Only coarse meshes and long steps: seconds in place of minutes
+    #[arg(long)]
+    quick: bool,
+    /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
+    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick")]
+    seconds: f64,
 }
 
 /// What `tackscope run` is told.
@@ -93,6 +120,7 @@ impl ValueEnum for MethodKind {
 pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::parse().command {
         Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Chart(arguments)) => chart::chart(&arguments),
         Some(Command::Presets) => presets::list(),
         None => window_or_default_scene(),
     })
@@ -120,6 +148,20 @@ fn window_or_default_scene() -> u8 {
             })
         }
     }
+}
+
+/// A token that the first Ctrl-C raises; the second one ends the program at once.
+fn cancel_on_interrupt() -> Cancel {
+    let cancel = Cancel::default();
+    let (token, before) = (cancel.clone(), AtomicBool::new(false));
+    // Without a handler Ctrl-C ends the program the hard way: worse, yet no reason not to run.
+    let _ = ctrlc::set_handler(move || {
+        if before.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        token.request();
+    });
+    cancel
 }
 
 /// Prints a line to standard output; a reader that has gone away (`| head`) is no error.

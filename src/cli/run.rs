@@ -2,14 +2,13 @@
 
 use super::progress::Teller;
 use super::report::{self, Timed};
-use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, say};
+use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_interrupt, say};
 use crate::experiment::run::{LoopRun, Outcome, run_loop};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
 use crate::storage::{Failure, files, presets, scene_file, summary};
 use cpu_time::ProcessTime;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Computes the loop, writes its files and returns the exit code.
@@ -88,20 +87,6 @@ fn timed(arguments: &RunArguments, scene: &Scene, model: &Model, method: MethodK
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
     Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
-}
-
-/// A token that the first Ctrl-C raises; the second one ends the program at once.
-fn cancel_on_interrupt() -> Cancel {
-    let cancel = Cancel::default();
-    let (token, before) = (cancel.clone(), AtomicBool::new(false));
-    // Without a handler Ctrl-C ends the program the hard way: worse, yet no reason not to run.
-    let _ = ctrlc::set_handler(move || {
-        if before.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        token.request();
-    });
-    cancel
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {

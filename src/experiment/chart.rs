@@ -12,7 +12,7 @@ mod reference;
 pub use front::front;
 pub use judge::{Errors, Judged, Verdict};
 pub use measure::{Measured, measure};
-pub use points::{Effort, Point, Precision, Reduction, points};
+pub use points::{Effort, Point, Precision, points};
 pub use reference::Reference;
 
 use super::scene::{Scene, SceneError};
@@ -90,7 +90,7 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     let reference = Reference::new(loops);
     for point in list {
         let predicted_seconds = predictor.seconds(&point);
-        let allowed_seconds = (effort.seconds() - spent).min(effort.seconds() * points::SHARE);
+        let allowed_seconds = (effort.seconds() - spent).clamp(0.0, effort.seconds() * points::SHARE);
         if predicted_seconds > allowed_seconds {
             let skipped = Skipped { point, predicted_seconds, allowed_seconds };
             observe(News::Skipped(&skipped));

@@ -202,9 +202,9 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
             .push(("unstable state kept".to_owned(), format!("{} of {} states are unstable", with(Stop::Unstable), states.len())));
     }
     for fault in jumps {
-        // "bulge skipped" says enough on a chart.
+        // "bulge skipped" and "jumps missing" say enough on a chart.
         let short = fault.split_once(" on ").map_or(fault.as_str(), |(what, _)| what);
-        faults.push((short.to_owned(), fault.clone()));
+        faults.push((short.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ').to_owned(), fault.clone()));
     }
     if with(Stop::NotConverged) > 0 {
         let worst = max_abs(&states.iter().map(|s| s.residual).collect::<Vec<_>>());

@@ -1,8 +1,8 @@
 //! One loop, with what it took.
 
-use super::{Point, Reduction};
+use super::Point;
 use crate::experiment::record::LoopRecord;
-use crate::experiment::run::{LoopRun, Outcome, Report, run_loop};
+use crate::experiment::run::{LoopRun, Outcome, Report, run_reduced};
 use crate::experiment::scene::{Points, Scene, SceneError};
 use crate::experiment::walk::Counts;
 use crate::numerics::cancel::Cancel;
@@ -68,15 +68,12 @@ pub fn measure(
 ) -> Result<Measured, SceneError> {
     let mut scene = scene.clone();
     scene.drive.step = point.step;
-    scene.cell.points = match point.model {
-        Reduction::Whole => Points::Square(point.points),
-        Reduction::Line => Points::Line(point.points),
-    };
+    scene.cell.points = if point.line { Points::Line(point.points) } else { Points::Square(point.points) };
     let model = scene.model()?;
     let part = cancel.part();
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let mut out_of_time = false;
-    let LoopRun { record, outcome, counts, .. } = run_loop(&scene, point.method, &part, &mut |report| {
+    let LoopRun { record, outcome, counts, .. } = run_reduced(&scene, point.method, point.model, &part, &mut |report| {
         if processor.elapsed().as_secs_f64() > allowed {
             out_of_time = true;
             part.request();

@@ -1,6 +1,7 @@
 //! Which points a chart has, and what they may cost.
 
 use super::Measured;
+use crate::experiment::plan::Reduction;
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn, fast_even};
 use crate::solver::method::MethodKind;
 use std::collections::HashMap;
@@ -10,25 +11,6 @@ use std::fmt;
 pub(super) const SHARE: f64 = 0.3;
 /// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
 const SECONDS: f64 = 1e-9;
-
-/// How much is solved of the problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Reduction {
-    /// The whole square cell.
-    Whole,
-    /// A line cell.
-    Line,
-}
-
-impl Reduction {
-    /// Its word in tables.
-    pub fn word(self) -> &'static str {
-        match self {
-            Reduction::Whole => "whole",
-            Reduction::Line => "line",
-        }
-    }
-}
 
 /// Of which numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,14 +33,27 @@ impl Precision {
 pub struct Point {
     /// The relaxation method.
     pub method: MethodKind,
-    /// How much is solved.
+    /// How much of the cell is solved.
     pub model: Reduction,
+    /// True for a line cell.
+    pub line: bool,
     /// Points along a side.
     pub points: usize,
     /// Of which numbers.
     pub precision: Precision,
     /// Largest step of u0 (length).
     pub step: f64,
+}
+
+impl Point {
+    /// The word of tables for what is solved.
+    pub fn model_word(&self) -> &'static str {
+        match (self.line, self.model) {
+            (false, model) => model.word(),
+            (true, Reduction::Whole) => "line",
+            (true, Reduction::Quarter) => "half line",
+        }
+    }
 }
 
 impl fmt::Display for Point {
@@ -113,16 +108,16 @@ pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
 pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
     let predictor = Predictor::new(scene);
     let grid = scene.model()?.grid;
-    let model = if grid.is_line() { Reduction::Line } else { Reduction::Whole };
     let mesh = |share: f64| fast_even(share * grid.nx as f64);
-    let point = |method, points, step| Point { method, model, points, precision: Precision::Double, step };
+    let line = grid.is_line();
+    let point = |method, points, step| Point { method, model: Reduction::Whole, line, points, precision: Precision::Double, step };
     let finest = |most: usize, step: f64| {
         let finer = fast_even(1.2 * most as f64 + 1.0);
         [(finer, step / 2.0), (most, step / 2.0), (finer, step)].map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
     };
     let (mut meshes, step) = match effort {
         Effort::Full { .. } => (vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)], scene.drive.step),
-        Effort::Quick => (vec![mesh(0.625), mesh(0.75)], 4.0 * scene.drive.step),
+        Effort::Quick => (vec![mesh(0.75), mesh(1.0)], 4.0 * scene.drive.step),
     };
     meshes.dedup();
     let most = |meshes: &[usize]| meshes.last().copied().unwrap_or(grid.nx);
@@ -141,19 +136,23 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
             list.extend([2.0, 4.0, 8.0].map(|longer| point(method, most(&meshes), longer * step)));
         }
     }
+    // The same on a quarter of the cell, for the methods that gain most from it.
+    let reducible = |p: &&Point| p.points.is_multiple_of(4) && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs);
+    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Reduction::Quarter, ..*p }).collect();
+    list.extend(quarters);
     list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
     Ok((list, finest))
 }
 
 /// What `tackscope run` would do.
 pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step;
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == Reduction::Whole;
     Ok(own && point.method == MethodKind::default())
 }
 
 /// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
 pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step;
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == Reduction::Whole;
     Ok(own && point.method == MethodKind::Gfmd)
 }
 
@@ -163,7 +162,7 @@ pub(super) struct Predictor {
     /// Length of the loop in u0.
     way: f64,
     /// Measured over predicted, by method.
-    correction: HashMap<MethodKind, f64>,
+    correction: HashMap<(MethodKind, Reduction), f64>,
 }
 
 impl Predictor {
@@ -178,13 +177,15 @@ impl Predictor {
 
     /// Processor seconds of a loop.
     pub(super) fn seconds(&self, point: &Point) -> f64 {
-        self.typical(point) * self.correction.get(&point.method).unwrap_or(&1.0)
+        self.typical(point) * self.correction.get(&(point.method, point.model)).unwrap_or(&1.0)
     }
 
     pub(super) fn learn(&mut self, measured: &Measured) {
         let ratio = measured.processor_seconds / self.typical(&measured.point);
         if ratio.is_finite() && ratio > 0.0 && measured.is_complete() {
-            self.correction.insert(measured.point.method, ratio);
+            // The cheapest so far: a coarse mesh that traps patterns says nothing about a finer one.
+            let known = self.correction.entry((measured.point.method, measured.point.model)).or_insert(ratio);
+            *known = known.min(ratio);
         }
     }
 
@@ -198,7 +199,12 @@ impl Predictor {
             MethodKind::Gfmd => 420.0,
         };
         let n = point.points as f64;
-        let all = if point.model == Reduction::Line { n } else { n * n };
+        let all = if point.line { n } else { n * n };
+        let all = match point.model {
+            Reduction::Whole => all,
+            // A quarter of the points; what watches over the rest costs about as much again.
+            Reduction::Quarter => all / 2.0,
+        };
         SECONDS * per_increment * (self.way / point.step) * all * all.log2()
     }
 }

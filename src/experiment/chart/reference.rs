@@ -1,6 +1,6 @@
 //! What everything is compared with: the same loop on a finer mesh with half the step, and how far it can be trusted.
 
-use super::judge::{Errors, Judged, compare};
+use super::judge::{Comparison, Errors, Judged, compare};
 use super::{Measured, Point};
 
 /// The finest solution, with its own error estimate.
@@ -33,6 +33,11 @@ impl Reference {
     pub(super) fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
         let comparison = compare(measured, &self.finest);
         Judged::new(measured, comparison, plan, paper_budget)
+    }
+
+    /// Its own row, whose errors are its own estimates.
+    pub fn judged(&self) -> Judged {
+        Judged::new(&self.finest, Comparison { errors: self.errors, faults: Vec::new() }, false, false)
     }
 
     /// Its own settings.
