@@ -82,11 +82,12 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
         spent += loop_.processor_seconds;
         predictor.learn(&loop_);
         loops.push(loop_);
-        if cancel.requested() {
-            chart.cancelled = true;
-            return Ok(chart);
-        }
     }
+    if cancel.requested() {
+        chart.cancelled = true;
+        return Ok(chart);
+    }
+    let Ok(loops) = <[Measured; 3]>::try_from(loops) else { unreachable!("a loop for each of three") };
     let reference = Reference::new(loops);
     for point in list {
         let predicted_seconds = predictor.seconds(&point);

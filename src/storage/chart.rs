@@ -4,6 +4,8 @@ mod json;
 mod marks;
 mod plot;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use json::write_chart_json;
 pub use plot::{write_chart_png, write_chart_svg};

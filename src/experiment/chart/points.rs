@@ -70,6 +70,9 @@ impl fmt::Display for Point {
     }
 }
 
+/// The longer step of the reference's third loop over that of the first: no small ratio, so that it meets the jumps from elsewhere.
+pub(super) const LONGER: f64 = 1.7;
+
 /// How much trouble to take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
@@ -100,20 +103,21 @@ pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
     Ok(Scene { cell: Cell { points, ..scene.cell }, law, ..scene.clone() })
 }
 
-/// The points of a chart, cheapest first, and the loops of its reference, each with the next finer mesh and half the step of all
-/// points (first) or one of the two (second and third).
+/// The points of a chart, cheapest first, and the loops of its reference: with a finer mesh and half the step of any point; the same
+/// on the finest mesh of the points; and with a longer step.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.
 pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
     let predictor = Predictor::new(scene);
     let grid = scene.model()?.grid;
-    let mesh = |share: f64| fast_even(share * grid.nx as f64);
+    let mesh = |share: f64| if share < 1.0 { fast_even(share * grid.nx as f64) } else { grid.nx };
     let line = grid.is_line();
     let point = |method, points, step| Point { method, model: Reduction::Whole, line, points, precision: Precision::Double, step };
     let finest = |most: usize, step: f64| {
         let finer = fast_even(1.2 * most as f64 + 1.0);
-        [(finer, step / 2.0), (most, step / 2.0), (finer, step)].map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
+        [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
+            .map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
     };
     let (mut meshes, step) = match effort {
         Effort::Full { .. } => (vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)], scene.drive.step),

@@ -1,6 +1,7 @@
 //! What everything is compared with: the same loop on a finer mesh with half the step, and how far it can be trusted.
 
 use super::judge::{Comparison, Errors, Judged, compare};
+use super::points::LONGER;
 use super::{Measured, Point};
 
 /// The finest solution, with its own error estimate.
@@ -18,19 +19,15 @@ pub struct Reference {
 
 impl Reference {
     /// From three loops: the finest, one on a coarser mesh, one with a longer step.
-    pub(super) fn new(mut loops: Vec<Measured>) -> Self {
-        let finest = loops.remove(0);
-        let mut errors = Errors::default();
-        for other in &loops {
-            errors = errors.larger(compare(other, &finest).errors);
-        }
-        let longer = loops.pop().map_or(f64::NAN, |longer| longer.integral());
-        let integral = finest.integral() + (finest.integral() - longer) / 3.0;
+    pub fn new([finest, coarser, longer]: [Measured; 3]) -> Self {
+        let errors = compare(&coarser, &finest).errors.larger(compare(&longer, &finest).errors);
+        let longer = longer.integral();
+        let integral = finest.integral() + (finest.integral() - longer) / (LONGER * LONGER - 1.0);
         Self { dissipated_energy: finest.dissipated_energy(), integral, errors, finest }
     }
 
-    /// The row of a measured loop.
-    pub(super) fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
+    /// The row of a measured loop; `plan`, `paper_budget`: how it is marked.
+    pub fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
         let comparison = compare(measured, &self.finest);
         Judged::new(measured, comparison, plan, paper_budget)
     }

@@ -292,7 +292,12 @@ impl<'a> Plot<'a> {
                 && let Some(letter) = self.failures.iter().position(|known| known == what)
             {
                 let style = self.text(11.0, colour(row.point.method)).pos(Pos::new(HPos::Left, VPos::Center));
-                panel.draw_series([EmptyElement::at(place) + Text::new(name(letter), (self.px(9.0), self.px(-4.0)), style)])?;
+                panel.draw_series([EmptyElement::at(place)
+                    + Text::new(
+                        name(letter),
+                        (self.px(if row.plan || row.paper_budget { 15.0 } else { 9.0 }), self.px(-4.0)),
+                        style,
+                    )])?;
             }
             if (cost.2)(row) {
                 let word = format!("n = {}, step {}", row.point.points, row.point.step);
