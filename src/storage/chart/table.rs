@@ -18,7 +18,7 @@ pub const CHART_COLUMNS: &str = "method,model,points,precision,step,dissipated_e
 pub fn write_chart_csv(path: &Path, chart: &Chart) -> Result<(), Failure> {
     let mut text = format!("{CHART_COLUMNS}\n");
     for row in &chart.rows {
-        let _ = writeln!(text, "{}", judged(row, &row.point.method.word().to_owned(), pareto(row)).join(","));
+        let _ = writeln!(text, "{}", judged(row, row.point.method.word(), pareto(row)).join(","));
     }
     for skipped in &chart.skipped {
         let message = format!(
