@@ -74,7 +74,8 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         system.evaluate(&z, 1.7, &mut g, &mut ws);
         let mut block = LowBlock::new(&system, class, reach);
         block.refresh(&system, &mut ws);
-        let (value, mode) = block.softest(&system, None);
+        let (value, coefficients) = block.softest(None);
+        let mode = block.mode(&coefficients, &system);
         let mut image = vec![0.0; z.len()];
         system.hessian(&mode, &mut image, &mut ws);
         let rayleigh: f64 = mode.iter().zip(&image).map(|(a, b)| a * b).sum();

@@ -16,13 +16,18 @@ pub enum Class {
     Symmetric,
     /// u(x, y) = -u(y, x): where such a mode goes soft the symmetry breaks.
     Antisymmetric,
+    /// On a line system: even in x times cos(2 pi y/L), outside the system itself; where such a mode goes soft a ridge breaks up.
+    /// (A modulation with more waves along y is always stiffer.)
+    Varicose,
+    /// The same, odd in x: where such a mode goes soft a ridge meanders.
+    Sinuous,
 }
 
 impl Class {
     /// Projects amplitudes of an even square system onto the class.
     pub fn project(self, system: &System, z: &mut [f64]) {
         let sign = match self {
-            Class::Even => return,
+            Class::Even | Class::Varicose | Class::Sinuous => return,
             Class::Symmetric => 1.0,
             Class::Antisymmetric => -1.0,
         };
@@ -59,11 +64,12 @@ impl LowBlock {
             .flat_map(|k| (0..ny).map(move |l| [k, l]))
             .filter(|&[k, l]| {
                 let joined = match class {
-                    Class::Even => true,
-                    Class::Symmetric => k >= l,
+                    Class::Symmetric => k >= l && k > 0,
                     Class::Antisymmetric => k > l,
+                    Class::Even | Class::Sinuous => k + l > 0,
+                    Class::Varicose => true,
                 };
-                joined && k + l > 0 && (k as f64).hypot(l as f64) <= reach
+                joined && (k as f64).hypot(l as f64) <= reach
             })
             .collect();
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
@@ -97,7 +103,8 @@ impl LowBlock {
             for j in 0..=i {
                 let (a, b) = (self.waves[i], self.waves[j]);
                 let mut h = match self.class {
-                    Class::Even => table.entry(a, b),
+                    Class::Even | Class::Varicose => table.entry(a, b),
+                    Class::Sinuous => table.odd_entry(a[0], b[0]),
                     // (e_kl +- e_lk)/sqrt 2 with itself and others; a wave (k, k) stands alone.
                     Class::Symmetric | Class::Antisymmetric => {
                         let sign = if self.class == Class::Symmetric { 1.0 } else { -1.0 };
@@ -106,7 +113,9 @@ impl LowBlock {
                     }
                 };
                 if i == j {
-                    h += system.elastic()[a[0] * self.ny + a[1]];
+                    let modulated = matches!(self.class, Class::Varicose | Class::Sinuous);
+                    let waves = (a[0] as f64).hypot(if modulated { 1.0 } else { a[1] as f64 });
+                    h += 0.5 * system.grid().q1() * waves;
                 }
                 self.hessian.push(h);
             }
@@ -145,12 +154,14 @@ impl LowBlock {
         self.negative
     }
 
-    /// The eigenvalue next to zero (E* per length), with its mode as amplitudes of norm 1, by inverse iteration from `start`.
-    pub fn softest(&self, system: &System, start: Option<&[f64]>) -> (f64, Vec<f64>) {
+    /// The eigenvalue next to zero (E* per length), with its mode of norm 1 as coefficients of the block's waves, by inverse
+    /// iteration from the coefficients `start`.
+    pub fn softest(&self, start: Option<&[f64]>) -> (f64, Vec<f64>) {
         let n = self.waves.len();
         let mut x = match start {
-            Some(z) => self.gather(z),
-            None => (0..n).map(|i| 1.0 / (n - i) as f64).collect(),
+            Some(x) => x.to_vec(),
+            // Nothing smooth is orthogonal to this.
+            None => (0..n).map(|i| (1.0 + (2.0 * i as f64).sin()) / (n - i) as f64).collect(),
         };
         let mut value = f64::INFINITY;
         for _ in 0..60 {
@@ -158,16 +169,31 @@ impl LowBlock {
             x.iter_mut().for_each(|x| *x /= length);
             let before = value;
             value = self.quadratic(&x);
-            if (value - before).abs() < 1e-6 * value.abs() + 1e-9 * system.grid().q1() {
+            if (value - before).abs() < 1e-6 * value.abs() {
                 break;
             }
             self.solve(&mut x, false);
         }
         let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
         x.iter_mut().for_each(|x| *x /= length);
-        let mut mode = vec![0.0; system.dimension()];
-        self.scatter(&x, &mut mode);
-        (value, mode)
+        (value, x)
+    }
+
+    /// Amplitudes in an even `system` of a mode given by coefficients of the block's waves, as [`LowBlock::softest`] returns it. A
+    /// modulation of a line becomes one of a square system.
+    pub fn mode(&self, coefficients: &[f64], system: &System) -> Vec<f64> {
+        let mut z = vec![0.0; system.dimension()];
+        if self.class == Class::Varicose {
+            let ny = system.shape().0;
+            for (w, x) in self.waves.iter().zip(coefficients) {
+                if w[0] * ny + 1 < z.len() {
+                    z[w[0] * ny + 1] = *x;
+                }
+            }
+        } else {
+            self.scatter(coefficients, &mut z);
+        }
+        z
     }
 
     /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned positive) times `r`; the rest is kept.
@@ -208,8 +234,8 @@ impl LowBlock {
     fn gather(&self, z: &[f64]) -> Vec<f64> {
         let at = |k: usize, l: usize| z[k * self.ny + l];
         let pick = |&[k, l]: &[usize; 2]| match self.class {
-            Class::Even => at(k, l),
             _ if k == l => at(k, l),
+            Class::Even | Class::Varicose | Class::Sinuous => at(k, l),
             Class::Symmetric => FRAC_1_SQRT_2 * (at(k, l) + at(l, k)),
             Class::Antisymmetric => FRAC_1_SQRT_2 * (at(k, l) - at(l, k)),
         };
@@ -218,12 +244,16 @@ impl LowBlock {
 
     fn scatter(&self, x: &[f64], z: &mut [f64]) {
         for (&[k, l], &x) in self.waves.iter().zip(x) {
-            if self.class == Class::Even || k == l {
-                z[k * self.ny + l] = x;
-                continue;
-            }
+            let mirrored = match self.class {
+                Class::Symmetric if k != l => 1.0,
+                Class::Antisymmetric => -1.0,
+                _ => {
+                    z[k * self.ny + l] = x;
+                    continue;
+                }
+            };
             z[k * self.ny + l] = FRAC_1_SQRT_2 * x;
-            z[l * self.ny + k] = if self.class == Class::Symmetric { FRAC_1_SQRT_2 * x } else { -FRAC_1_SQRT_2 * x };
+            z[l * self.ny + k] = mirrored * FRAC_1_SQRT_2 * x;
         }
     }
 }
@@ -259,6 +289,11 @@ impl Table {
         let (k, l) = ([a[0] + b[0], a[0].abs_diff(b[0])], [a[1] + b[1], a[1].abs_diff(b[1])]);
         let sum = at(k[0], l[0]) + at(k[0], l[1]) + at(k[1], l[0]) + at(k[1], l[1]);
         0.25 * norm(a[0]) * norm(a[1]) * norm(b[0]) * norm(b[1]) * sum
+    }
+
+    /// The same for sine waves on a line.
+    fn odd_entry(&self, a: usize, b: usize) -> f64 {
+        self.means[a.abs_diff(b) * self.width] - self.means[(a + b) * self.width]
     }
 }
 

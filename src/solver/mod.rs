@@ -12,6 +12,7 @@ pub mod gfmd_tuned;
 pub mod method;
 pub mod newton;
 pub mod release;
+pub mod sector;
 pub mod stability;
 mod stop;
 

@@ -260,6 +260,6 @@ impl<'a> Curve<'a> {
         }
         let a = self.states.get(after.checked_sub(1)?)?;
         let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
-        (a.pattern == b.pattern).then(|| (a.stress + t * (b.stress - a.stress), a.pattern))
+        (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
     }
 }
