@@ -3,6 +3,7 @@
 //! A [`Point`] says what is measured, [`measure`] walks its loop, [`Judged`] compares it with the [`Reference`]. Failures are
 //! results like any other. [`run`] does it all within a budget of processor time, and says what it left out.
 
+mod atlas;
 mod front;
 mod judge;
 mod measure;
@@ -12,7 +13,7 @@ mod reference;
 pub use front::front;
 pub use judge::{Errors, Judged, Verdict};
 pub use measure::{Measured, measure};
-pub use points::{Effort, Point, Precision, points};
+pub use points::{Effort, Model, Point, Precision, points};
 pub use reference::Reference;
 
 use super::scene::{Scene, SceneError};

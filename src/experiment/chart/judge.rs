@@ -189,8 +189,7 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         }
         Outcome::Cancelled => return Verdict::Cancelled,
         Outcome::NotConverged { mean_displacement, reason } => {
-            let what = reason.split_once(" (").map_or(reason.as_str(), |(what, _)| what);
-            return failed(what.to_owned(), format!("{reason}; last state at u0 = {mean_displacement}"));
+            return failed(in_short(reason), format!("{reason}; last state at u0 = {mean_displacement}"));
         }
         Outcome::Completed => {}
     }
@@ -216,6 +215,21 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         None => Verdict::Done,
         Some((what, _)) => failed(what.clone(), faults.iter().map(|(_, message)| message.as_str()).collect::<Vec<_>>().join("; ")),
     }
+}
+
+/// A reason without the place and without what follows it in brackets or after a colon, if it is long.
+fn in_short(reason: &str) -> String {
+    let what = reason.split_once(" (").map_or(reason, |(what, _)| what);
+    let mut what = match what.split_once(" at u0 = ") {
+        Some((before, after)) => format!("{before}{}", after.trim_start_matches(|c: char| c.is_ascii_digit() || "-.".contains(c))),
+        None => what.to_owned(),
+    };
+    if what.len() > 60
+        && let Some(colon) = what.find(": ")
+    {
+        what.truncate(colon);
+    }
+    what
 }
 
 /// Root mean square difference of the stress over the states of `measured` that are on the same pattern as `truth` and away from
@@ -261,5 +275,24 @@ impl<'a> Curve<'a> {
         let a = self.states.get(after.checked_sub(1)?)?;
         let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
         (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_in_short_names_what_happened_and_not_where() {
+        for (reason, short) in [
+            ("NaN: time step beyond its limit (GFMD at u0 = -0.0076)", "NaN: time step beyond its limit"),
+            ("the jump at u0 = 3.8413 would release 0 gamma", "the jump would release 0 gamma"),
+            (
+                "a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell",
+                "a mode that is not mirror-symmetric goes soft here",
+            ),
+        ] {
+            assert_eq!(in_short(reason), short);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! One loop, with what it took.
 
-use super::Point;
+use super::{Model, Point, atlas};
 use crate::experiment::record::LoopRecord;
 use crate::experiment::run::{LoopRun, Outcome, Report, run_reduced};
 use crate::experiment::scene::{Points, Scene, SceneError};
@@ -73,15 +73,18 @@ pub fn measure(
     let part = cancel.part();
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let mut out_of_time = false;
-    let LoopRun { record, outcome, counts, .. } = run_reduced(&scene, point.method, point.model, &part, &mut |report| {
-        if processor.elapsed().as_secs_f64() > allowed {
-            out_of_time = true;
-            part.request();
-        }
-        if let Report::State { fraction, .. } = report {
-            progress(fraction);
-        }
-    })?;
+    let LoopRun { record, outcome, counts, .. } = match point.model {
+        Model::Atlas => atlas::read_off(&scene, &model),
+        Model::Walk(part_of_cell) => run_reduced(&scene, point.method, part_of_cell, &part, &mut |report| {
+            if processor.elapsed().as_secs_f64() > allowed {
+                out_of_time = true;
+                part.request();
+            }
+            if let Report::State { fraction, .. } = report {
+                progress(fraction);
+            }
+        })?,
+    };
     Ok(Measured {
         point: *point,
         law: model.law,

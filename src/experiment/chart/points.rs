@@ -3,6 +3,7 @@
 use super::Measured;
 use crate::experiment::plan::Reduction;
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn, fast_even};
+use crate::physics::indenter::Indenter;
 use crate::solver::method::MethodKind;
 use std::collections::HashMap;
 use std::fmt;
@@ -11,6 +12,18 @@ use std::fmt;
 pub(super) const SHARE: f64 = 0.3;
 /// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
 const SECONDS: f64 = 1e-9;
+
+/// The reference of all: a walk on the whole cell.
+const WHOLE: Model = Model::Walk(Reduction::Whole);
+
+/// How much of the cell is solved, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Model {
+    /// A walk on the cell or a part of it.
+    Walk(Reduction),
+    /// The loop read off an atlas of branches (flat ground, square cells). The step is that of the states read off.
+    Atlas,
+}
 
 /// Of which numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,7 +47,7 @@ pub struct Point {
     /// The relaxation method.
     pub method: MethodKind,
     /// How much of the cell is solved.
-    pub model: Reduction,
+    pub model: Model,
     /// True for a line cell.
     pub line: bool,
     /// Points along a side.
@@ -46,12 +59,18 @@ pub struct Point {
 }
 
 impl Point {
+    /// The name of its road on the screen: its method, or the atlas.
+    pub fn road(&self) -> &'static str {
+        if self.model == Model::Atlas { "atlas of branches" } else { self.method.title() }
+    }
+
     /// The word of tables for what is solved.
     pub fn model_word(&self) -> &'static str {
         match (self.line, self.model) {
-            (false, model) => model.word(),
-            (true, Reduction::Whole) => "line",
-            (true, Reduction::Quarter) => "half line",
+            (_, Model::Atlas) => "atlas",
+            (false, Model::Walk(part)) => part.word(),
+            (true, Model::Walk(Reduction::Whole)) => "line",
+            (true, Model::Walk(Reduction::Quarter)) => "half line",
         }
     }
 }
@@ -60,9 +79,9 @@ impl fmt::Display for Point {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} cell, n = {}, {}, step {}",
+            "{}, {}, n = {}, {}, step {}",
             self.method.word(),
-            self.model.word(),
+            self.model_word(),
             self.points,
             self.precision.word(),
             self.step
@@ -113,7 +132,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     let grid = scene.model()?.grid;
     let mesh = |share: f64| if share < 1.0 { fast_even(share * grid.nx as f64) } else { grid.nx };
     let line = grid.is_line();
-    let point = |method, points, step| Point { method, model: Reduction::Whole, line, points, precision: Precision::Double, step };
+    let point = |method, points, step| Point { method, model: WHOLE, line, points, precision: Precision::Double, step };
     let finest = |most: usize, step: f64| {
         let finer = fast_even(1.2 * most as f64 + 1.0);
         [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
@@ -142,21 +161,25 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     }
     // The same on a quarter of the cell, for the methods that gain most from it.
     let reducible = |p: &&Point| p.points.is_multiple_of(4) && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs);
-    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Reduction::Quarter, ..*p }).collect();
+    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Model::Walk(Reduction::Quarter), ..*p }).collect();
     list.extend(quarters);
+    if !line && scene.indenter == Indenter::Flat && matches!(scene.drive.turn, Turn::At(_)) {
+        let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
+        list.extend(meshes.map(|&n| Point { model: Model::Atlas, ..point(MethodKind::NewtonKrylov, n, step) }));
+    }
     list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
     Ok((list, finest))
 }
 
 /// What `tackscope run` would do.
 pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == Reduction::Whole;
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == WHOLE;
     Ok(own && point.method == MethodKind::default())
 }
 
 /// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
 pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == Reduction::Whole;
+    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == WHOLE;
     Ok(own && point.method == MethodKind::Gfmd)
 }
 
@@ -166,7 +189,7 @@ pub(super) struct Predictor {
     /// Length of the loop in u0.
     way: f64,
     /// Measured over predicted, by method.
-    correction: HashMap<(MethodKind, Reduction), f64>,
+    correction: HashMap<(MethodKind, Model), f64>,
 }
 
 impl Predictor {
@@ -195,8 +218,8 @@ impl Predictor {
 
     fn typical(&self, point: &Point) -> f64 {
         let per_increment = match point.method {
-            MethodKind::NewtonKrylov => 40.0,
-            MethodKind::Lbfgs => 45.0,
+            MethodKind::NewtonKrylov => 60.0,
+            MethodKind::Lbfgs => 70.0,
             MethodKind::ConjugateGradients => 60.0,
             MethodKind::Fire => 110.0,
             MethodKind::GfmdTuned => 150.0,
@@ -204,11 +227,13 @@ impl Predictor {
         };
         let n = point.points as f64;
         let all = if point.line { n } else { n * n };
-        let all = match point.model {
-            Reduction::Whole => all,
+        let (all, way) = match point.model {
+            WHOLE => (all, self.way),
             // A quarter of the points; what watches over the rest costs about as much again.
-            Reduction::Quarter => all / 2.0,
+            Model::Walk(Reduction::Quarter) => (all / 2.0, self.way),
+            // As many equilibria whatever the step.
+            Model::Atlas => (all / 4.0, 40.0 * point.step),
         };
-        SECONDS * per_increment * (self.way / point.step) * all * all.log2()
+        SECONDS * per_increment * (way / point.step) * all * all.log2()
     }
 }

@@ -1,8 +1,9 @@
 //! The chart drawn, once for SVG and PNG: error of the dissipated energy against transforms and against processor time, log-log.
 
 use super::marks::{colour, outline};
-use crate::experiment::chart::{Chart, Judged, Verdict};
-use crate::solver::method::MethodKind;
+use super::words::{bounds, name, power};
+use crate::experiment::chart::{Chart, Judged, Model, Point, Verdict};
+use crate::experiment::plan::Reduction;
 use crate::storage::picture::{register_font, write_png};
 use crate::storage::{Failure, files};
 use image::RgbImage;
@@ -20,19 +21,17 @@ const SIZE: (u32, u32) = (1200, 700);
 /// Pixels drawn for each of the PNG's along a side (which smooths the edges), and pixels of the PNG for each unit.
 const OVERSAMPLING: u32 = 2;
 const PIXELS: f64 = 1.5;
-/// Height of heading and legend.
-const HEAD: f64 = 150.0;
 
 /// Height of the strip at the top, as a factor of the error's axis.
 const STRIP: f64 = 5.0;
 
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const GRID: RGBColor = RGBColor(0xe6, 0xe6, 0xe6);
 const STRIPE: RGBColor = RGBColor(0xf3, 0xf3, 0xf3);
 const FLOOR: RGBColor = RGBColor(0x8c, 0x8c, 0x8c);
-const FRONT: RGBColor = RGBColor(0xe8, 0xc8, 0x60);
+pub(super) const FRONT: RGBColor = RGBColor(0xe8, 0xc8, 0x60);
 
-type Drawn = Result<(), Box<dyn Error>>;
+pub(super) type Drawn = Result<(), Box<dyn Error>>;
 type Panel<'a, DB> = ChartContext<'a, DB, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// A cost: its name on the axis, its value, and which rows are on its front.
@@ -67,14 +66,14 @@ pub fn write_chart_png(path: &Path, chart: &Chart, title: &str) -> Result<(), Fa
     write_png(path, &image::imageops::thumbnail(&image, width / OVERSAMPLING, height / OVERSAMPLING))
 }
 
-struct Plot<'a> {
-    chart: &'a Chart,
+pub(super) struct Plot<'a> {
+    pub(super) chart: &'a Chart,
     title: String,
     /// Below this error nothing is told apart.
     floor: f64,
     errors: Range<f64>,
     /// Everything that failed, each once; the picture calls them a, b, c.
-    failures: Vec<String>,
+    pub(super) failures: Vec<String>,
     scale: f64,
 }
 
@@ -99,15 +98,15 @@ impl<'a> Plot<'a> {
         Self { chart, title, floor, errors: least / 2.5..most * 2.0 * STRIP, failures, scale }
     }
 
-    fn px(&self, units: f64) -> i32 {
+    pub(super) fn px(&self, units: f64) -> i32 {
         (units * self.scale).round() as i32
     }
 
-    fn stroke(&self, colour: RGBColor, width: f64) -> ShapeStyle {
+    pub(super) fn stroke(&self, colour: RGBColor, width: f64) -> ShapeStyle {
         colour.stroke_width((width * self.scale).round().max(1.0) as u32)
     }
 
-    fn text(&self, size: f64, colour: RGBColor) -> TextStyle<'static> {
+    pub(super) fn text(&self, size: f64, colour: RGBColor) -> TextStyle<'static> {
         ("sans-serif", size * self.scale).into_font().color(&colour)
     }
 
@@ -120,66 +119,12 @@ impl<'a> Plot<'a> {
         area.draw_text(&title, &self.text(22.0, INK), (self.px(24.0), self.px(14.0)))?;
         area.draw_text(&self.caption(), &self.text(14.0, INK), (self.px(24.0), self.px(46.0)))?;
         self.legend(area)?;
-        let (_, below) = area.split_vertically(self.px(HEAD));
+        let (_, below) = area.split_vertically(self.px(self.head()));
         let panels = below.split_evenly((1, 2));
         for (panel, cost) in panels.iter().zip(&COSTS) {
             self.panel(panel, cost)?;
         }
         area.present()?;
-        Ok(())
-    }
-
-    fn caption(&self) -> String {
-        let skipped = match self.chart.skipped.len() {
-            0 => String::new(),
-            n => format!("  {n} points were left out as too dear."),
-        };
-        let cut = if self.chart.cancelled { "  Interrupted: what was measured by then." } else { "" };
-        match &self.chart.reference {
-            None => format!("Interrupted before there was a reference.{skipped}"),
-            Some(reference) => format!(
-                "Reference: {} \u{3b3} lost, by n = {} and steps of {}; its own error {:.0e}.{skipped}{cut}",
-                number(reference.dissipated_energy),
-                reference.point().points,
-                reference.point().step,
-                reference.errors.dissipated_energy,
-            ),
-        }
-    }
-
-    fn legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn
-    where
-        DB::ErrorType: 'static,
-    {
-        let middle = self.text(14.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
-        let mut x = 34.0;
-        for method in MethodKind::ALL.into_iter().filter(|m| self.chart.rows.iter().any(|row| row.point.method == *m)) {
-            let at = (self.px(x), self.px(84.0));
-            area.draw(&(EmptyElement::at(at) + self.filled(method, 6.0)))?;
-            area.draw_text(method.title(), &middle, (self.px(x + 13.0), self.px(84.0)))?;
-            x += 42.0 + 8.0 * method.title().chars().count() as f64;
-        }
-        let y = self.px(110.0);
-        let words = [
-            (34.0, "small: quarter of the cell"),
-            (270.0, "Pareto front"),
-            (402.0, "the plan's own choice"),
-            (592.0, "the paper's budget"),
-            (766.0, "reference's own error (with a stem: below it)"),
-        ];
-        for (x, word) in words {
-            area.draw_text(word, &middle, (self.px(x + 13.0), y))?;
-        }
-        area.draw(&(EmptyElement::at((self.px(34.0), y)) + self.filled(MethodKind::NewtonKrylov, 3.5)))?;
-        let line = |x: f64| vec![(self.px(x - 18.0), y), (self.px(x + 6.0), y)];
-        area.draw(&PathElement::new(line(270.0), self.stroke(FRONT, 5.0)))?;
-        area.draw(&Circle::new((self.px(402.0), y), self.px(8.0), self.stroke(INK, 2.0)))?;
-        area.draw(&(EmptyElement::at((self.px(592.0), y)) + self.square(8.0)))?;
-        area.draw(&self.dashed(line(766.0)))?;
-        let named = self.failures.iter().enumerate().map(|(i, what)| format!("{}  {}", name(i), short(what)));
-        let hollow = if self.failures.is_empty() { String::new() } else { "hollow: failed    ".to_owned() };
-        let words = hollow + &named.collect::<Vec<_>>().join("     ");
-        area.draw_text(&words, &self.text(12.0, INK).pos(Pos::new(HPos::Left, VPos::Center)), (self.px(26.0), self.px(136.0)))?;
         Ok(())
     }
 
@@ -193,7 +138,7 @@ impl<'a> Plot<'a> {
             .margin_right(self.px(18.0))
             .x_label_area_size(self.px(52.0))
             .y_label_area_size(self.px(70.0))
-            .build_cartesian_2d((least / 1.6..most * 3.0).log_scale(), self.errors.clone().log_scale())?;
+            .build_cartesian_2d((least / 2.5..most * 3.0).log_scale(), self.errors.clone().log_scale())?;
         panel
             .configure_mesh()
             .x_desc(cost.0)
@@ -209,9 +154,9 @@ impl<'a> Plot<'a> {
             .light_line_style(TRANSPARENT)
             .set_all_tick_mark_size(self.px(4.0))
             .draw()?;
-        self.strip(&mut panel, least / 1.6, most * 3.0)?;
+        self.strip(&mut panel, least / 2.5, most * 3.0)?;
         if self.floor > 1e-12 {
-            panel.draw_series([self.dashed(vec![(least / 1.6, self.floor), (most * 3.0, self.floor)])])?;
+            panel.draw_series([self.dashed(vec![(least / 2.5, self.floor), (most * 3.0, self.floor)])])?;
         }
         self.front(&mut panel, cost, most * 3.0)?;
         for row in &self.chart.rows {
@@ -261,16 +206,15 @@ impl<'a> Plot<'a> {
         DB::ErrorType: 'static,
     {
         let Some(place) = self.place(row, cost) else { return Ok(()) };
-        let method = row.point.method;
-        let size = if row.point.model_word() == "whole" || row.point.model_word() == "line" { 6.0 } else { 4.0 };
+        let size = if row.point.model == Model::Walk(Reduction::Quarter) { 4.0 } else { 6.0 };
         if row.verdict == Verdict::Done {
-            panel.draw_series([EmptyElement::at(place) + self.filled(method, size)])?;
+            panel.draw_series([EmptyElement::at(place) + self.filled(&row.point, size)])?;
         } else {
-            panel.draw_series([EmptyElement::at(place) + self.hollow(method, size, colour(method))])?;
+            panel.draw_series([EmptyElement::at(place) + self.hollow(&row.point, size)])?;
         }
         if row.errors.dissipated_energy < self.floor {
             let stem = vec![(0, self.px(size)), (0, self.px(size + 9.0))];
-            panel.draw_series([EmptyElement::at(place) + PathElement::new(stem, self.stroke(colour(method), 1.5))])?;
+            panel.draw_series([EmptyElement::at(place) + PathElement::new(stem, self.stroke(colour(&row.point), 1.5))])?;
         }
         if row.plan {
             panel.draw_series([EmptyElement::at(place) + Circle::new((0, 0), self.px(10.0), self.stroke(INK, 2.0))])?;
@@ -286,12 +230,13 @@ impl<'a> Plot<'a> {
     where
         DB::ErrorType: 'static,
     {
+        let mut told = Vec::new();
         for row in &self.chart.rows {
             let Some(place) = self.place(row, cost) else { continue };
             if let Verdict::Failed { what, .. } = &row.verdict
                 && let Some(letter) = self.failures.iter().position(|known| known == what)
             {
-                let style = self.text(11.0, colour(row.point.method)).pos(Pos::new(HPos::Left, VPos::Center));
+                let style = self.text(11.0, colour(&row.point)).pos(Pos::new(HPos::Left, VPos::Center));
                 panel.draw_series([EmptyElement::at(place)
                     + Text::new(
                         name(letter),
@@ -299,7 +244,9 @@ impl<'a> Plot<'a> {
                         style,
                     )])?;
             }
-            if (cost.2)(row) {
+            let settings = (row.point.points, row.point.step);
+            if (cost.2)(row) && !told.contains(&settings) {
+                told.push(settings);
                 let word = format!("n = {}, step {}", row.point.points, row.point.step);
                 let style = self.text(11.0, INK).pos(Pos::new(HPos::Right, VPos::Top));
                 panel.draw_series([EmptyElement::at(place) + Text::new(word, (self.px(-6.0), self.px(7.0)), style)])?;
@@ -308,83 +255,25 @@ impl<'a> Plot<'a> {
         Ok(())
     }
 
-    fn corners(&self, method: MethodKind, size: f64) -> Vec<(i32, i32)> {
-        outline(method).into_iter().map(|(x, y)| (self.px(size * x), self.px(size * y))).collect()
+    fn corners(&self, point: &Point, size: f64) -> Vec<(i32, i32)> {
+        outline(point).into_iter().map(|(x, y)| (self.px(size * x), self.px(size * y))).collect()
     }
 
-    fn filled(&self, method: MethodKind, size: f64) -> Polygon<(i32, i32)> {
-        Polygon::new(self.corners(method, size), colour(method).filled())
+    pub(super) fn filled(&self, point: &Point, size: f64) -> Polygon<(i32, i32)> {
+        Polygon::new(self.corners(point, size), colour(point).filled())
     }
 
-    fn hollow(&self, method: MethodKind, size: f64, colour: RGBColor) -> PathElement<(i32, i32)> {
-        let mut corners = self.corners(method, size);
+    fn hollow(&self, point: &Point, size: f64) -> PathElement<(i32, i32)> {
+        let mut corners = self.corners(point, size);
         corners.extend_from_within(..1);
-        PathElement::new(corners, self.stroke(colour, 1.6))
+        PathElement::new(corners, self.stroke(colour(point), 1.6))
     }
 
-    fn square(&self, half: f64) -> Rectangle<(i32, i32)> {
+    pub(super) fn square(&self, half: f64) -> Rectangle<(i32, i32)> {
         Rectangle::new([(self.px(-half), self.px(-half)), (self.px(half), self.px(half))], self.stroke(INK, 2.0))
     }
 
-    fn dashed<P: Clone>(&self, points: Vec<P>) -> DashedPathElement<std::vec::IntoIter<P>, i32> {
+    pub(super) fn dashed<P: Clone>(&self, points: Vec<P>) -> DashedPathElement<std::vec::IntoIter<P>, i32> {
         DashedPathElement::new(points, self.px(6.0), self.px(4.0), self.stroke(FLOOR, 1.5))
-    }
-}
-
-/// a, b, c, ...
-fn name(letter: usize) -> String {
-    char::from_u32('a' as u32 + letter.min(25) as u32).unwrap_or('z').to_string()
-}
-
-/// A failure short enough for the legend.
-fn short(what: &str) -> String {
-    if what.chars().count() <= 44 { what.to_owned() } else { what.chars().take(42).chain("...".chars()).collect() }
-}
-
-/// Least and largest of what can be shown on a logarithmic axis; a decade where there is nothing.
-fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let shown = values.filter(|v| v.is_finite() && *v > 0.0);
-    let (least, most) = shown.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
-    if most > 0.0 { (least, most) } else { (1.0, 10.0) }
-}
-
-/// A number with five digits, or that there is none.
-fn number(value: f64) -> String {
-    if value.is_finite() { format!("{value:.5}") } else { "(not available)".to_owned() }
-}
-
-/// Powers of ten as such, other numbers as they are.
-fn power(value: f64) -> String {
-    let exponent = value.log10().round();
-    if (value / 10f64.powf(exponent) - 1.0).abs() > 1e-6 || (-1.0..=2.0).contains(&exponent) {
-        return format!("{value}");
-    }
-    let digits = (exponent as i32).to_string();
-    let raised = digits.chars().map(|c| match c {
-        '-' => '\u{207b}',
-        '1' => '\u{b9}',
-        '2' => '\u{b2}',
-        '3' => '\u{b3}',
-        digit => char::from_u32(0x2070 + digit.to_digit(10).unwrap_or(0)).unwrap_or(digit),
-    });
-    std::iter::once('1').chain(['0']).chain(raised).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn powers_of_ten_are_raised_and_other_numbers_are_left() {
-        assert_eq!(
-            [1e-5, 1e4, 1e-12, 0.1, 100.0].map(power),
-            ["10\u{207b}\u{2075}", "10\u{2074}", "10\u{207b}\u{b9}\u{b2}", "0.1", "100"]
-        );
-    }
-
-    #[test]
-    fn an_axis_of_nothing_is_a_decade() {
-        assert_eq!(bounds([f64::NAN, 0.0, -1.0].into_iter()), (1.0, 10.0));
-        assert_eq!(bounds([3.0, f64::INFINITY, 0.5].into_iter()), (0.5, 3.0));
     }
 }
