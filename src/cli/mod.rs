@@ -4,17 +4,21 @@
 //! 3 and 130 everything computed so far is written. Results go to files, one closing line to standard output, progress and
 //! refusals to standard error. May use every room below.
 
+mod chart;
 mod presets;
 mod progress;
 mod report;
 mod run;
 mod window;
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Done.
 const DONE: u8 = 0;
@@ -46,8 +50,32 @@ enum Command {
     /// Writes loop.csv, events.csv, summary.json, loop.svg, loop.png and gaps/*.png into the folder, replacing those of an
     /// earlier run.
     Run(RunArguments),
+    /// Chart the speed of every method against its accuracy on the loop of a scene
+    ///
+    /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a finer mesh with half the step;
+    /// failures are rows of the table and marks in the picture. Exit code 0 if the chart is complete, whatever failed in it.
+    Chart(ChartArguments),
     /// List the built-in scenes
     Presets,
+}
+
+/// What `tackscope chart` is told.
+#[derive(Args, Clone, Debug)]
+struct ChartArguments {
+    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    scene: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    /// Only coarse meshes and long steps: seconds in place of minutes
+    #[arg(long)]
+    quick: bool,
+    /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
+    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick")]
+    seconds: f64,
 }
 
 /// What `tackscope run` is told.
@@ -62,8 +90,8 @@ struct RunArguments {
     #[arg(long, short)]
     quiet: bool,
     /// Which method follows the branches
-    #[arg(long, value_enum, default_value_t = Method::Newton)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
+    method: MethodKind,
     /// Seed in place of the scene's: it chooses between equivalent patterns
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
@@ -78,28 +106,13 @@ struct RunArguments {
     yardstick: bool,
 }
 
-/// The methods by their words.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Method {
-    /// Newton-Krylov with tracked stability
-    Newton,
-    /// The paper's mass-weighted dynamics, 50 + 150 time steps per increment
-    Gfmd,
-}
-
-impl Method {
-    fn kind(self) -> MethodKind {
-        match self {
-            Method::Newton => MethodKind::NewtonKrylov,
-            Method::Gfmd => MethodKind::Gfmd,
-        }
+impl ValueEnum for MethodKind {
+    fn value_variants<'a>() -> &'a [Self] {
+        &MethodKind::ALL
     }
 
-    fn word(self) -> &'static str {
-        match self {
-            Method::Newton => "newton",
-            Method::Gfmd => "gfmd",
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()).help(self.title()))
     }
 }
 
@@ -107,6 +120,7 @@ impl Method {
 pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::parse().command {
         Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Chart(arguments)) => chart::chart(&arguments),
         Some(Command::Presets) => presets::list(),
         None => window_or_default_scene(),
     })
@@ -126,7 +140,7 @@ fn window_or_default_scene() -> u8 {
                 scene: "fig2".to_owned(),
                 out: PathBuf::from("tackscope-out"),
                 quiet: false,
-                method: Method::Newton,
+                method: MethodKind::NewtonKrylov,
                 seed: None,
                 points: None,
                 step: None,
@@ -134,6 +148,20 @@ fn window_or_default_scene() -> u8 {
             })
         }
     }
+}
+
+/// A token that the first Ctrl-C raises; the second one ends the program at once.
+fn cancel_on_interrupt() -> Cancel {
+    let cancel = Cancel::default();
+    let (token, before) = (cancel.clone(), AtomicBool::new(false));
+    // Without a handler Ctrl-C ends the program the hard way: worse, yet no reason not to run.
+    let _ = ctrlc::set_handler(move || {
+        if before.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        token.request();
+    });
+    cancel
 }
 
 /// Prints a line to standard output; a reader that has gone away (`| head`) is no error.

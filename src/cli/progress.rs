@@ -58,6 +58,29 @@ impl Teller {
         }
     }
 
+    /// Says what is being done, where there is a bar.
+    pub(super) fn now(&self, words: &str) {
+        if let Teller::Bar(bar) = self {
+            bar.set_message(words.to_owned());
+        }
+    }
+
+    /// Moves the bar, where there is one.
+    pub(super) fn fraction(&self, fraction: f64) {
+        if let Teller::Bar(bar) = self {
+            bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
+        }
+    }
+
+    /// Says something that stays.
+    pub(super) fn note(&self, words: &str) {
+        match self {
+            Teller::Silent => {}
+            Teller::Bar(bar) => bar.println(words),
+            Teller::Lines { .. } => line(words),
+        }
+    }
+
     /// Takes the bar away.
     pub(super) fn finish(&self) {
         if let Teller::Bar(bar) = self {

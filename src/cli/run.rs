@@ -2,14 +2,13 @@
 
 use super::progress::Teller;
 use super::report::{self, Timed};
-use super::{BAD_INPUT, DONE, INTERRUPTED, Method, NOT_CONVERGED, RunArguments, say};
+use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_interrupt, say};
 use crate::experiment::run::{LoopRun, Outcome, run_loop};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
 use crate::storage::{Failure, files, presets, scene_file, summary};
 use cpu_time::ProcessTime;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Computes the loop, writes its files and returns the exit code.
@@ -24,7 +23,7 @@ pub(super) fn run(arguments: &RunArguments) -> u8 {
 }
 
 fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
-    if arguments.yardstick && arguments.method == Method::Gfmd {
+    if arguments.yardstick && arguments.method == MethodKind::Gfmd {
         return Err(Failure::Value {
             file: "command line".to_owned(),
             key: "--yardstick".to_owned(),
@@ -38,7 +37,7 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
     files::prepare_folder(&arguments.out)?;
     let cancel = cancel_on_interrupt();
 
-    let main = timed(arguments, &scene, &model, arguments.method.kind(), &cancel).map_err(refused)?;
+    let main = timed(arguments, &scene, &model, arguments.method, &cancel).map_err(refused)?;
     report::write_results(&arguments.out, &scene, &model, &main.run)?;
     let mut told = report::summary(&arguments.scene, &scene, &model, arguments.method.word(), &main);
     let summary_path = arguments.out.join("summary.json");
@@ -78,7 +77,7 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
 
 /// Walks the loop, telling the user, and takes the time.
 fn timed(arguments: &RunArguments, scene: &Scene, model: &Model, method: MethodKind, cancel: &Cancel) -> Result<Timed, SceneError> {
-    let word = if method == MethodKind::Gfmd { "gfmd" } else { "newton" };
+    let word = method.word();
     let (nx, ny, mu_rho) = (model.grid.nx, model.grid.ny, model.mu_rho);
     let heading = format!("{}: {nx} x {ny} points ({}), mu_rho = {mu_rho:.3}, method {word}", scene.title, model.reason);
     let mut teller = Teller::new(arguments.quiet, &heading);
@@ -88,20 +87,6 @@ fn timed(arguments: &RunArguments, scene: &Scene, model: &Model, method: MethodK
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
     Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
-}
-
-/// A token that the first Ctrl-C raises; the second one ends the program at once.
-fn cancel_on_interrupt() -> Cancel {
-    let cancel = Cancel::default();
-    let (token, before) = (cancel.clone(), AtomicBool::new(false));
-    // Without a handler Ctrl-C ends the program the hard way: worse, yet no reason not to run.
-    let _ = ctrlc::set_handler(move || {
-        if before.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        token.request();
-    });
-    cancel
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {

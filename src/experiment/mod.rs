@@ -3,6 +3,7 @@
 //! May use `solver`, `physics` and `numerics`; no threads, channels or files.
 
 pub mod atlas;
+pub mod chart;
 pub mod flat_branch;
 pub mod plan;
 pub mod record;

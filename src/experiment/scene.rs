@@ -221,7 +221,7 @@ fn mu_rho_for(accuracy: f64) -> f64 {
 }
 
 /// The next even number at or above `n` whose only prime factors are 2, 3 and 5, at least 16.
-fn fast_even(n: f64) -> usize {
+pub(crate) fn fast_even(n: f64) -> usize {
     let mut candidate = (n.clamp(16.0, 1e6).ceil() as usize).next_multiple_of(2);
     loop {
         let mut rest = candidate;

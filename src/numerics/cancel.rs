@@ -5,21 +5,44 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Shared request to stop; clones refer to the same flag.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct Cancel {
+    flag: Arc<AtomicBool>,
+    above: Option<Arc<AtomicBool>>,
+}
 
 impl Cancel {
+    /// A token for a part of the work: it hears a request to this one, and its own stops only the part.
+    pub fn part(&self) -> Self {
+        Self { flag: Arc::default(), above: Some(self.flag.clone()) }
+    }
+
     /// Asks every holder of this token to stop at its next check.
     pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.flag.store(true, Ordering::Relaxed);
     }
 
     /// True once a stop was requested.
     pub fn requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.flag.load(Ordering::Relaxed) || self.above.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// Takes the request back, so that the token can serve the next piece of work.
     pub fn clear(&self) {
-        self.0.store(false, Ordering::Relaxed);
+        self.flag.store(false, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_hears_the_whole_and_not_the_other_way_round() {
+        let whole = Cancel::default();
+        let (one, other) = (whole.part(), whole.part());
+        one.request();
+        assert!(one.requested() && !other.requested() && !whole.requested());
+        whole.request();
+        assert!(other.requested());
     }
 }

@@ -5,11 +5,12 @@
 
 use super::Stop;
 use super::branch::History;
+use super::descent::stiffest;
 use super::equilibrium::{Cost, Equilibrium};
 use super::method::{Lost, Method, Problem};
 use super::stability::random_amplitudes;
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::add;
+use crate::numerics::vector::{add, norm};
 use crate::physics::system::{System, Workspace};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -34,6 +35,10 @@ impl Default for GfmdBudget {
         Self { ramp: 50, relax: 150, time_step: 0.5, damping: 0.3, temperature: 1e-4 }
     }
 }
+
+/// Why the numbers of a fixed budget end.
+const TOO_LONG: &str = "time step beyond its limit";
+const TOO_HOT: &str = "thrown into the wall of the law, by too hot a thermostat or by a jump";
 
 /// Mass-weighted GFMD with a thermostat.
 #[derive(Clone, Debug)]
@@ -91,6 +96,7 @@ impl Method for Gfmd {
         let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
         let kick = (3.0 * 2.0 * b.damping * thermal * b.time_step).sqrt();
         let amplitude: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| kick * m.sqrt()).collect();
+        let mut limit = f64::INFINITY;
         for step in 1..=b.ramp + b.relax {
             if cancel.requested() {
                 return Err(Lost::Cancelled);
@@ -98,6 +104,12 @@ impl Method for Gfmd {
             let share = (step as f64 / b.ramp as f64).min(1.0);
             let u = from.mean_displacement + share * (u0 - from.mean_displacement);
             system.evaluate(&z, u, &mut g, ws);
+            if step == 1 {
+                limit = 2.0 / stiffest(problem, ws).sqrt();
+            }
+            if !norm(&g).is_finite() {
+                break;
+            }
             let noise = random_amplitudes(system, &mut self.rng);
             let keep = 1.0 - b.damping * b.time_step;
             for i in 0..z.len() {
@@ -109,7 +121,7 @@ impl Method for Gfmd {
         let residual = system.residual(&g, ws);
         if !residual.is_finite() || !at.energy.is_finite() {
             self.velocity.fill(0.0);
-            return Err(Lost::Gone);
+            return Err(Lost::Diverged(if b.time_step < limit { TOO_HOT } else { TOO_LONG }));
         }
         Ok(Equilibrium {
             mean_displacement: u0,

@@ -3,7 +3,7 @@
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, sliding_basis, solve};
-use super::{Stop, gfmd::Gfmd};
+use super::{Stop, descent::Descent, gfmd::Gfmd, gfmd_tuned::GfmdTuned};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, project_out};
 use crate::physics::preconditioner::Preconditioner;
@@ -62,26 +62,50 @@ pub enum Lost {
     Gone,
     /// Negative curvature on the way.
     Unstable,
+    /// The numbers stopped being finite; why, in words.
+    Diverged(&'static str),
     /// Somebody asked to stop.
     Cancelled,
 }
 
 /// Which relaxation method follows the branches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum MethodKind {
     /// Newton-Krylov with a predictor.
     #[default]
     NewtonKrylov,
     /// The paper's mass-weighted GFMD, 50 + 150 time steps per increment.
     Gfmd,
+    /// The same dynamics with tuned time step and damping, until it has relaxed.
+    GfmdTuned,
+    /// Fast inertial relaxation.
+    Fire,
+    /// Nonlinear conjugate gradients.
+    ConjugateGradients,
+    /// Limited-memory BFGS.
+    Lbfgs,
 }
 
 impl MethodKind {
+    /// Every method.
+    pub const ALL: [MethodKind; 6] = [
+        MethodKind::NewtonKrylov,
+        MethodKind::Lbfgs,
+        MethodKind::ConjugateGradients,
+        MethodKind::Fire,
+        MethodKind::GfmdTuned,
+        MethodKind::Gfmd,
+    ];
+
     /// The method, its randomness seeded.
     pub fn build(self, seed: u64) -> Box<dyn Method> {
         match self {
             MethodKind::NewtonKrylov => Box::new(NewtonKrylov),
             MethodKind::Gfmd => Box::new(Gfmd::new(seed)),
+            MethodKind::GfmdTuned => Box::new(GfmdTuned::new(seed)),
+            MethodKind::Fire => Box::new(Descent::fire()),
+            MethodKind::ConjugateGradients => Box::new(Descent::conjugate()),
+            MethodKind::Lbfgs => Box::new(Descent::lbfgs()),
         }
     }
 
@@ -90,6 +114,22 @@ impl MethodKind {
         match self {
             MethodKind::NewtonKrylov => "newton",
             MethodKind::Gfmd => "gfmd",
+            MethodKind::GfmdTuned => "gfmd_tuned",
+            MethodKind::Fire => "fire",
+            MethodKind::ConjugateGradients => "cg",
+            MethodKind::Lbfgs => "lbfgs",
+        }
+    }
+
+    /// Its name on the screen.
+    pub fn title(self) -> &'static str {
+        match self {
+            MethodKind::NewtonKrylov => "Newton-Krylov",
+            MethodKind::Gfmd => "GFMD, as in the paper",
+            MethodKind::GfmdTuned => "GFMD, tuned",
+            MethodKind::Fire => "FIRE",
+            MethodKind::ConjugateGradients => "conjugate gradients",
+            MethodKind::Lbfgs => "L-BFGS",
         }
     }
 }
@@ -120,16 +160,8 @@ impl Method for NewtonKrylov {
         cancel: &Cancel,
     ) -> Result<Equilibrium, Lost> {
         let before = ws.transforms;
-        let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
-        if problem.slides == Slides::Freely {
-            // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.
-            let mut change = guess;
-            add(&mut change, -1.0, &from.field);
-            project_out(&mut change, &sliding_basis(problem.system, &from.field, problem.slides, ws));
-            add(&mut change, 1.0, &from.field);
-            guess = change;
-        }
-        let predicted_change = distance(&guess, &from.field);
+        let guess = predicted(problem, branch, from, u0, ws);
+        let reach = reach(problem, from, &guess, u0);
         let state = solve(problem, guess.clone(), u0, NewtonLimits::default(), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
@@ -137,12 +169,7 @@ impl Method for NewtonKrylov {
             NewtonEnd::Stalled => return Err(Lost::Gone),
             NewtonEnd::Cancelled => return Err(Lost::Cancelled),
         }
-        let du = (u0 - from.mean_displacement).abs();
-        let stray = distance(&guess, &state.z);
-        // Without a second state there is no prediction to stray from; the audit alone decides. Where the branch is soft, a residual
-        // within tolerance leaves a thousandth of a range undecided.
-        let reach = STRAY * predicted_change + 0.1 * du + 1e-3 * problem.system.law().range;
-        let strayed = predicted_change > 0.0 && stray > reach;
+        let strayed = distance(&guess, &state.z) > reach;
         if strayed || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
             return Err(Lost::Gone);
         }
@@ -160,8 +187,32 @@ impl Method for NewtonKrylov {
     }
 }
 
+/// The branch's extrapolation to `u0`; where it has none, the state it stands on.
+pub(super) fn predicted(problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace) -> Vec<f64> {
+    let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
+    if problem.slides == Slides::Freely {
+        // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.
+        add(&mut guess, -1.0, &from.field);
+        project_out(&mut guess, &sliding_basis(problem.system, &from.field, problem.slides, ws));
+        add(&mut guess, 1.0, &from.field);
+    }
+    guess
+}
+
+/// How far (root mean square, length) from its prediction a state may be and still continue the branch.
+///
+/// Without a second state there is no prediction to stray from; the audit alone decides. Where the branch is soft, a residual
+/// within tolerance leaves a thousandth of a range undecided.
+pub(super) fn reach(problem: &Problem<'_>, from: &Equilibrium, guess: &[f64], u0: f64) -> f64 {
+    let change = distance(guess, &from.field);
+    if change == 0.0 {
+        return f64::INFINITY;
+    }
+    STRAY * change + 0.1 * (u0 - from.mean_displacement).abs() + 1e-3 * problem.system.law().range
+}
+
 /// The energy audit: along a smooth branch dV = stress du0. A step across a jump pays with energy and is found out.
-fn audit(system: &System, from: &Equilibrium, u0: f64, energy: f64, stress: f64) -> bool {
+pub(crate) fn audit(system: &System, from: &Equilibrium, u0: f64, energy: f64, stress: f64) -> bool {
     let du = u0 - from.mean_displacement;
     let missing = (energy - from.energy - 0.5 * (stress + from.stress) * du).abs();
     let smooth = 0.2 * (stress - from.stress).abs() + 1e-3 * system.law().traction_max();

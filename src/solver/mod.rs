@@ -5,8 +5,10 @@
 //! clocks. May use `physics` and `numerics`.
 
 pub mod branch;
+pub mod descent;
 pub mod equilibrium;
 pub mod gfmd;
+pub mod gfmd_tuned;
 pub mod method;
 pub mod newton;
 pub mod release;

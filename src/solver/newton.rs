@@ -199,3 +199,21 @@ pub fn sliding_basis(system: &System, z: &[f64], slides: Slides, ws: &mut Worksp
     }
     basis
 }
+
+/// `z` moved by less than half a mesh spacing so that the pattern's centre lies on a mesh point. There the mesh's own weak pinning
+/// vanishes by symmetry; elsewhere it would keep the residual from converging.
+pub fn centred(system: &System, z: &[f64]) -> Vec<f64> {
+    let grid = system.grid();
+    let shift = |pair: usize| {
+        let (re, im) = (z[2 * pair], z[2 * pair + 1]);
+        if re.hypot(im) < 1e-3 * norm(z) {
+            return 0.0;
+        }
+        // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
+        let x0 = -im.atan2(re) / grid.q1();
+        (x0 / grid.spacing()).round() * grid.spacing() - x0
+    };
+    let (along_x, along_y) = (grid.ny, 1);
+    let dy = if grid.is_line() { 0.0 } else { shift(along_y) };
+    system.moved(z, shift(along_x), dy)
+}

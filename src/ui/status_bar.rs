@@ -5,7 +5,6 @@ use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::record::StateRecord;
 use crate::solver::Stop;
-use crate::solver::method::MethodKind;
 use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
@@ -52,11 +51,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         now.stiffness_error, now.residual
     ));
     part(ui, now.model);
-    let method = match state.method {
-        MethodKind::NewtonKrylov => "Newton-Krylov",
-        MethodKind::Gfmd => "GFMD",
-    };
-    part(ui, method);
+    part(ui, state.method.title());
     part(ui, &format!("{} iterations", now.iterations));
     part(ui, &format!("{} transforms", now.transforms));
     part(ui, &format!("{:.1} ms", now.milliseconds));

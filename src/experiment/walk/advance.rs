@@ -6,8 +6,9 @@ use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::solver::Stop;
+use crate::solver::branch::History;
 use crate::solver::equilibrium::Equilibrium;
-use crate::solver::method::Lost;
+use crate::solver::method::{Lost, audit};
 use crate::solver::stability::random_smooth;
 
 /// Width, in ranges, to which the end of a branch is bracketed.
@@ -108,11 +109,8 @@ impl Walk {
                 barrier.soft_mode = state.soft_mode;
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
-            Err(_) if !locates => {
-                return Progress::Stuck(format!(
-                    "{} left the numbers at u0 = {next:.6}: its time step is beyond the stability limit for this compression",
-                    self.method.name()
-                ));
+            Err(Lost::Diverged(reason)) => {
+                return Progress::Stuck(format!("NaN: {reason} ({} at u0 = {next:.6})", self.method.name()));
             }
             Err(Lost::Unstable | Lost::Gone) => {}
         }
@@ -139,8 +137,14 @@ impl Walk {
         let du = state.mean_displacement - self.state.mean_displacement;
         let work = 0.5 * (stress + state.stress) * du;
         let released = (energy + work - state.energy) / self.model.law.surface_energy;
-        self.history.push(state.mean_displacement, state.field.clone());
+        // An extrapolation over a jump that nobody noticed would be of neither branch.
+        let smooth = audit(&self.system, &self.state, state.mean_displacement, state.energy, state.stress);
         self.state = state;
+        if smooth {
+            self.history.push(self.state.mean_displacement, self.state.field.clone());
+        } else {
+            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
+        }
         if self.method.locates() {
             self.preconditioner.refresh(&self.system, &mut self.ws);
         }

@@ -8,7 +8,7 @@ use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::method::Slides;
-use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
+use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, solve};
 use crate::solver::release::{Release, Slice};
 use rand::Rng;
 
@@ -124,7 +124,7 @@ impl Walk {
         let steps = jumping.release.steps;
         let mut settled = settled;
         if self.slides == Slides::Freely {
-            let centred = self.centred(&settled.z);
+            let centred = centred(&self.system, &settled.z);
             let limits = NewtonLimits::default();
             let polished =
                 solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
@@ -158,24 +158,6 @@ impl Walk {
         };
         state.measured(stiffness, mode);
         Ok(state)
-    }
-
-    /// Moves a pattern by less than half a mesh spacing so that its centre lies on a mesh point. There the mesh's own weak pinning
-    /// vanishes by symmetry; elsewhere it would keep the residual from converging.
-    pub(super) fn centred(&self, z: &[f64]) -> Vec<f64> {
-        let grid = self.system.grid();
-        let shift = |pair: usize| {
-            let (re, im) = (z[2 * pair], z[2 * pair + 1]);
-            if re.hypot(im) < 1e-3 * norm(z) {
-                return 0.0;
-            }
-            // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
-            let x0 = -im.atan2(re) / grid.q1();
-            (x0 / grid.spacing()).round() * grid.spacing() - x0
-        };
-        let (along_x, along_y) = (grid.ny, 1);
-        let dy = if grid.is_line() { 0.0 } else { shift(along_y) };
-        self.system.moved(z, shift(along_x), dy)
     }
 
     pub(super) fn land(&mut self, jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {

@@ -57,7 +57,7 @@ pub fn write_loop_png(path: &Path, record: &LoopRecord, law: &Law, title: &str) 
 }
 
 /// Makes the built-in font known to plotters, once.
-fn register_font() {
+pub(in crate::storage) fn register_font() {
     static ONCE: Once = Once::new();
     static FONT: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/DejaVuSans.ttf"));
     ONCE.call_once(|| {

@@ -7,6 +7,7 @@ mod loop_plot;
 mod tests;
 
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
+pub(super) use loop_plot::register_font;
 pub use loop_plot::{write_loop_png, write_loop_svg};
 
 use super::{Failure, files};
@@ -15,7 +16,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// Encodes as PNG and writes the file whole.
-fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
+pub(super) fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
     let mut bytes = Cursor::new(Vec::new());
     image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| Failure::write(path, error))?;
     files::write_whole(path, bytes.get_ref())

@@ -1,0 +1,61 @@
+//! A loop read off an atlas, in the form of a walk's.
+
+use crate::experiment::atlas::{Atlas, Chart, Leg, Place, Unmapped};
+use crate::experiment::record::{LoopRecord, StateRecord};
+use crate::experiment::run::{LoopRun, Outcome};
+use crate::experiment::scene::{Model, Scene, Turn};
+use crate::experiment::walk::Counts;
+use crate::physics::pattern::Pattern;
+use crate::solver::Stop;
+
+/// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged, and says why.
+pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
+    let n = model.grid.nx;
+    let chart = Chart { length: model.grid.length, law: model.law, square: n, line: 2 * n, coarse: n.min(48), seed: scene.seed };
+    let mut atlas = Atlas::new(chart);
+    let start = scene.drive.start;
+    let cycle = match scene.drive.turn {
+        Turn::At(turn) => atlas.cycle(start, turn),
+        Turn::ZeroLoad => Err(Unmapped("a tip has no atlas".to_owned())),
+    };
+    let mut run =
+        LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
+    match cycle {
+        Ok(cycle) => {
+            run.record.states = cycle.legs.iter().flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model)).collect();
+            run.record.jumps = cycle.jumps;
+        }
+        Err(reason) => run.outcome = Outcome::NotConverged { mean_displacement: start, reason: reason.to_string() },
+    }
+    run.counts.transforms = atlas.transforms().iter().sum();
+    run.counts.patterned_increments = run.record.states.iter().filter(|s| s.pattern != Pattern::Flat).count();
+    run
+}
+
+/// States along a leg: its ends, and the points start - k x step between them.
+fn states(atlas: &Atlas, leg: &Leg, start: f64, step: f64, model: &Model) -> Vec<StateRecord> {
+    let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
+    let (first, last) = (((start - high) / step).floor() as i64, ((start - low) / step).ceil() as i64);
+    let mut places: Vec<f64> = (first..=last).map(|k| start - k as f64 * step).filter(|u| *u > low && *u < high).collect();
+    places.extend([leg.from, leg.to]);
+    places.sort_by(|a, b| if leg.from < leg.to { a.total_cmp(b) } else { b.total_cmp(a) });
+    places.iter().map(|&u0| state(atlas, leg, u0, model)).collect()
+}
+
+fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
+    let at = atlas.at(leg.place, u0);
+    let pattern = match leg.place {
+        Place::Flat => Pattern::Flat,
+        Place::On(i) => atlas.branches()[i].pattern,
+    };
+    StateRecord {
+        branch: leg.direction,
+        stress: at.stress,
+        stress_over_max: at.stress / model.law.traction_max(),
+        energy: at.energy,
+        pattern,
+        model: "atlas",
+        stop: Stop::Stable,
+        ..StateRecord::placeholder(u0)
+    }
+}

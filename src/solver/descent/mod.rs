@@ -1,0 +1,248 @@
+//! Descents to the nearest minimum without Hessian: FIRE, nonlinear conjugate gradients, L-BFGS.
+//!
+//! All three work in the scaled amplitudes y = z / sqrt(m) with m the diagonal of the preconditioner, in which the Hessian's spectrum
+//! is of order one whatever the mesh: a plain step then suits all waves alike. They begin at the branch's prediction, and give up
+//! where they leave its neighbourhood: a descent that ran on would find some other branch and call it this one.
+
+mod conjugate;
+mod fire;
+mod lbfgs;
+
+use super::Stop;
+use super::branch::{History, distance};
+use super::equilibrium::{Cost, Equilibrium};
+use super::method::{Lost, Method, Problem, audit, predicted, reach};
+use super::newton::sliding_basis;
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{dot, max_abs, norm, orthonormalise, project_out};
+use crate::physics::system::{Evaluation, System, Workspace};
+use lbfgs::Memory;
+
+/// Goal for the residual.
+const TOLERANCE: f64 = 1e-6;
+/// Iterations after which a descent says that it does not get there. Tens are normal; next to a fold it is the square root of the
+/// softness that counts.
+const BUDGET: usize = 600;
+/// How often a step that leaves the domain of the law is cut to a quarter.
+const CUTS: usize = 8;
+
+/// A descent behind the interface of every method.
+#[derive(Clone, Debug)]
+pub struct Descent {
+    rule: Rule,
+}
+
+#[derive(Clone, Debug)]
+enum Rule {
+    Fire,
+    Conjugate,
+    Lbfgs(Memory),
+}
+
+impl Descent {
+    /// FIRE (E. Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), doi 10.1103/PhysRevLett.97.170201).
+    pub fn fire() -> Self {
+        Self { rule: Rule::Fire }
+    }
+
+    /// Nonlinear conjugate gradients after Polak and Ribiere, restarted where their factor is negative.
+    pub fn conjugate() -> Self {
+        Self { rule: Rule::Conjugate }
+    }
+
+    /// L-BFGS with ten pairs (D. C. Liu and J. Nocedal, Math. Program. 45, 503 (1989), doi 10.1007/BF01589116).
+    pub fn lbfgs() -> Self {
+        Self { rule: Rule::Lbfgs(Memory::default()) }
+    }
+}
+
+impl Method for Descent {
+    fn name(&self) -> &'static str {
+        match self.rule {
+            Rule::Fire => "FIRE",
+            Rule::Conjugate => "conjugate gradients",
+            Rule::Lbfgs(_) => "L-BFGS",
+        }
+    }
+
+    /// They refuse what is not the continuation of the branch, and so can be asked where it ends.
+    fn locates(&self) -> bool {
+        true
+    }
+
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
+        let before = ws.transforms;
+        let guess = predicted(problem, branch, from, u0, ws);
+        let reach = reach(problem, from, &guess, u0);
+        let mut land = Landscape::at(problem, guess, u0, reach, ws, cancel);
+        match &mut self.rule {
+            Rule::Fire => fire::relax(&mut land)?,
+            Rule::Conjugate => conjugate::relax(&mut land)?,
+            Rule::Lbfgs(memory) => lbfgs::relax(&mut land, memory, &from.field)?,
+        }
+        let Landscape { z, at, residual, iterations, .. } = land;
+        if !audit(problem.system, from, u0, at.energy, at.stress) {
+            return Err(Lost::Gone);
+        }
+        Ok(Equilibrium {
+            mean_displacement: u0,
+            field: z,
+            residual,
+            stress: at.stress,
+            energy: at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: Stop::Stable,
+            cost: Cost { iterations, transforms: ws.transforms - before },
+        })
+    }
+}
+
+/// The energy at one u0 over the scaled amplitudes y, and where on it a descent stands.
+struct Landscape<'a> {
+    problem: &'a Problem<'a>,
+    u0: f64,
+    ws: &'a mut Workspace,
+    cancel: &'a Cancel,
+    /// sqrt(m), so that z = root * y.
+    root: Vec<f64>,
+    /// Sliding directions in y: left out of gradients, and so of steps.
+    removed: Vec<Vec<f64>>,
+    guess: Vec<f64>,
+    /// Largest distance from the guess that is still this branch (length).
+    reach: f64,
+    z: Vec<f64>,
+    /// dV/dz, for the residual.
+    force: Vec<f64>,
+    /// dV/dy without the sliding directions.
+    gradient: Vec<f64>,
+    at: Evaluation,
+    residual: f64,
+    iterations: usize,
+}
+
+impl<'a> Landscape<'a> {
+    fn at(problem: &'a Problem<'a>, guess: Vec<f64>, u0: f64, reach: f64, ws: &'a mut Workspace, cancel: &'a Cancel) -> Self {
+        let root: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| m.sqrt()).collect();
+        let zeros = vec![0.0; guess.len()];
+        let mut land = Self {
+            problem,
+            u0,
+            ws,
+            cancel,
+            root,
+            removed: Vec::new(),
+            z: guess.clone(),
+            guess,
+            reach,
+            force: zeros.clone(),
+            gradient: zeros,
+            at: Evaluation { energy: f64::NAN, stress: f64::NAN },
+            residual: f64::NAN,
+            iterations: 0,
+        };
+        land.evaluate();
+        let slides = sliding_basis(problem.system, &land.z, problem.slides, land.ws);
+        let scaled = slides.iter().map(|mode| mode.iter().zip(&land.root).map(|(m, r)| m * r).collect()).collect();
+        land.removed = orthonormalise(scaled, 1e-9);
+        project_out(&mut land.gradient, &land.removed);
+        land
+    }
+
+    fn evaluate(&mut self) {
+        self.at = self.problem.system.evaluate(&self.z, self.u0, &mut self.force, self.ws);
+        for ((g, f), r) in self.gradient.iter_mut().zip(&self.force).zip(&self.root) {
+            *g = f * r;
+        }
+        project_out(&mut self.gradient, &self.removed);
+    }
+
+    /// Moves y by `t` times `direction`.
+    fn go(&mut self, direction: &[f64], t: f64) {
+        for ((z, d), r) in self.z.iter_mut().zip(direction).zip(&self.root) {
+            *z += t * r * d;
+        }
+        self.evaluate();
+    }
+
+    fn is_finite(&self) -> bool {
+        self.at.energy.is_finite() && norm(&self.gradient).is_finite()
+    }
+
+    /// How the descent ends here, or `None` if another iteration is due, which is then counted.
+    fn ended(&mut self) -> Option<Result<(), Lost>> {
+        if self.cancel.requested() {
+            return Some(Err(Lost::Cancelled));
+        }
+        if !self.is_finite() || distance(&self.z, &self.guess) > self.reach {
+            return Some(Err(Lost::Gone));
+        }
+        let system = self.problem.system;
+        // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
+        if norm(&self.force) <= 0.5 * TOLERANCE * tractions(system, self.ws) {
+            self.residual = system.residual(&self.force, self.ws);
+            if self.residual <= TOLERANCE {
+                return Some(Ok(()));
+            }
+        }
+        if self.iterations == BUDGET {
+            return Some(Err(Lost::Gone));
+        }
+        self.iterations += 1;
+        None
+    }
+
+    /// Upper bound of the Hessian's eigenvalues in y here.
+    fn stiffest(&self) -> f64 {
+        stiffest(self.problem, self.ws)
+    }
+
+    /// Goes along the descent direction `d` to where the slope has fallen to `share` of what it was: a first trial at `t`, then by
+    /// the secant. Returns the mean curvature d H d / d d on the way, which is above zero.
+    fn search(&mut self, d: &[f64], mut t: f64, share: f64) -> Result<f64, Lost> {
+        let before = dot(&self.gradient, d);
+        self.go(d, t);
+        for _ in 0..CUTS {
+            if self.is_finite() {
+                break;
+            }
+            // Out of the law's domain: a step is shortened, never taken.
+            self.go(d, -0.75 * t);
+            t *= 0.25;
+        }
+        let after = dot(&self.gradient, d);
+        let curvature = (after - before) / (t * dot(d, d));
+        if !curvature.is_finite() {
+            return Err(Lost::Gone);
+        }
+        if curvature <= 0.0 {
+            return Err(Lost::Unstable);
+        }
+        if after.abs() > share * before.abs() {
+            let there = (t * before / (before - after)).min(4.0 * t);
+            self.go(d, there - t);
+        }
+        Ok(curvature)
+    }
+}
+
+/// The largest tractions that act where `ws` was evaluated, at least sigma_max (E*): the scale of every residual.
+pub(super) fn tractions(system: &System, ws: &Workspace) -> f64 {
+    ws.traction.as_slice().map_or(0.0, max_abs).max(system.law().traction_max())
+}
+
+/// Upper bound of the Hessian's eigenvalues in the scaled amplitudes, at the state `ws` was evaluated at: the stiffest point met by
+/// the longest wave.
+pub(super) fn stiffest(problem: &Problem<'_>, ws: &Workspace) -> f64 {
+    let largest = |x: &[f64]| x.iter().cloned().fold(0.0, f64::max);
+    let stiffness = ws.stiffness.as_slice().map_or(0.0, largest);
+    ((stiffness + problem.system.grid().q1() / 2.0) * largest(problem.preconditioner.diagonal())).max(1.0)
+}

@@ -1,0 +1,81 @@
+//! Charts of invented rows: written, and looked into.
+
+use super::{CHART_COLUMNS, write_chart_csv, write_chart_png, write_chart_svg};
+use crate::experiment::chart::{Chart, Errors, Judged, Model, Point, Precision, Skipped, Verdict};
+use crate::experiment::plan::Reduction;
+use crate::solver::method::MethodKind;
+
+fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
+    let point =
+        Point { method, model: Model::Walk(Reduction::Whole), line: false, points: 64, precision: Precision::Double, step: 0.02 };
+    Judged {
+        point,
+        dissipated_energy: 0.1 + error,
+        errors: Errors { dissipated_energy: error, jumps: error, stress: error },
+        transforms,
+        transforms_per_increment: f64::NAN,
+        seconds: 1.0,
+        processor_seconds: transforms as f64 / 1e4,
+        pareto_transforms: verdict == Verdict::Done,
+        pareto_time: false,
+        plan: method == MethodKind::NewtonKrylov,
+        paper_budget: false,
+        verdict,
+    }
+}
+
+fn failed(what: &str) -> Verdict {
+    Verdict::Failed { what: what.to_owned(), message: format!("{what}, with \"quotes\"") }
+}
+
+fn invented() -> Chart {
+    let rows = vec![
+        row(MethodKind::NewtonKrylov, 9_000, 1e-5, Verdict::Done),
+        row(MethodKind::Fire, 30_000, 1e-4, Verdict::Done),
+        row(MethodKind::Gfmd, 160_000, 0.1, failed("not converged")),
+        row(MethodKind::Gfmd, 100, f64::NAN, failed("NaN: time step beyond its limit")),
+        row(MethodKind::Lbfgs, 0, f64::NAN, Verdict::Cancelled),
+    ];
+    let skipped = vec![Skipped { point: rows[0].point, predicted_seconds: 99.0, allowed_seconds: 7.0 }];
+    Chart { rows, skipped, ..Chart::default() }
+}
+
+#[test]
+fn failures_and_points_left_out_are_rows_with_every_column() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("chart.csv");
+    write_chart_csv(&path, &invented()).expect("written");
+    let text = std::fs::read_to_string(&path).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!((lines[0], lines.len()), (CHART_COLUMNS, 7));
+    assert!(
+        lines[1].starts_with("newton,whole,64,double,0.02,") && lines[1].contains(",transforms,true,false,done,"),
+        "{}",
+        lines[1]
+    );
+    assert!(
+        lines[4].contains(",NaN: time step beyond its limit,\"NaN: time step beyond its limit, with \"\"quotes\"\"\""),
+        "{}",
+        lines[4]
+    );
+    assert!(lines[6].contains("skipped,\"predicted 99 processor seconds, 7 were left for it\""), "{}", lines[6]);
+    let commas = |line: &str| line.split('"').step_by(2).map(|plain| plain.matches(',').count()).sum::<usize>();
+    assert!(lines.iter().all(|line| commas(line) == commas(CHART_COLUMNS)), "{text}");
+}
+
+#[test]
+fn a_chart_is_drawn_with_its_failures_named_and_without_anything_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (svg, png) = (folder.path().join("chart.svg"), folder.path().join("chart.png"));
+    write_chart_svg(&svg, &invented(), "Fig. 2 <&>").expect("an SVG");
+    let text = std::fs::read_to_string(&svg).expect("text");
+    for word in ["&lt;&amp;&gt;", "not converged", "NaN: time step beyond its limit", "loop not closed", "Newton-Krylov"] {
+        assert!(text.contains(word), "{word}");
+    }
+    write_chart_png(&png, &invented(), "Fig. 2").expect("a PNG");
+    let picture = image::ImageReader::open(&png).expect("the PNG").decode().expect("a picture").into_rgb8();
+    assert_eq!(picture.dimensions(), (1800, 1050));
+    let blue = picture.pixels().filter(|p| p.0[2] > 150 && p.0[0] < 60).count();
+    assert!(blue > 200, "Newton's marks in the legend and in both panels: {blue} pixels");
+    write_chart_svg(&svg, &Chart::default(), "").expect("a picture of nothing");
+}
