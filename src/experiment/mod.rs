@@ -3,6 +3,7 @@
 //! May use `solver`, `physics` and `numerics`; no threads, channels or files.
 
 pub mod flat_branch;
+pub mod forecast;
 pub mod record;
 pub mod run;
 pub mod scene;
