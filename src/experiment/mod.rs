@@ -7,4 +7,5 @@ pub mod forecast;
 pub mod record;
 pub mod run;
 pub mod scene;
+pub mod time_step_map;
 pub mod walk;
