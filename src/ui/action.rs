@@ -53,6 +53,8 @@ pub enum Action {
     Fit(bool),
     /// Change how things are drawn.
     SetView(ViewOptions),
+    /// Begin (true) or drop the measurement of time steps.
+    MeasureTimeSteps(bool),
     /// The failure has been read.
     DismissFailure,
     /// End the program.
@@ -124,6 +126,28 @@ pub enum ProfileLine {
     AlongY(f64),
 }
 
+/// What is shown below the plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Tab {
+    /// The list of jumps.
+    #[default]
+    Events,
+    /// The smallest eigenvalue, or the time steps.
+    Stability,
+    /// The energy along the soft mode.
+    EnergyWell,
+}
+
+/// Stability of what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum StabilityOf {
+    /// Of the equilibria: the smallest eigenvalue against u0.
+    #[default]
+    States,
+    /// Of GFMD: which time steps it survives.
+    TimeSteps,
+}
+
 /// How things are drawn; no part of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -133,10 +157,23 @@ pub struct ViewOptions {
     pub smooth: bool,
     /// Where the profile is cut.
     pub profile: ProfileLine,
+    /// Draw the soft mode over the map.
+    pub soft_mode: bool,
+    /// What is shown below the plot.
+    pub tab: Tab,
+    /// Which stability.
+    pub stability: StabilityOf,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { centred: true, smooth: true, profile: ProfileLine::Auto }
+        Self {
+            centred: true,
+            smooth: true,
+            profile: ProfileLine::Auto,
+            soft_mode: false,
+            tab: Tab::default(),
+            stability: StabilityOf::default(),
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::handle::SolverHandle;
 use super::view_state::{Failure, ViewState};
-use super::{controls, event_list, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use super::{controls, gap_map, keys, loop_plot, profile, status_bar, tabs, toolbar};
 use crate::storage::{self, export, picture, presets, scene_file};
 use crate::worker::protocol::Command;
 use egui::{CentralPanel, Context, Panel, Ui};
@@ -108,10 +108,11 @@ impl App {
         let right =
             Panel::right("curve").default_size((0.42 * rest).clamp(250.0, 560.0)).size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
-            let height = (0.64 * ui.available_height()).max(230.0);
+            let whole = ui.available_height();
+            let height = (if whole < 600.0 { 0.54 } else { 0.62 } * whole).max(230.0);
             loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
             ui.separator();
-            event_list::show(ui, state, &self.announced.0);
+            tabs::show(ui, state, actions, &self.announced.0);
         });
         CentralPanel::default().show(ui, |ui| {
             let (width, height) = (ui.available_width(), ui.available_height());
@@ -150,6 +151,7 @@ impl App {
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
             Action::SetView(view) => state.view = view,
+            Action::MeasureTimeSteps(begin) => state.measure_time_steps(begin),
             Action::DismissFailure => state.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }

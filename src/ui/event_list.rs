@@ -8,19 +8,16 @@ use egui::{RichText, ScrollArea, Ui};
 /// Most rows that are laid out.
 const ROWS: usize = 200;
 
-/// Heading and table.
+/// Sum and table.
 pub fn show(ui: &mut Ui, state: &ViewState, announced: &str) {
     let jumps = &state.record.jumps;
-    ui.horizontal(|ui| {
-        ui.label(RichText::new("Events").heading().strong());
-        let sum = ui.label(
-            RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
-        );
-        // Invisible, only read aloud: the last jump, not more often than the ear can follow.
-        ui.ctx().accesskit_node_builder(sum.id, |node| {
-            node.set_live(egui::accesskit::Live::Polite);
-            node.set_description(announced.to_owned());
-        });
+    let sum = ui.label(
+        RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
+    );
+    // Invisible, only read aloud: the last jump, not more often than the ear can follow.
+    ui.ctx().accesskit_node_builder(sum.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+        node.set_description(announced.to_owned());
     });
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());

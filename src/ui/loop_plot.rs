@@ -25,22 +25,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         new_axes = Some(state.axes());
     }
     let grid = ui.visuals().text_color().gamma_multiply(0.45);
-    let response = Plot::new("loop")
+    let response = fixed("loop")
         .height((height - 88.0).max(120.0))
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .auto_bounds(false)
         .x_axis_label("u₀ / ρ")
         .y_axis_label("stress / σₘₐₓ")
-        .y_axis_min_width(30.0)
         .grid_color(grid)
         .x_grid_spacer(|input| ticks(input, 7.0))
         .y_grid_spacer(|input| ticks(input, 8.0))
-        .show_crosshair(false)
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
@@ -56,6 +47,27 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         .response;
     let sentence = sentence(state);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+}
+
+/// A plot whose axes no gesture moves.
+pub fn fixed<'a>(id: &'static str) -> Plot<'a> {
+    Plot::new(id)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .auto_bounds(false)
+        .show_crosshair(false)
+        .y_axis_min_width(30.0)
+}
+
+/// Such a plot in the rest of the space; its axes lose their names where there is little of it.
+pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
+    let height = ui.available_height().max(80.0);
+    let plot = fixed(id).height(height);
+    if height < 130.0 { plot } else { plot.x_axis_label(x).y_axis_label(y) }
 }
 
 fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
@@ -133,12 +145,13 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     }
 }
 
-fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
+/// A line of this colour and width.
+pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
     Line::new(name, PlotPoints::from(points.to_vec())).stroke(Stroke::new(width, colour))
 }
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
-fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
+pub fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let step = scene_edit::tick_spacing(high - low, count);
     let first = (low / step).ceil();
@@ -150,7 +163,7 @@ fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
 }
 
 /// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.
-fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
+pub fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
     let every = plot.plot_bounds().width() / 22.0;
     for piece in &curve.pieces {
         let (colour, shape, name) = match piece.branch {

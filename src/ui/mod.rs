@@ -18,6 +18,7 @@ pub mod view_state;
 mod controls;
 mod dialogs;
 mod display;
+mod energy_well;
 mod event_list;
 mod gap_map;
 mod gap_picture;
@@ -26,7 +27,10 @@ mod law_picker;
 mod loop_plot;
 mod mu_rho_slider;
 mod profile;
+mod stability;
 mod status_bar;
+mod tabs;
+mod time_steps;
 mod toolbar;
 mod u0_slider;
 

@@ -2,6 +2,8 @@
 
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
+use crate::experiment::time_step_map::TimeStepMap;
+use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
@@ -18,6 +20,18 @@ pub enum Sweep {
     Retract,
     /// A fresh closed loop: start, turn, start.
     Loop,
+}
+
+/// A measurement that takes its time, done beside the walk by a thread of its own.
+#[derive(Clone, Debug)]
+pub enum Errand {
+    /// Which time steps GFMD survives along the approach.
+    TimeSteps {
+        /// The scene.
+        scene: Arc<Scene>,
+        /// Where the approach ends (length).
+        turn: f64,
+    },
 }
 
 /// From the window to the solver.
@@ -53,6 +67,20 @@ pub enum Command {
     },
     /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
     Stop,
+    /// Say (or stop saying) what the energy well of each state looks like.
+    Watch {
+        /// True while somebody looks at it.
+        energy_well: bool,
+    },
+    /// Measure something beside the walk; replaces a measurement under way.
+    Measure {
+        /// The run it is meant for.
+        run: RunId,
+        /// What.
+        errand: Errand,
+    },
+    /// Drop the measurement under way; what was measured stands.
+    StopMeasuring,
     /// End the thread.
     Quit,
 }
@@ -66,6 +94,8 @@ pub struct Frame {
     pub stress: f64,
     /// Gap field (length), shape (ny, nx).
     pub gap: Arc<Array2<f64>>,
+    /// Field of the mode that gives way first, mean square 1; `None` while relaxing or not measured.
+    pub soft_mode: Option<Arc<Array2<f64>>>,
     /// True while the surface is jumping: not an equilibrium.
     pub relaxing: bool,
     /// The equilibrium's record; `None` while relaxing.
@@ -140,6 +170,27 @@ pub enum Event {
         run: RunId,
         /// u0 where it rests.
         mean_displacement: f64,
+    },
+    /// The energy around a state along its soft mode.
+    Well {
+        /// Run.
+        run: RunId,
+        /// The well.
+        well: Arc<EnergyWell>,
+    },
+    /// More of the time-step map.
+    TimeSteps {
+        /// Run.
+        run: RunId,
+        /// What is measured so far.
+        map: Arc<TimeStepMap>,
+    },
+    /// The measurement is over: done, dropped, or stuck for the reason given.
+    Measured {
+        /// Run.
+        run: RunId,
+        /// Why it could not be finished.
+        stuck: Option<String>,
     },
     /// Something went wrong; the last good state stays.
     Failed {

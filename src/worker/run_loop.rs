@@ -1,5 +1,6 @@
 //! The solver thread: commands in, events out, one picture in a mailbox.
 
+use super::measure::Bench;
 use super::protocol::{Command, Event, Frame, RunId};
 use super::session::Session;
 use crate::numerics::cancel::Cancel;
@@ -9,33 +10,46 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Handle of the solver thread. Dropping it cancels and joins.
+/// Handle of the solver thread and of the one that measures beside it. Dropping it cancels and joins.
 pub struct Worker {
     commands: Sender<Command>,
     events: Receiver<Event>,
     frames: Receiver<(RunId, Arc<Frame>)>,
     cancel: Cancel,
     thread: Option<JoinHandle<()>>,
+    bench: Bench,
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called (from that thread) whenever something new can be received.
+    /// Starts the threads. `wake` is called (from them) whenever something new can be received.
     pub fn spawn(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (commands, inbox) = unbounded();
         let (outbox, events) = unbounded();
         let (mailbox, frames) = bounded(1);
         let cancel = Cancel::default();
-        let post = Post { outbox, mailbox, stale: frames.clone(), wake: Box::new(wake) };
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
+        let (aside, nudge) = (outbox.clone(), wake.clone());
+        let bench = Bench::spawn(move |event| {
+            let _ = aside.send(event);
+            nudge();
+        });
+        let post = Post { outbox, mailbox, stale: frames.clone(), wake };
         let token = cancel.clone();
         let thread = std::thread::Builder::new()
             .name("solver".into())
             .spawn(move || run(&inbox, &post, &token))
             .expect("the system refuses to start a thread");
-        Self { commands, events, frames, cancel, thread: Some(thread) }
+        Self { commands, events, frames, cancel, thread: Some(thread), bench }
     }
 
     /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
     pub fn send(&self, command: Command) {
+        match command {
+            Command::Measure { run, errand } => return self.bench.start(run, errand),
+            // Another scene makes the measurement of this one pointless.
+            Command::StopMeasuring | Command::SetScene { .. } => self.bench.stop(),
+            _ => {}
+        }
         if matches!(command, Command::SetScene { .. } | Command::Stop | Command::Quit) {
             self.cancel.request();
         }
@@ -73,7 +87,7 @@ pub(super) struct Post {
     outbox: Sender<Event>,
     mailbox: Sender<(RunId, Arc<Frame>)>,
     stale: Receiver<(RunId, Arc<Frame>)>,
-    wake: Box<dyn Fn() + Send + Sync>,
+    wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Post {
@@ -176,7 +190,7 @@ mod tests {
     fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
         let (outbox, events) = unbounded();
         let (mailbox, stale) = bounded(1);
-        let post = Post { outbox, mailbox, stale, wake: Box::new(|| {}) };
+        let post = Post { outbox, mailbox, stale, wake: Arc::new(|| {}) };
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
