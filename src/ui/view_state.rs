@@ -13,7 +13,7 @@ use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::{Command, Errand, Frame, LoopSummary, Ready, RunId, Sweep};
+use crate::worker::protocol::{Command, Errand, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -104,6 +104,8 @@ pub struct ViewState {
     pub axes_version: u64,
     /// Undo and redo.
     pub history: History,
+    /// The newest motion asked for; a rest that ends an older one is stale.
+    motion: Motion,
     scene_pending: bool,
     target_pending: bool,
     watching: bool,
@@ -152,6 +154,7 @@ impl ViewState {
             fit: None,
             axes_version: 1,
             history: History::default(),
+            motion: 0,
             scene_pending: true,
             target_pending: false,
             watching: false,
@@ -240,6 +243,8 @@ impl ViewState {
     fn restart(&mut self) {
         self.scene_pending = true;
         self.target_pending = self.target != self.limits.1;
+        // The session counts afresh from the rest at the start, which is motion 0.
+        self.motion = u64::from(self.target_pending);
         self.outbox.clear();
         if self.paused {
             self.pause(false);
@@ -281,11 +286,12 @@ impl ViewState {
         }
         if std::mem::take(&mut self.target_pending) {
             self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
-            commands.push(Command::SetTarget { run: self.run, mean_displacement: self.target });
+            commands.push(Command::SetTarget { run: self.run, motion: self.motion, mean_displacement: self.target });
         }
         let run = self.run;
         commands.extend(self.outbox.drain(..).map(|command| match command {
-            Command::Sweep { sweep, .. } => Command::Sweep { run, sweep },
+            Command::Sweep { motion, sweep, .. } => Command::Sweep { run, motion, sweep },
+            Command::Stop { motion, .. } => Command::Stop { run, motion },
             other => other,
         }));
         let watching = self.view.tab == Tab::EnergyWell;

@@ -11,6 +11,10 @@ use std::sync::Arc;
 /// Identifies one run of one scene; events of an older run are stale and dropped by the receiver.
 pub type RunId = u64;
 
+/// Number of a motion within its run, counted by the sender from 1. A rest names the motion it ends, so that the end of an older one
+/// is not taken for the end of the newest.
+pub type Motion = u64;
+
 /// A continuous motion of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sweep {
@@ -50,6 +54,8 @@ pub enum Command {
     SetTarget {
         /// The run it is meant for.
         run: RunId,
+        /// Its number.
+        motion: Motion,
         /// u0 (length).
         mean_displacement: f64,
     },
@@ -57,6 +63,8 @@ pub enum Command {
     Sweep {
         /// The run it is meant for.
         run: RunId,
+        /// Its number.
+        motion: Motion,
         /// Which way.
         sweep: Sweep,
     },
@@ -66,7 +74,12 @@ pub enum Command {
         paused: bool,
     },
     /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
-    Stop,
+    Stop {
+        /// The run it is meant for.
+        run: RunId,
+        /// Its number.
+        motion: Motion,
+    },
     /// Say (or stop saying) what the energy well of each state looks like.
     Watch {
         /// True while somebody looks at it.
@@ -168,6 +181,8 @@ pub enum Event {
     Rest {
         /// Run.
         run: RunId,
+        /// The motion that ended; 0 before the first.
+        motion: Motion,
         /// u0 where it rests.
         mean_displacement: f64,
     },

@@ -50,7 +50,7 @@ impl Worker {
             Command::StopMeasuring | Command::SetScene { .. } => self.bench.stop(),
             _ => {}
         }
-        if matches!(command, Command::SetScene { .. } | Command::Stop | Command::Quit) {
+        if matches!(command, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
             self.cancel.request();
         }
         // The thread lives as long as this handle, so the channel is open.
@@ -194,7 +194,8 @@ mod tests {
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
-        let commands = [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, mean_displacement: 4.0 }];
+        let commands =
+            [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 }];
         for command in commands {
             guarded(&mut session, &post, |session, sink| session.command(command, sink));
         }
@@ -209,7 +210,9 @@ mod tests {
             matches!(&told[..], [Event::Failed { run: 3, message, .. }] if message.contains("a fault for the test")),
             "{told:?}"
         );
-        guarded(&mut session, &post, |session, sink| session.command(Command::SetTarget { run: 3, mean_displacement: 4.19 }, sink));
+        guarded(&mut session, &post, |session, sink| {
+            session.command(Command::SetTarget { run: 3, motion: 2, mean_displacement: 4.19 }, sink)
+        });
         work(&mut session, &post, &cancel);
         let next =
             events.try_iter().find_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None });

@@ -1,6 +1,6 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
-use super::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use super::run_loop::Output;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{Scene, Turn};
@@ -28,6 +28,8 @@ const WELL_PIECE: usize = 8;
 #[derive(Default)]
 pub struct Session {
     run: RunId,
+    /// The newest motion asked for.
+    motion: Motion,
     scene: Option<(Arc<Scene>, MethodKind)>,
     walk: Option<Walk>,
     /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be trusted.
@@ -63,26 +65,32 @@ impl Session {
         Some(self.not_before.map_or(Duration::ZERO, |t| t.saturating_duration_since(now)))
     }
 
-    /// Takes a command; those of another run are stale and dropped.
+    /// Takes a command; those of another run, and motions older than the newest, are stale and dropped.
     pub fn command(&mut self, command: Command, sink: &mut dyn FnMut(Output)) {
+        if let Command::SetTarget { run, motion, .. } | Command::Sweep { run, motion, .. } | Command::Stop { run, motion } = command
+        {
+            if run != self.run || motion < self.motion {
+                return;
+            }
+            self.motion = motion;
+        }
         match command {
             Command::SetScene { run, scene, method } => self.begin(run, scene, method, sink),
-            Command::SetTarget { run, mean_displacement } if run == self.run => {
+            Command::SetTarget { mean_displacement, .. } => {
                 self.sweep = None;
                 self.go(mean_displacement);
             }
-            Command::Sweep { run, sweep } if run == self.run => self.start_sweep(sweep, sink),
+            Command::Sweep { sweep, .. } => self.start_sweep(sweep, sink),
             Command::Pause { paused } => {
                 self.paused = paused;
                 self.look_into_the_well();
             }
-            Command::Stop => self.rest(sink),
+            Command::Stop { .. } => self.rest(sink),
             Command::Watch { energy_well } => {
                 self.watched = energy_well;
                 self.look_into_the_well();
             }
-            Command::SetTarget { .. } | Command::Sweep { .. } | Command::Quit => {}
-            Command::Measure { .. } | Command::StopMeasuring => {}
+            Command::Measure { .. } | Command::StopMeasuring | Command::Quit => {}
         }
     }
 
@@ -152,8 +160,8 @@ impl Session {
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none. Returns the run it belongs to.
     pub fn recover(&mut self) -> RunId {
-        let Self { run, scene, good, record, watched, .. } = std::mem::take(self);
-        *self = Self { run, scene, record, watched, ..Self::default() };
+        let Self { run, motion, scene, good, record, watched, .. } = std::mem::take(self);
+        *self = Self { run, motion, scene, record, watched, ..Self::default() };
         if let Some((scene, method)) = &self.scene {
             self.walk = match good {
                 Some((state, record)) => Walk::resume(scene, *method, state, record).ok(),
@@ -174,7 +182,7 @@ impl Session {
                 sink(Output::Event(Event::Ready { run, ready }));
                 sink(Output::Event(Event::State { run, state: walk.record().clone() }));
                 sink(Output::Frame(run, resting_frame(&mut walk)));
-                sink(Output::Event(Event::Rest { run, mean_displacement: walk.record().mean_displacement }));
+                sink(Output::Event(Event::Rest { run, motion: 0, mean_displacement: walk.record().mean_displacement }));
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
                 self.scene = Some((scene, method));
@@ -278,7 +286,7 @@ impl Session {
         if let Some(walk) = &mut self.walk {
             let mean_displacement = walk.displacement();
             walk.set_target(mean_displacement);
-            sink(Output::Event(Event::Rest { run: self.run, mean_displacement }));
+            sink(Output::Event(Event::Rest { run: self.run, motion: self.motion, mean_displacement }));
         }
         self.look_into_the_well();
     }

@@ -105,14 +105,14 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
         bench.heard();
         bench.click(label);
         let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep }] if *sweep == wanted), "{heard:?}");
+        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep, .. }] if *sweep == wanted), "{heard:?}");
     }
     bench.click("Pause");
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
     bench.click("Go on");
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.click("Stop");
-    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     assert!(!bench.state().busy);
 }
 
@@ -122,8 +122,31 @@ fn a_sweep_takes_the_thumb_along() {
     bench.click("Play approach");
     bench.reach(3.7, Branch::Approach);
     assert_eq!((bench.state().target, bench.state().actual), (3.7, 3.7));
-    bench.say(Event::Rest { run: 1, mean_displacement: 3.7 });
+    bench.say(Event::Rest { run: 1, motion: 1, mean_displacement: 3.7 });
     assert!(bench.state().sweep.is_none() && !bench.state().busy);
+}
+
+#[test]
+fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
+    let mut bench = Bench::new();
+    let run = bench.state().run;
+    bench.press(Modifiers::NONE, Key::End);
+    bench.reach(3.9, Branch::Approach);
+    bench.click("Stop");
+    bench.click("Play retract");
+    // The target was reached in the moment of the stop: two rests are on their way while the sweep already runs.
+    let motion = |commands: &[Command]| {
+        commands.iter().filter_map(|c| if let Command::Sweep { motion, .. } = c { Some(*motion) } else { None }).next_back()
+    };
+    let sweep = motion(&bench.heard()).expect("a sweep was asked for");
+    for motion in [sweep - 2, sweep - 1] {
+        bench.say(Event::Rest { run, motion, mean_displacement: 3.9 });
+    }
+    bench.reach(3.92, Branch::Retraction);
+    assert!(bench.state().busy && bench.state().sweep == Some(Sweep::Retract));
+    assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
+    bench.say(Event::Rest { run, motion: sweep, mean_displacement: 3.92 });
+    assert!(!bench.state().busy && bench.state().sweep.is_none());
 }
 
 #[test]
@@ -213,9 +236,9 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     bench.press(Modifiers::NONE, Key::Space);
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.press(Modifiers::NONE, Key::Escape);
-    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     bench.reach(3.0, Branch::Approach);
-    bench.say(Event::Rest { run: 1, mean_displacement: 3.0 });
+    bench.say(Event::Rest { run: 1, motion: 2, mean_displacement: 3.0 });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
     bench.press(Modifiers::NONE, Key::Period);
@@ -283,7 +306,7 @@ fn stale_events_of_an_older_run_are_dropped() {
     bench.click("law cosine");
     let state = bench.state().clone();
     bench.say(Event::Failed { run: 1, message: "old".to_owned(), remedy: String::new() });
-    bench.say(Event::Rest { run: 1, mean_displacement: 1.0 });
+    bench.say(Event::Rest { run: 1, motion: 0, mean_displacement: 1.0 });
     assert_eq!(bench.state().failure, None);
     assert_eq!(bench.state().actual, state.actual);
 }

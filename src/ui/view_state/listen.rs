@@ -42,13 +42,14 @@ impl ViewState {
             }
             Event::LoopStarted { .. } => self.archive(),
             Event::Loop { summary, .. } => self.closed_loop = Some(ClosedLoop { summary, shade: Shade::of(&self.curve) }),
+            // The end of an older motion: the newest is on its way to the solver.
+            Event::Rest { motion, .. } if motion != self.motion => {}
             Event::Rest { mean_displacement, .. } => {
                 self.actual = mean_displacement;
                 if self.sweep.take().is_some() {
                     self.target = mean_displacement;
                 }
-                // At rest elsewhere without a failure: a newer target is already on its way to the solver.
-                self.busy = self.failure.is_none() && mean_displacement != self.target;
+                self.busy = false;
             }
             Event::Well { well, .. } => self.take_well(well),
             Event::TimeSteps { map, .. } => self.time_steps = Some(map),
