@@ -2,8 +2,10 @@
 //!
 //! May use `solver`, `physics` and `numerics`; no threads, channels or files.
 
+pub mod atlas;
 pub mod flat_branch;
 pub mod forecast;
+pub mod plan;
 pub mod record;
 pub mod run;
 pub mod scene;

@@ -1,5 +1,6 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
+use super::plan::Reduction;
 use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk};
@@ -64,7 +65,7 @@ pub enum Report<'a> {
     Jump(&'a JumpRecord),
 }
 
-/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back.
+/// Runs the closed loop of `scene` on the whole cell: from the start of its drive to the turning point and back.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
@@ -74,7 +75,21 @@ pub fn run_loop(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    let mut walk = Walk::new(scene, method)?;
+    run_reduced(scene, method, Reduction::Whole, cancel, observe)
+}
+
+/// The same on a part of the cell.
+///
+/// # Errors
+/// As [`run_loop`].
+pub fn run_reduced(
+    scene: &Scene,
+    method: MethodKind,
+    reduction: Reduction,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
+    let mut walk = Walk::reduced(scene, method, reduction)?;
     let mut run =
         LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
     run.record.states.push(walk.record().clone());

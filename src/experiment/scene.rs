@@ -248,6 +248,6 @@ fn even(key: &str, n: usize) -> Result<usize, SceneError> {
     Err(refuse(key, n, &format!("an even number from 4 to {POINTS_MAX}, as in 64 or [64, 1], or \"auto\"")))
 }
 
-fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {
+pub(super) fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {
     SceneError { key: key.to_owned(), value: value.to_string(), allowed: format!("allowed is {allowed}") }
 }

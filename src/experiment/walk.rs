@@ -4,14 +4,16 @@
 //! out what happened. It works on any scene and is the reference for every faster road.
 
 mod advance;
+mod guard;
 mod landing;
 mod soft;
 
 pub use soft::EnergyWell;
 
 use super::flat_branch::FlatBranch;
+use super::plan::Reduction;
 use super::record::{Branch, Cause, JumpRecord, StateRecord};
-use super::scene::{Model, Scene, SceneError};
+use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::physics::pattern::{Pattern, classify, contact_area};
@@ -24,6 +26,7 @@ use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
+use guard::Guard;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -101,6 +104,8 @@ pub struct Walk {
     slides: Slides,
     method: Box<dyn Method>,
     flat: Option<FlatBranch>,
+    /// On a quarter cell: the watch over modes of other symmetry.
+    guard: Option<Guard>,
     rng: Pcg64,
     tracker: Tracker,
     ws: Workspace,
@@ -124,15 +129,35 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// A walk at rest at the start of the scene's drive.
+    /// A walk on the whole cell at rest at the start of the scene's drive.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn new(scene: &Scene, method: MethodKind) -> Result<Self, SceneError> {
+        Self::reduced(scene, method, Reduction::Whole)
+    }
+
+    /// A walk on a part of the cell.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn reduced(scene: &Scene, method: MethodKind, reduction: Reduction) -> Result<Self, SceneError> {
         let model = scene.model()?;
-        let system = System::new(model.grid, model.law, &model.indenter);
+        let even = reduction == Reduction::Quarter;
+        if even && !model.grid.nx.is_multiple_of(4) {
+            return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
+        }
+        let system = if even { System::even } else { System::new }(model.grid, model.law, &model.indenter);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
-        let preconditioner = Preconditioner::new(&system, well * if system.is_flat() { 0.25 } else { 0.04 });
+        let constant = well * if system.is_flat() { 0.25 } else { 0.04 };
+        let preconditioner = Preconditioner::new(&system, constant);
+        let slides = match system.is_flat() {
+            false => Slides::Never,
+            true if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+            true => Slides::UnlessPinned,
+        };
+        let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
+        let guard = even.then(|| Guard::new(&model, constant, slides, tracker(0x9a4d)));
         let method = method.build(scene.seed);
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
@@ -152,14 +177,11 @@ impl Walk {
             step: scene.drive.step,
             start,
             preconditioner,
-            slides: match system.is_flat() {
-                false => Slides::Never,
-                true if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
-                true => Slides::UnlessPinned,
-            },
+            slides: if even { Slides::Never } else { slides },
             method,
             flat,
-            tracker: Tracker::new(Pcg64::seed_from_u64(scene.seed ^ 0x5eed)),
+            guard,
+            tracker: tracker(0x5eed),
             rng,
             ws: system.workspace(),
             history: History::starting(start, state.field.clone()),
@@ -228,7 +250,11 @@ impl Walk {
 
     /// What was spent so far.
     pub fn counts(&self) -> Counts {
-        Counts { transforms: self.ws.transforms, ..self.counts }
+        Counts { transforms: self.transforms(), ..self.counts }
+    }
+
+    fn transforms(&self) -> usize {
+        self.ws.transforms + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.
@@ -256,7 +282,7 @@ impl Walk {
         self.system.gap(z, u0, &mut self.ws);
         // A picture is no part of the solution's cost.
         self.ws.transforms = spent;
-        self.ws.gap.clone()
+        self.system.unfolded(&self.ws.gap)
     }
 
     /// Does one bounded piece of work.
@@ -293,6 +319,26 @@ impl Walk {
         }
     }
 
+    /// The smallest eigenvalue over all modes: on a quarter cell also those that are not even. `Err` where one of those is negative.
+    /// The workspace must hold the state's gap.
+    fn all_modes(&mut self, even: Stiffness, cancel: &Cancel) -> Result<Stiffness, String> {
+        let Some(guard) = &mut self.guard else {
+            return Ok(even);
+        };
+        let u0 = self.ws.gap.mean().unwrap_or(f64::NAN) + self.system.height().and_then(|h| h.mean()).unwrap_or(0.0);
+        let all = guard.recent(u0).unwrap_or_else(|| {
+            let mut displacement = self.system.unfolded(&self.ws.gap);
+            if let Some(height) = self.system.height() {
+                displacement += &self.system.unfolded(height);
+            }
+            guard.check(&displacement, u0, cancel)
+        });
+        if all.value < even.value.min(-all.error) && even.is_stable() {
+            return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
+        }
+        Ok(if all.value < even.value { all } else { even })
+    }
+
     fn rest_at_start(&mut self) {
         match self.flat {
             Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
@@ -323,7 +369,7 @@ impl Walk {
         if self.system.is_flat() && norm(&self.state.field) < thermal {
             return Pattern::Flat;
         }
-        classify(self.ws.gap.view(), &self.model.law, self.system.is_flat())
+        classify(self.system.unfolded(&self.ws.gap).view(), &self.model.law, self.system.is_flat())
     }
 
     /// Writes the record of the present state and hands it out. The workspace must hold the state's gap, unless it is uniform.
@@ -354,17 +400,20 @@ impl Walk {
             energy: self.state.energy,
             model: if uniform && self.flat.is_some() {
                 "flat, closed form"
-            } else if self.model.grid.is_line() {
-                "line cell"
             } else {
-                "whole cell"
+                match (self.model.grid.is_line(), self.system.is_even()) {
+                    (true, false) => "line cell",
+                    (true, true) => "half line cell",
+                    (false, false) => "whole cell",
+                    (false, true) => "quarter cell",
+                }
             },
             stop: self.state.stop,
             iterations: self.counts.iterations - self.seen.iterations,
-            transforms: self.ws.transforms - self.seen.transforms,
+            transforms: self.transforms() - self.seen.transforms,
             milliseconds: std::mem::take(&mut self.worked).as_secs_f64() * 1e3,
         };
-        self.seen = Cost { iterations: self.counts.iterations, transforms: self.ws.transforms };
+        self.seen = Cost { iterations: self.counts.iterations, transforms: self.transforms() };
         observe(Happening::State(self.record.clone()));
     }
 }

@@ -3,8 +3,8 @@
 use pulp::Arch;
 use std::sync::OnceLock;
 
-/// Independent lanes of one chunk: two registers of AVX2, one of AVX-512.
-pub const LANES: usize = 8;
+/// Independent partial sums: two registers of AVX2, one of AVX-512.
+const LANES: usize = 8;
 
 const LOG2_E: f64 = std::f64::consts::LOG2_E;
 /// ln 2 in two parts (Cody and Waite): the first has zeros in its low bits, so that its products with small integers are exact.
@@ -48,34 +48,41 @@ pub fn exp(x: f64) -> f64 {
 }
 
 /// Runs `work` compiled for the processor at hand. `work` must be `#[inline(always)]` all the way down to gain from it.
-pub fn dispatch<R>(work: impl FnOnce() -> R) -> R {
+fn dispatch<R>(work: impl FnOnce() -> R) -> R {
     static ARCH: OnceLock<Arch> = OnceLock::new();
     ARCH.get_or_init(Arch::new).dispatch(work)
 }
 
-/// Applies `f`, which returns a summand and two outputs, to every input; returns the sum. One pass, vectorised.
-#[inline(always)]
+/// Numbers of one block of [`map_sum`]: long enough for the loop vectoriser, short enough for the first cache.
+const BLOCK: usize = 64;
+
+/// Applies `f`, which returns a summand and two outputs, to every input; returns the sum. One pass, compiled for the processor at
+/// hand if `f` is `#[inline(always)]`.
 pub fn map_sum(input: &[f64], first: &mut [f64], second: &mut [f64], f: impl Fn(f64) -> [f64; 3] + Copy) -> f64 {
-    let mut lanes = [0.0; LANES];
-    let mut xs = input.chunks_exact(LANES);
-    let mut ys = first.chunks_exact_mut(LANES);
-    let mut zs = second.chunks_exact_mut(LANES);
-    for ((x, y), z) in xs.by_ref().zip(ys.by_ref()).zip(zs.by_ref()) {
-        for l in 0..LANES {
-            let [a, b, c] = f(x[l]);
-            lanes[l] += a;
-            y[l] = b;
-            z[l] = c;
-        }
-    }
-    let mut sum: f64 = lanes.iter().sum();
-    for ((x, y), z) in xs.remainder().iter().zip(ys.into_remainder()).zip(zs.into_remainder()) {
-        let [a, b, c] = f(*x);
-        sum += a;
-        *y = b;
-        *z = c;
-    }
-    sum
+    dispatch(
+        #[inline(always)]
+        || {
+            let (mut xs, mut ys, mut zs) = (input.chunks(BLOCK), first.chunks_mut(BLOCK), second.chunks_mut(BLOCK));
+            let mut lanes = [0.0; LANES];
+            while let (Some(x), Some(y), Some(z)) = (xs.next(), ys.next(), zs.next()) {
+                // Fixed-size copies: loops of known length without bounds checks are what the vectoriser takes.
+                let (mut input, mut sums, mut one, mut two) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+                input[..x.len()].copy_from_slice(x);
+                for i in 0..BLOCK {
+                    [sums[i], one[i], two[i]] = f(input[i]);
+                }
+                y.copy_from_slice(&one[..y.len()]);
+                z.copy_from_slice(&two[..z.len()]);
+                sums[x.len()..].fill(0.0);
+                for part in sums.chunks_exact(LANES) {
+                    for (lane, s) in lanes.iter_mut().zip(part) {
+                        *lane += s;
+                    }
+                }
+            }
+            lanes.iter().sum()
+        },
+    )
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 //! Nothing here knows a physical word. Fields are `ndarray` arrays in standard layout, row = y, column = x. The forward transform
 //! carries the factor 1/N, so that an amplitude is in the unit of its field.
 
+pub mod basis;
 pub mod cancel;
+pub mod cosine;
 pub mod eigen;
 pub mod exponential;
 pub mod fourier;

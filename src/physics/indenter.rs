@@ -19,11 +19,21 @@ pub enum Indenter {
 impl Indenter {
     /// Height field h <= 0 (length) of shape (ny, nx), or `None` where it is zero everywhere.
     pub fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        self.height_at(grid.shape(), grid.spacing(), centred)
+    }
+
+    /// The same on the even part of the cell, whose corner is the middle: there the apex lies half a spacing off the points.
+    pub fn even_height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        let shape = (grid.ny.div_ceil(2), grid.nx / 2);
+        self.height_at(shape, grid.spacing(), |i, n| if n == 1 { 0.0 } else { i as f64 + 0.5 })
+    }
+
+    fn height_at(&self, shape: (usize, usize), spacing: f64, centred: impl Fn(usize, usize) -> f64) -> Option<Array2<f64>> {
         match *self {
             Indenter::Flat => None,
-            Indenter::Hertz { radius } => Some(Array2::from_shape_fn(grid.shape(), |(j, i)| {
-                let (x, y) = (centred(i, grid.nx), centred(j, grid.ny));
-                -(x * x + y * y) * grid.spacing().powi(2) / (2.0 * radius)
+            Indenter::Hertz { radius } => Some(Array2::from_shape_fn(shape, |(j, i)| {
+                let (x, y) = (centred(i, shape.1), centred(j, shape.0));
+                -(x * x + y * y) * spacing.powi(2) / (2.0 * radius)
             })),
         }
     }

@@ -6,6 +6,7 @@
 pub mod grid;
 pub mod indenter;
 pub mod law;
+pub mod low_block;
 pub mod mesh_rule;
 pub mod pattern;
 pub mod preconditioner;

@@ -4,17 +4,25 @@
 //! longest waves through the pattern, where all soft modes live. Between waves a and b the Hessian is a look-up in the transform D of
 //! gamma'': mean(gamma'' 2 cos a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
 
+use super::low_block::{Class, LowBlock};
 use super::system::{System, Workspace};
-use std::f64::consts::SQRT_2;
+use rustfft::num_complex::Complex;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a line cell): all that can go soft in
 /// the cells of Figs 2 and 3, and few enough that the factorisation is cheaper than two transforms of 64 x 64 points.
 const WAVES: f64 = 6.0;
+/// The same for one symmetry class under x <-> y: 48 unknowns.
+const CLASS_WAVES: f64 = 10.0;
+/// On a line all waves of any mesh that a line needs.
+const LINE_WAVES: f64 = 128.0;
 
 /// A symmetric positive definite approximate inverse of the Hessian.
 #[derive(Clone, Debug)]
 pub struct Preconditioner {
     diagonal: Vec<f64>,
+    /// In place of `modes` for even systems.
+    even: Option<LowBlock>,
     modes: Vec<Mode>,
     /// Lower triangle of the Cholesky factor, row by row; empty until [`Preconditioner::refresh`].
     factor: Vec<f64>,
@@ -33,9 +41,34 @@ struct Mode {
 impl Preconditioner {
     /// The diagonal part with constant `stiffness` k (E* per length); the block waits for a state.
     pub fn new(system: &System, stiffness: f64) -> Self {
+        if system.is_even() {
+            return Self::of_class(system, stiffness, Class::Even);
+        }
         let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
         diagonal[..2].fill(0.0);
-        Self { diagonal, modes: modes(system), factor: Vec::new() }
+        Self { diagonal, even: None, modes: modes(system), factor: Vec::new() }
+    }
+
+    /// The same for one symmetry class of an even system, whose block reaches further; on a line it is the whole Hessian.
+    pub fn of_class(system: &System, stiffness: f64, class: Class) -> Self {
+        let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
+        diagonal[0] = 0.0;
+        let reach = match (system.grid().is_line(), class) {
+            (true, _) => LINE_WAVES,
+            (_, Class::Even) => WAVES,
+            _ => CLASS_WAVES,
+        };
+        Self { diagonal, even: Some(LowBlock::new(system, class, reach)), modes: Vec::new(), factor: Vec::new() }
+    }
+
+    /// The block of an even system.
+    pub fn low_block(&self) -> Option<&LowBlock> {
+        self.even.as_ref()
+    }
+
+    /// The block of an even system.
+    pub fn low_block_mut(&mut self) -> Option<&mut LowBlock> {
+        self.even.as_mut()
     }
 
     /// The diagonal 1/(q E*/2 + k); zero for the mean.
@@ -45,6 +78,9 @@ impl Preconditioner {
 
     /// Drops the block: it belongs to a state that is left behind.
     pub fn forget(&mut self) {
+        if let Some(block) = &mut self.even {
+            block.forget();
+        }
         self.factor.clear();
     }
 
@@ -53,7 +89,10 @@ impl Preconditioner {
     /// Pivots are kept above a share of the softest elastic stiffness: along a sliding or an unstable mode the inverse is bounded,
     /// and stays positive. The longest waves come last, so that only they are touched.
     pub fn refresh(&mut self, system: &System, ws: &mut Workspace) {
-        let stiffness = system.stiffness_spectrum(ws);
+        if let Some(block) = &mut self.even {
+            return block.refresh(system, ws);
+        }
+        let stiffness = stiffness_spectrum(system, ws);
         let n = 2 * self.modes.len();
         let floor = 0.02 * system.grid().q1();
         self.factor.clear();
@@ -83,6 +122,9 @@ impl Preconditioner {
     pub fn apply(&self, r: &[f64], out: &mut [f64]) {
         for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
             *o = r * m;
+        }
+        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
+            block.precondition(r, out);
         }
         if self.factor.is_empty() {
             return;
@@ -120,6 +162,22 @@ impl Mode {
     /// Where both an amplitude and its conjugate are stored, a wave of norm 1 has 1/sqrt 2 in each.
     fn weight(&self) -> f64 {
         if self.mirror.is_some() { SQRT_2 } else { 1.0 }
+    }
+}
+
+/// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness at the last evaluated state, by wave numbers in units of 2 pi/L of
+/// either sign, short of the end of the mesh's spectrum. One transform.
+fn stiffness_spectrum(system: &System, ws: &mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<> {
+    let mut d = vec![0.0; system.dimension()];
+    d[0] = system.stiffness_amplitudes(&mut d, ws);
+    let ny = system.grid().ny as i64;
+    move |[k, l]| {
+        let at = |k: i64, l: i64| {
+            let pair = 2 * (k * ny + l.rem_euclid(ny)) as usize;
+            let weight = if k == 0 { 1.0 } else { FRAC_1_SQRT_2 };
+            Complex::new(weight * d[pair], weight * d[pair + 1])
+        };
+        if k < 0 { at(-k, -l).conj() } else { at(k, l) }
     }
 }
 

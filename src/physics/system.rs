@@ -7,16 +7,20 @@
 //! V = sum_q (q E*/4) z_q^2 + mean gamma(g),   dV/dz_q = (q E*/2) z_q + sqrt(w_q) FT[gamma'(g)]_q,
 //! Hessian v -> (q E*/2) v + sqrt(w) FT[gamma''(g) v(r)],   mean stress = mean gamma'(g).
 //!
+//! A system of even fields, u(-x, y) = u(x, -y) = u(x, y), holds a quarter of the cell in cosine waves; all sums and means are the
+//! same, and so is every function here but those that move a pattern.
+//!
 //! The entry q = 0 of every amplitude vector is zero: the mean displacement u0 is the control.
 
 use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
-use crate::numerics::fourier::{Fourier, Scratch};
+use crate::numerics::basis::{Basis, BasisScratch};
+use crate::numerics::cosine::Cosine;
+use crate::numerics::fourier::Fourier;
 use crate::numerics::vector::{dot, max_abs};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
-use std::f64::consts::TAU;
 
 /// Law, ground and cell with their transforms. Immutable; working memory is a [`Workspace`].
 #[derive(Clone, Debug)]
@@ -24,10 +28,11 @@ pub struct System {
     grid: Grid,
     law: Law,
     height: Option<Array2<f64>>,
-    fourier: Fourier,
+    basis: Basis,
     /// q E*/2 of every amplitude entry; zero for q = 0.
     elastic: Vec<f64>,
-    /// Wave vector (q_x, q_y) of every spectrum entry; Nyquist components are zero, where the derivative of a real field vanishes.
+    /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the derivative of a real field vanishes.
+    /// Empty for even fields, which cannot move.
     gradient: Vec<[f64; 2]>,
 }
 
@@ -43,8 +48,7 @@ pub struct Workspace {
     /// Transforms done so far.
     pub transforms: usize,
     field: Array2<f64>,
-    spectrum: Array2<Complex<f64>>,
-    scratch: Scratch,
+    scratch: BasisScratch,
 }
 
 /// Scalars of one evaluation.
@@ -66,12 +70,43 @@ impl System {
         let mut gradient = Vec::with_capacity(m * ny);
         for k in 0..m {
             for l in 0..ny {
-                let (qx, qy) = (TAU * k as f64 / grid.length, TAU * signed(l, ny) / grid.length);
+                let (qx, qy) = (grid.q1() * k as f64, grid.q1() * signed(l, ny));
                 elastic.extend([qx.hypot(qy) / 2.0; 2]);
                 gradient.push([if 2 * k == grid.nx { 0.0 } else { qx }, if 2 * l == ny { 0.0 } else { qy }]);
             }
         }
-        Self { grid, law, height: indenter.height(&grid), fourier, elastic, gradient }
+        Self { grid, law, height: indenter.height(&grid), basis: Basis::Whole(fourier), elastic, gradient }
+    }
+
+    /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex of a tip lies between points.
+    ///
+    /// # Panics
+    /// Unless the cell's points along each side are a multiple of 4.
+    pub fn even(grid: Grid, law: Law, indenter: &Indenter) -> Self {
+        let (ny, nx) = (grid.ny.div_ceil(2), grid.nx / 2);
+        let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
+        let height = indenter.even_height(&grid);
+        Self { grid, law, height, basis: Basis::Even(Cosine::new(ny, nx)), elastic, gradient: Vec::new() }
+    }
+
+    /// True if only even fields are represented.
+    pub fn is_even(&self) -> bool {
+        matches!(self.basis, Basis::Even(_))
+    }
+
+    /// Shape (rows, columns) of a field: that of the grid, or of its even part.
+    pub fn shape(&self) -> (usize, usize) {
+        if self.is_even() { (self.grid.ny.div_ceil(2), self.grid.nx / 2) } else { self.grid.shape() }
+    }
+
+    /// The field of the whole cell: for an even system `field` with its mirror images, its own corner (0, 0) in the middle.
+    pub fn unfolded(&self, field: &Array2<f64>) -> Array2<f64> {
+        if !self.is_even() {
+            return field.clone();
+        }
+        let mirrored = |i: usize, n: usize| if n == 1 { 0 } else { i.max(n - 1 - i) - n / 2 };
+        let (ny, nx) = self.grid.shape();
+        Array2::from_shape_fn((ny, nx), |(j, i)| field[[mirrored(j, ny), mirrored(i, nx)]])
     }
 
     /// Cell and mesh.
@@ -101,15 +136,14 @@ impl System {
 
     /// Fresh working memory.
     pub fn workspace(&self) -> Workspace {
-        let zeros = || Array2::zeros(self.grid.shape());
+        let zeros = || Array2::zeros(self.shape());
         Workspace {
             gap: zeros(),
             traction: zeros(),
             stiffness: zeros(),
             transforms: 0,
             field: zeros(),
-            spectrum: self.fourier.spectrum(),
-            scratch: self.fourier.scratch(),
+            scratch: self.basis.scratch(),
         }
     }
 
@@ -120,9 +154,7 @@ impl System {
 
     /// The gap field of amplitudes `z` at mean displacement `u0`, into `ws.gap`. One transform.
     pub fn gap(&self, z: &[f64], u0: f64, ws: &mut Workspace) {
-        self.fill_spectrum(z, &mut ws.spectrum);
-        ws.spectrum[[0, 0]] = Complex::new(u0, 0.0);
-        self.fourier.inverse(&mut ws.spectrum, &mut ws.gap, &mut ws.scratch);
+        self.basis.synthesise(z, u0, &mut ws.gap, &mut ws.scratch);
         ws.transforms += 1;
         if let Some(height) = &self.height {
             ws.gap -= height;
@@ -133,11 +165,10 @@ impl System {
     pub fn evaluate(&self, z: &[f64], u0: f64, gradient: &mut [f64], ws: &mut Workspace) -> Evaluation {
         self.gap(z, u0, ws);
         let (gap, traction, stiffness) = (flat(&mut ws.gap), flat(&mut ws.traction), flat(&mut ws.stiffness));
-        let adhesive = self.law.fill(gap, traction, stiffness) / self.grid.points() as f64;
-        self.fourier.forward(&ws.traction, &mut ws.spectrum, &mut ws.scratch);
+        let points = gap.len() as f64;
+        let adhesive = self.law.fill(gap, traction, stiffness) / points;
+        let stress = self.basis.analyse(&ws.traction, gradient, &mut ws.scratch);
         ws.transforms += 1;
-        let stress = ws.spectrum[[0, 0]].re;
-        self.read_spectrum(&ws.spectrum, gradient);
         let mut elastic = 0.0;
         for ((g, z), e) in gradient.iter_mut().zip(z).zip(&self.elastic) {
             *g += e * z;
@@ -148,27 +179,20 @@ impl System {
 
     /// The Hessian at the last evaluated state times `v`. Two transforms.
     pub fn hessian(&self, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.fill_spectrum(v, &mut ws.spectrum);
-        self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
+        self.basis.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
         ws.field *= &ws.stiffness;
-        self.fourier.forward(&ws.field, &mut ws.spectrum, &mut ws.scratch);
+        self.basis.analyse(&ws.field, out, &mut ws.scratch);
         ws.transforms += 2;
-        self.read_spectrum(&ws.spectrum, out);
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
         }
     }
 
-    /// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness at the last evaluated state, by wave numbers in units of 2 pi/L
-    /// of either sign, short of the end of the mesh's spectrum. One transform.
-    pub fn stiffness_spectrum<'w>(&self, ws: &'w mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<'w> {
-        self.fourier.forward(&ws.stiffness, &mut ws.spectrum, &mut ws.scratch);
+    /// Amplitudes of the stiffness gamma'' at the last evaluated state into `out`, and its mean: the derivative of the gradient and
+    /// of the stress with u0 at fixed amplitudes. One transform.
+    pub fn stiffness_amplitudes(&self, out: &mut [f64], ws: &mut Workspace) -> f64 {
         ws.transforms += 1;
-        let (spectrum, ny) = (&ws.spectrum, self.grid.ny as i64);
-        move |[k, l]| {
-            let at = |k: i64, l: i64| spectrum[[k as usize, l.rem_euclid(ny) as usize]];
-            if k < 0 { at(-k, -l).conj() } else { at(k, l) }
-        }
+        self.basis.analyse(&ws.stiffness, out, &mut ws.scratch)
     }
 
     /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of
@@ -182,8 +206,7 @@ impl System {
 
     /// The real field of amplitudes `v` (without mean). One transform.
     pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
-        self.fill_spectrum(v, &mut ws.spectrum);
-        self.fourier.inverse(&mut ws.spectrum, &mut ws.field, &mut ws.scratch);
+        self.basis.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
         ws.transforms += 1;
         &ws.field
     }
@@ -191,15 +214,18 @@ impl System {
     /// Amplitudes of a field; its mean is dropped. One transform.
     pub fn amplitudes(&self, field: &Array2<f64>, ws: &mut Workspace) -> Vec<f64> {
         let mut z = vec![0.0; self.dimension()];
-        self.fourier.forward(field, &mut ws.spectrum, &mut ws.scratch);
+        self.basis.analyse(field, &mut z, &mut ws.scratch);
         ws.transforms += 1;
-        self.read_spectrum(&ws.spectrum, &mut z);
         z
     }
 
-    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised. No transform.
+    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised; none of even fields. No transform.
     pub fn sliding_modes(&self, z: &[f64]) -> Vec<Vec<f64>> {
-        let axes = if self.grid.is_line() { 1 } else { 2 };
+        let axes = match (self.is_even(), self.grid.is_line()) {
+            (true, _) => 0,
+            (_, true) => 1,
+            _ => 2,
+        };
         (0..axes)
             .map(|axis| {
                 let pairs = z.chunks_exact(2).zip(&self.gradient);
@@ -208,8 +234,11 @@ impl System {
             .collect()
     }
 
-    /// Amplitudes of the surface moved by (`dx`, `dy`) (lengths). No transform.
+    /// Amplitudes of the surface moved by (`dx`, `dy`) (lengths); even fields stay where they are. No transform.
     pub fn moved(&self, z: &[f64], dx: f64, dy: f64) -> Vec<f64> {
+        if self.is_even() {
+            return z.to_vec();
+        }
         let pairs = z.chunks_exact(2).zip(&self.gradient);
         pairs
             .flat_map(|(z, q)| {
@@ -221,6 +250,10 @@ impl System {
 
     /// Gives amplitudes the symmetry of a real field: u(-q) = conj u(q) where both halves are stored, real Nyquist terms, no mean.
     pub fn make_real(&self, z: &mut [f64]) {
+        z[0] = 0.0;
+        if self.is_even() {
+            return;
+        }
         let ny = self.grid.ny;
         for k in [0, self.grid.nx / 2] {
             let row = &mut z[2 * k * ny..2 * (k + 1) * ny];
@@ -230,37 +263,12 @@ impl System {
                 row[2 * mirror + 1] = if mirror == l { 0.0 } else { -row[2 * l + 1] };
             }
         }
-        z[..2].fill(0.0);
+        z[1] = 0.0;
     }
 
     /// Root mean square of u - u0 (length).
     pub fn roughness(z: &[f64]) -> f64 {
         dot(z, z).sqrt()
-    }
-
-    fn weight(&self, k: usize) -> f64 {
-        if k == 0 || 2 * k == self.grid.nx { 1.0 } else { std::f64::consts::SQRT_2 }
-    }
-
-    fn fill_spectrum(&self, z: &[f64], spectrum: &mut Array2<Complex<f64>>) {
-        for (k, (row, z)) in flat(spectrum).chunks_exact_mut(self.grid.ny).zip(z.chunks_exact(2 * self.grid.ny)).enumerate() {
-            let s = 1.0 / self.weight(k);
-            for (c, z) in row.iter_mut().zip(z.chunks_exact(2)) {
-                *c = Complex::new(s * z[0], s * z[1]);
-            }
-        }
-    }
-
-    fn read_spectrum(&self, spectrum: &Array2<Complex<f64>>, z: &mut [f64]) {
-        let rows = spectrum.as_slice().expect("standard layout").chunks_exact(self.grid.ny);
-        for (k, (row, z)) in rows.zip(z.chunks_exact_mut(2 * self.grid.ny)).enumerate() {
-            let s = self.weight(k);
-            for (c, z) in row.iter().zip(z.chunks_exact_mut(2)) {
-                z[0] = s * c.re;
-                z[1] = s * c.im;
-            }
-        }
-        z[..2].fill(0.0);
     }
 }
 

@@ -10,6 +10,7 @@ pub mod gfmd;
 pub mod method;
 pub mod newton;
 pub mod release;
+pub mod sector;
 pub mod stability;
 mod stop;
 

@@ -93,6 +93,10 @@ impl Walk {
                 if cancel.requested() {
                     return Progress::Cancelled;
                 }
+                let stiffness = match self.all_modes(stiffness, cancel) {
+                    Ok(stiffness) => stiffness,
+                    Err(reason) => return Progress::Stuck(reason),
+                };
                 state.measured(stiffness, mode);
                 if state.stop != Stop::Unstable || !locates {
                     self.take(state, observe);

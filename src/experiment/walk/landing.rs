@@ -91,10 +91,10 @@ impl Walk {
                 state
             }
             _ => match self.measure(settled, u0, &jumping, cancel) {
-                Some(state) => state,
-                None => {
+                Ok(state) => state,
+                Err(progress) => {
                     self.jumping = Some(jumping);
-                    return Progress::Cancelled;
+                    return progress;
                 }
             },
         };
@@ -113,8 +113,14 @@ impl Walk {
         self.land(jumping, landed, observe)
     }
 
-    /// Centres, polishes and measures a settled pattern; `None` if cancelled.
-    pub(super) fn measure(&mut self, settled: NewtonState, u0: f64, jumping: &Jumping, cancel: &Cancel) -> Option<Equilibrium> {
+    /// Centres, polishes and measures a settled pattern; `Err` if cancelled, or if it leaves the symmetry of the model.
+    pub(super) fn measure(
+        &mut self,
+        settled: NewtonState,
+        u0: f64,
+        jumping: &Jumping,
+        cancel: &Cancel,
+    ) -> Result<Equilibrium, Progress> {
         let steps = jumping.release.steps;
         let mut settled = settled;
         if self.slides == Slides::Freely {
@@ -130,10 +136,14 @@ impl Walk {
         self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
         self.preconditioner.refresh(&self.system, &mut self.ws);
         self.tracker.reset();
+        if let Some(guard) = &mut self.guard {
+            guard.reset();
+        }
         let (stiffness, mode) =
             self.tracker.check(&self.system, &settled.z, self.slides, &self.preconditioner, &mut self.ws, cancel);
+        let stiffness = self.all_modes(stiffness, cancel).map_err(Progress::Stuck)?;
         if cancel.requested() {
-            return None;
+            return Err(Progress::Cancelled);
         }
         let mut state = Equilibrium {
             mean_displacement: u0,
@@ -147,7 +157,7 @@ impl Walk {
             cost: Cost { iterations: settled.steps + steps, transforms: 0 },
         };
         state.measured(stiffness, mode);
-        Some(state)
+        Ok(state)
     }
 
     /// Moves a pattern by less than half a mesh spacing so that its centre lies on a mesh point. There the mesh's own weak pinning

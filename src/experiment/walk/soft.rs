@@ -40,7 +40,7 @@ impl Walk {
         let field = self.system.field(&mode, &mut self.ws).clone();
         // A picture is no part of the solution's cost.
         self.ws.transforms = spent;
-        Some(field)
+        Some(self.system.unfolded(&field))
     }
 
     /// The well around the present state, still empty: [`Walk::deepen`] fills it. `None` while jumping or without a soft mode.
@@ -81,7 +81,9 @@ impl Walk {
         let mut mode = self.state.soft_mode.clone();
         if self.state.is_uniform() && self.system.is_flat() {
             mode = vec![0.0; self.system.dimension()];
-            mode[2 * self.system.grid().ny] = 1.0;
+            // The first wave along x: a pair of amplitudes, or one on the even part of the cell.
+            let row = self.system.shape().0;
+            mode[if self.system.is_even() { row } else { 2 * row }] = 1.0;
         }
         if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
             scale(&mut mode, -1.0);

@@ -1,7 +1,7 @@
 //! The difference of two exponentials (Fig. 14), the coarse-grained law of a rough interface.
 
 use super::Form;
-use crate::numerics::exponential::{dispatch, exp, map_sum};
+use crate::numerics::exponential::{exp, map_sum};
 
 /// f = (r e^{-x/r} - e^{-x}) / (1 - r) with 0 < r < 1, the ratio of the repulsive to the attractive range.
 ///
@@ -33,23 +33,18 @@ impl Form for DoubleExponential {
         (x, -self.at(x)[2])
     }
 
-    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
         let r = self.ratio;
-        let c = 1.0 / (1.0 - r);
+        let [s, s1, s2] = scale.map(|s| s / (1.0 - r));
         let (inverse, inverse_repulsive) = (-1.0 / range, -1.0 / (range * r));
-        dispatch(
+        map_sum(
+            gap,
+            first,
+            second,
             #[inline(always)]
-            || {
-                map_sum(
-                    gap,
-                    first,
-                    second,
-                    #[inline(always)]
-                    |g| {
-                        let (a, b) = (exp(g * inverse_repulsive), exp(g * inverse));
-                        [c * (r * a - b), c * (b - a), c * (a / r - b)]
-                    },
-                )
+            |g| {
+                let (a, b) = (exp(g * inverse_repulsive), exp(g * inverse));
+                [s * (r * a - b), s1 * (b - a), s2 * (a / r - b)]
             },
         )
     }

@@ -35,18 +35,19 @@ pub trait Form {
         true
     }
 
-    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f.
+    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f. Each is multiplied by its
+    /// `scale`, that of f first.
     ///
     /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
-    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
         let mut sum = 0.0;
         for ((g, d1), d2) in gap.iter().zip(first).zip(second) {
             let [f, f1, f2] = self.at(g / range);
             sum += f;
-            *d1 = f1;
-            *d2 = f2;
+            *d1 = scale[1] * f1;
+            *d2 = scale[2] * f2;
         }
-        sum
+        scale[0] * sum
     }
 }
 
@@ -108,10 +109,7 @@ impl Law {
     /// Traction and stiffness of every gap, in one pass; returns the sum of the energies gamma(g).
     pub fn fill(&self, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> f64 {
         let (gamma, rho) = (self.surface_energy, self.range);
-        let sum = self.shape.form().fill(gap, rho, traction, stiffness);
-        traction.iter_mut().for_each(|t| *t *= gamma / rho);
-        stiffness.iter_mut().for_each(|s| *s *= gamma / (rho * rho));
-        gamma * sum
+        self.shape.form().fill(gap, rho, [gamma, gamma / rho, gamma / (rho * rho)], traction, stiffness)
     }
 
     /// True if the stiffness is a continuous function of the gap.

@@ -1,7 +1,7 @@
 //! The Morse law (Eq. 3 of Wang, Zhou, Mueser 2021).
 
 use super::Form;
-use crate::numerics::exponential::{dispatch, exp, map_sum};
+use crate::numerics::exponential::{exp, map_sum};
 use std::f64::consts::LN_2;
 
 /// f = e^{-2x} - 2 e^{-x}: largest traction 1/2 at ln 2, largest negative stiffness 1/4 at ln 4.
@@ -22,21 +22,17 @@ impl Form for Morse {
         (2.0 * LN_2, 0.25)
     }
 
-    fn fill(&self, gap: &[f64], range: f64, first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
         let inverse = -1.0 / range;
-        dispatch(
+        let [s, s1, s2] = [scale[0], 2.0 * scale[1], 2.0 * scale[2]];
+        map_sum(
+            gap,
+            first,
+            second,
             #[inline(always)]
-            || {
-                map_sum(
-                    gap,
-                    first,
-                    second,
-                    #[inline(always)]
-                    |g| {
-                        let e = exp(g * inverse);
-                        [e * (e - 2.0), 2.0 * e * (1.0 - e), 2.0 * e * (2.0 * e - 1.0)]
-                    },
-                )
+            |g| {
+                let e = exp(g * inverse);
+                [s * e * (e - 2.0), s1 * e * (1.0 - e), s2 * e * (2.0 * e - 1.0)]
             },
         )
     }

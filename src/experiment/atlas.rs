@@ -1,0 +1,212 @@
+//! The atlas of branches: on flat ground a loop is a handful of branches, each followed once.
+//!
+//! Flat states are a closed form, ridges a line problem, bulges and dimples live on the symmetric part of a quarter cell. Every
+//! branch is traced by long tangent steps to its two ends, which are located directly (a fold where du0 turns, a breaking of
+//! symmetry where an eigenvalue vanishes), and where the surface lands is learnt from a release on a coarse mesh. A loop of any
+//! drive, or the state under the slider, is then read off. The walk is the reference, and a test holds the two together.
+
+mod curve;
+mod cycle;
+mod explorer;
+mod trace;
+
+pub use curve::{Branch, Point};
+pub use cycle::{Cycle, Leg, Place};
+pub use trace::End;
+
+use crate::physics::law::Law;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+use crate::solver::method::Lost;
+use crate::solver::sector::{Node, Sector};
+use explorer::{Explorer, Rest, carried};
+use trace::trace;
+
+/// What an atlas is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chart {
+    /// Side L of the cell (length).
+    pub length: f64,
+    /// The cohesive law.
+    pub law: Law,
+    /// Points along a side of the whole cell, for bulge and dimple; a multiple of 8.
+    pub square: usize,
+    /// Points along the whole line, for ridges; a multiple of 4.
+    pub line: usize,
+    /// Points along a side of the whole cell, for releases; a multiple of 8.
+    pub coarse: usize,
+    /// Seed of the perturbation of the flat state.
+    pub seed: u64,
+}
+
+/// Why an atlas cannot answer: the walk can.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unmapped(pub String);
+
+/// The known branches of one scene, and where each end leads.
+#[derive(Clone, Debug)]
+pub struct Atlas {
+    chart: Chart,
+    ridge: Sector,
+    square: Sector,
+    explorer: Explorer,
+    flat_limits: Option<(f64, f64)>,
+    branches: Vec<Branch>,
+    /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
+    landings: Vec<[Option<Place>; 2]>,
+}
+
+impl Atlas {
+    /// An atlas without branches; they are found as a loop asks for them.
+    pub fn new(chart: Chart) -> Self {
+        let Chart { length, law, square, line, coarse, seed } = chart;
+        Self {
+            chart,
+            ridge: Sector::ridge(length, line, law),
+            square: Sector::square(length, square, law),
+            explorer: Explorer::new(length, coarse, law, seed),
+            flat_limits: flat::limits(&law, length),
+            branches: Vec::new(),
+            landings: vec![[None; 2]],
+        }
+    }
+
+    /// What it was made for.
+    pub fn chart(&self) -> &Chart {
+        &self.chart
+    }
+
+    /// The branches found so far.
+    pub fn branches(&self) -> &[Branch] {
+        &self.branches
+    }
+
+    /// Transforms spent so far: on the line, on the quarter cell, on the coarse quarter cell.
+    pub fn transforms(&self) -> [usize; 3] {
+        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms()]
+    }
+
+    /// Lower and upper limit of the flat state (length); `None` where it is always stable.
+    pub fn flat_limits(&self) -> Option<(f64, f64)> {
+        self.flat_limits
+    }
+
+    /// Where the surface lands when `place` ends on the way up or down.
+    ///
+    /// # Errors
+    /// A landing or a branch that no sector holds.
+    fn landing(&mut self, place: Place, up: bool) -> Result<Place, Unmapped> {
+        let (row, side) = (place.row(), usize::from(up));
+        if let Some(known) = self.landings[row][side] {
+            return Ok(known);
+        }
+        let (u0, energy, rest) = match place {
+            Place::Flat => {
+                let (low, high) = self.flat_limits.expect("an end was asked for");
+                // The upper limit ends the way down, the lower the way up.
+                let u0 = if up { low } else { high };
+                let flat = vec![0.0; self.explorer.system().dimension()];
+                let mode = self.explorer.flat_mode();
+                (u0, self.chart.law.at(u0).energy, self.explorer.release(&flat, &mode, u0))
+            }
+            Place::On(i) => self.release(i, up)?,
+        };
+        let place = self.settle(u0, energy, rest)?;
+        self.landings[row][side] = Some(place);
+        Ok(place)
+    }
+
+    /// The release at an end of branch `i`: u0, energy before, and where it comes to rest.
+    fn release(&mut self, i: usize, up: bool) -> Result<(f64, f64, Rest), Unmapped> {
+        let branch = &self.branches[i];
+        let node = if up { branch.nodes.last() } else { branch.nodes.first() }.expect("a branch has nodes");
+        let sector = if branch.is_ridge { &self.ridge } else { &self.square };
+        let z = carried(&node.z, sector.system(), self.explorer.system());
+        let mode = match branch.ends[usize::from(up)] {
+            End::Fold => carried(&node.tangent, sector.system(), self.explorer.system()),
+            End::Breaking if sector.breaks_oddly(node) => {
+                return Err(Unmapped(format!("the ridge meanders at u0 = {:.4}: only the whole cell holds that", node.u0)));
+            }
+            End::Breaking => sector.breaking_mode(node, self.explorer.system()),
+        };
+        let (u0, energy) = (node.u0, node.energy);
+        Ok((u0, energy, self.explorer.release(&z, &mode, u0)))
+    }
+
+    /// The place of a state at rest: a known branch, or a new one traced from it both ways.
+    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest) -> Result<Place, Unmapped> {
+        let gamma = self.chart.law.surface_energy;
+        let (is_ridge, pattern, coarse) = match rest {
+            Rest::Flat => {
+                let stable = flat::stiffness_min(&self.chart.law, self.chart.length, u0) > 0.0;
+                return if stable { Ok(Place::Flat) } else { Err(Unmapped(format!("no rest was found at u0 = {u0:.4}"))) };
+            }
+            Rest::Ridge(line) => (true, Pattern::Ridge, line),
+            Rest::Square(pattern, z) => (false, pattern, z),
+            Rest::Other => {
+                return Err(Unmapped(format!("the surface at u0 = {u0:.4} comes to rest without the symmetry of a known pattern")));
+            }
+        };
+        let known = (0..self.branches.len()).find(|&i| {
+            let b = &self.branches[i];
+            b.is_ridge == is_ridge && b.pattern == pattern && b.covers(u0) && b.at(u0).energy <= energy_before + 1e-6 * gamma
+        });
+        if let Some(i) = known {
+            return Ok(Place::On(i));
+        }
+        let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
+        let z = match is_ridge {
+            true => {
+                let mut z = vec![0.0; sector.system().dimension()];
+                z.iter_mut().zip(&coarse).for_each(|(z, c)| *z = *c);
+                z
+            }
+            false => carried(&coarse, self.explorer.system(), sector.system()),
+        };
+        let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
+        let mut first = sector.node(u0, z, None).map_err(lost)?;
+        if !(first.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
+            return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is not what the release found")));
+        }
+        sector.sharpen(&mut first);
+        if first.breaking < 0.0 {
+            return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is unstable")));
+        }
+        let (mut nodes, below) = trace(sector, &first, false).map_err(lost)?;
+        nodes.reverse();
+        let (after, above) = trace(sector, &first, true).map_err(lost)?;
+        nodes.push(first);
+        nodes.extend(after);
+        self.branches.push(Branch { pattern, is_ridge, nodes, ends: [below, above] });
+        self.landings.push([None; 2]);
+        Ok(Place::On(self.branches.len() - 1))
+    }
+
+    /// The pattern at an end of a branch, which may no longer show the contact it had in its middle.
+    fn pattern_at(&mut self, place: Place, end: Option<bool>) -> Pattern {
+        match (place, end) {
+            (Place::Flat, _) => Pattern::Flat,
+            (Place::On(i), _) => self.branches[i].pattern,
+        }
+    }
+
+    fn sector_of(&self, branch: &Branch) -> &Sector {
+        if branch.is_ridge { &self.ridge } else { &self.square }
+    }
+
+    /// A polished state of branch `i` at `u0` on the branch's own system, with its node.
+    ///
+    /// # Errors
+    /// Where Newton does not find it from the interpolated guess.
+    pub fn state(&mut self, i: usize, u0: f64) -> Result<Node, Lost> {
+        let guess = self.branches[i].guess(u0);
+        let sector = if self.branches[i].is_ridge { &mut self.ridge } else { &mut self.square };
+        sector.node(u0, guess, None)
+    }
+
+    /// The mechanics of branch `i`.
+    pub fn system_of(&self, i: usize) -> &crate::physics::system::System {
+        self.sector_of(&self.branches[i]).system()
+    }
+}

@@ -1,0 +1,133 @@
+//! A branch as a curve: stress and energy between nodes, and how well they fit together.
+
+use super::trace::{End, between};
+use crate::numerics::vector::{add, dot};
+use crate::physics::pattern::Pattern;
+use crate::solver::sector::Node;
+
+/// A branch of stable states between its two ends.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Its pattern.
+    pub pattern: Pattern,
+    /// True for states of the line problem.
+    pub is_ridge: bool,
+    /// By growing u0; the first and the last are the ends.
+    pub nodes: Vec<Node>,
+    /// How it ends below and above.
+    pub ends: [End; 2],
+}
+
+/// What a branch says at one u0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// Energy per area (E* times length).
+    pub energy: f64,
+}
+
+impl Branch {
+    /// u0 of the lower and the upper end (length).
+    pub fn extent(&self) -> (f64, f64) {
+        (self.nodes[0].u0, self.nodes[self.nodes.len() - 1].u0)
+    }
+
+    /// True if it has a state at `u0`.
+    pub fn covers(&self, u0: f64) -> bool {
+        let (low, high) = self.extent();
+        (low..=high).contains(&u0)
+    }
+
+    fn segment(&self, u0: f64) -> (&Node, &Node) {
+        let last = self.nodes.len() - 1;
+        let i = self.nodes.partition_point(|n| n.u0 <= u0).clamp(1, last);
+        (&self.nodes[i - 1], &self.nodes[i])
+    }
+
+    /// Stress and energy at `u0`: quintic Hermite in the energy, whose derivatives are stress and slope; next to a fold a quartic in
+    /// the square root of the distance. Meaningful where [`Branch::covers`] holds.
+    pub fn at(&self, u0: f64) -> Point {
+        let (a, b) = self.segment(u0);
+        match (a.slope.is_finite(), b.slope.is_finite()) {
+            (true, true) => quintic(a, b, u0),
+            (true, false) => root(b, a, u0),
+            (false, true) => root(a, b, u0),
+            (false, false) => {
+                let t = (u0 - a.u0) / (b.u0 - a.u0);
+                Point { stress: a.stress + t * (b.stress - a.stress), energy: a.energy + t * (b.energy - a.energy) }
+            }
+        }
+    }
+
+    /// Amplitudes at `u0`, a guess that one Newton step makes a state.
+    pub fn guess(&self, u0: f64) -> Vec<f64> {
+        let (a, b) = self.segment(u0);
+        let (fold, regular) = match (a.slope.is_finite(), b.slope.is_finite()) {
+            (true, true) => return between(a, b, u0),
+            (true, false) => (b, a),
+            _ => (a, b),
+        };
+        // z = z_f + c1 s + c2 s^2 with s = sqrt((u0 - u_f)/(u_r - u_f)).
+        let width = regular.u0 - fold.u0;
+        let s = ((u0 - fold.u0) / width).max(0.0).sqrt();
+        let mut z = fold.z.clone();
+        let mut change = regular.z.clone();
+        add(&mut change, -1.0, &fold.z);
+        if !regular.slope.is_finite() {
+            add(&mut z, s * s, &change);
+            return z;
+        }
+        add(&mut z, 2.0 * s - s * s, &change);
+        add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
+        z
+    }
+
+    /// Largest deviation, in units of `scale`, of a regular node's energy from what its neighbours say.
+    pub fn misfit(&self, scale: f64) -> f64 {
+        let triples = self.nodes.windows(3).filter(|w| w.iter().all(|n| n.slope.is_finite()));
+        triples.map(|w| (quintic(&w[0], &w[2], w[1].u0).energy - w[1].energy).abs() / scale).fold(0.0, f64::max)
+    }
+
+    /// Component of the end's null vector along the branch, a sanity check for tests: the tangent turns into it at a fold.
+    pub fn alignment(&self) -> [Option<f64>; 2] {
+        let last = self.nodes.len() - 1;
+        let pair = |end: &Node, next: &Node| {
+            (!end.slope.is_finite() && next.slope.is_finite())
+                .then(|| dot(&end.tangent, &next.tangent).abs() / dot(&next.tangent, &next.tangent).sqrt())
+        };
+        [pair(&self.nodes[0], &self.nodes[1]), pair(&self.nodes[last], &self.nodes[last - 1])]
+    }
+}
+
+/// The quintic with the energies, stresses and slopes of two nodes.
+fn quintic(a: &Node, b: &Node, u0: f64) -> Point {
+    let h = b.u0 - a.u0;
+    let t = (u0 - a.u0) / h;
+    // V = V_a + p_a h t + s_a h^2 t^2/2 + c3 t^3 + c4 t^4 + c5 t^5.
+    let (p0, s0) = (a.stress * h, a.slope * h * h);
+    let (v, p, s) = (b.energy - a.energy - p0 - 0.5 * s0, b.stress * h - p0 - s0, b.slope * h * h - s0);
+    let (c3, c4, c5) = (10.0 * v - 4.0 * p + 0.5 * s, -15.0 * v + 7.0 * p - s, 6.0 * v - 3.0 * p + 0.5 * s);
+    Point {
+        energy: a.energy + t * (p0 + t * (0.5 * s0 + t * (c3 + t * (c4 + t * c5)))),
+        stress: (p0 + t * (s0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
+    }
+}
+
+/// Between a `fold` and a regular node: stress = p_f + c1 s + c2 s^2 + c3 s^3 with s the root of the relative distance, which has
+/// the stress, the slope and the energy of the regular node.
+fn root(fold: &Node, regular: &Node, u0: f64) -> Point {
+    let width = regular.u0 - fold.u0;
+    let s = ((u0 - fold.u0) / width).clamp(0.0, 1.0).sqrt();
+    let p = regular.stress - fold.stress;
+    let slope = 2.0 * width * regular.slope;
+    let work = (regular.energy - fold.energy) / width - fold.stress;
+    // c1 + c2 + c3 = p, c1 + 2 c2 + 3 c3 = slope, 2/3 c1 + 1/2 c2 + 2/5 c3 = work.
+    let c1 = 1.5 * slope + 15.0 * work - 10.5 * p;
+    let c2 = -4.0 * slope - 30.0 * work + 24.0 * p;
+    let c3 = 2.5 * slope + 15.0 * work - 12.5 * p;
+    Point {
+        stress: fold.stress + s * (c1 + s * (c2 + s * c3)),
+        energy: fold.energy + width * s * s * (fold.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
+    }
+}

@@ -1,0 +1,167 @@
+//! Where a surface comes to rest when its branch ends: a release on a coarse quarter cell, only to learn which pattern it is.
+
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{add, norm, scale};
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::pattern::{Pattern, classify};
+use crate::physics::preconditioner::Preconditioner;
+use crate::physics::system::{System, Workspace};
+use crate::solver::method::Slides;
+use crate::solver::release::{Release, Slice};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Root mean square kick along the soft mode, in ranges; the same as the walk's.
+const KICK: f64 = 0.1;
+/// Residual at which a pattern is known.
+const TOLERANCE: f64 = 1e-6;
+/// Share of the amplitude below which a symmetry counts as kept.
+const TRACE: f64 = 2e-2;
+
+/// A place to rest.
+#[derive(Clone, Debug)]
+pub enum Rest {
+    /// The flat state.
+    Flat,
+    /// A ridge; amplitudes of the coarse half line.
+    Ridge(Vec<f64>),
+    /// A bulge or dimple; amplitudes of the coarse quarter cell, x <-> y symmetric.
+    Square(Pattern, Vec<f64>),
+    /// Anything else.
+    Other,
+}
+
+/// The coarse quarter cell.
+#[derive(Clone, Debug)]
+pub struct Explorer {
+    system: System,
+    preconditioner: Preconditioner,
+    ws: Workspace,
+    seed: u64,
+}
+
+impl Explorer {
+    /// On n x n points of the whole cell.
+    pub fn new(length: f64, n: usize, law: Law, seed: u64) -> Self {
+        let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
+        let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
+        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, seed }
+    }
+
+    /// The coarse mechanics.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// Transforms spent so far.
+    pub fn transforms(&self) -> usize {
+        self.ws.transforms
+    }
+
+    /// The first waves along x and y, in a mixture drawn from the seed: the flat state's soft modes.
+    pub fn flat_mode(&self) -> Vec<f64> {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        // In the whole cell each is the length of two amplitudes.
+        let mut size = || rng.random_range(-1.0..1.0_f64).hypot(rng.random_range(-1.0..1.0));
+        let (x, y) = (size(), size());
+        let mut z = vec![0.0; self.system.dimension()];
+        let ny = self.system.shape().0;
+        (z[ny], z[1]) = (x / x.hypot(y), y / x.hypot(y));
+        z
+    }
+
+    /// The pattern of amplitudes.
+    pub fn pattern(&mut self, z: &[f64], u0: f64) -> Pattern {
+        self.system.gap(z, u0, &mut self.ws);
+        classify(self.system.unfolded(&self.ws.gap).view(), self.system.law(), true)
+    }
+
+    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
+    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
+        let range = self.system.law().range;
+        let size = KICK * range / norm(mode);
+        let mut g = vec![0.0; z.len()];
+        let mut side = |sign: f64| {
+            let mut moved = z.to_vec();
+            add(&mut moved, sign * size, mode);
+            (self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy, moved)
+        };
+        let (one, other) = (side(1.0), side(-1.0));
+        let start = if other.0 < one.0 { other.1 } else { one.1 };
+        self.preconditioner.forget();
+        let mut release = Release::new(start, u0).with_tolerance(TOLERANCE);
+        loop {
+            let slice =
+                release.advance(&self.system, 1000, &mut self.preconditioner, Slides::Never, &mut self.ws, &Cancel::default());
+            match slice {
+                Slice::Moving => {}
+                Slice::Settled(state) => return self.recognise(state.z, u0),
+                Slice::Stuck | Slice::Cancelled => return Rest::Other,
+            }
+        }
+    }
+
+    /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
+    fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
+        let size = norm(&z);
+        if size < 0.02 * self.system.law().range {
+            return Rest::Flat;
+        }
+        let n = self.system.shape().0;
+        let along_x: f64 = (1..n).map(|k| z[k * n].powi(2)).sum();
+        let along_y: f64 = (1..n).map(|l| z[l].powi(2)).sum();
+        if along_y > along_x {
+            transpose(&mut z, n);
+        }
+        // Moved by half a cell, every wave with an odd number of periods changes its sign.
+        let (flip_x, flip_y) = (z[n] < 0.0, z[1] < 0.0);
+        for (i, z) in z.iter_mut().enumerate() {
+            if flip_x && (i / n) % 2 == 1 {
+                *z = -*z;
+            }
+            if flip_y && (i % n) % 2 == 1 {
+                *z = -*z;
+            }
+        }
+        let line: Vec<f64> = (0..n).map(|k| z[k * n]).collect();
+        if (size * size - norm(&line).powi(2)).max(0.0).sqrt() < TRACE * size {
+            return Rest::Ridge(line);
+        }
+        let mut other = z.clone();
+        transpose(&mut other, n);
+        let mut odd = z.clone();
+        add(&mut odd, -1.0, &other);
+        if norm(&odd) > 2.0 * TRACE * size {
+            return Rest::Other;
+        }
+        add(&mut z, 1.0, &other);
+        scale(&mut z, 0.5);
+        match self.pattern(&z, u0) {
+            pattern @ (Pattern::Bulge | Pattern::Dimple) => Rest::Square(pattern, z),
+            _ => Rest::Other,
+        }
+    }
+}
+
+fn transpose(z: &mut [f64], n: usize) {
+    for k in 0..n {
+        for l in 0..k {
+            z.swap(k * n + l, l * n + k);
+        }
+    }
+}
+
+/// Amplitudes carried from one even system to another of the same cell: waves the other mesh lacks are dropped. A line becomes a
+/// square system's waves along x.
+pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
+    let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
+    let mut out = vec![0.0; mx * my];
+    for k in 0..nx.min(mx) {
+        for l in 0..ny.min(my) {
+            out[k * my + l] = z[k * ny + l];
+        }
+    }
+    out
+}

@@ -1,0 +1,186 @@
+//! One branch followed to its end with long tangent steps; the end located directly.
+
+use crate::numerics::vector::{add, norm};
+use crate::solver::branch::distance;
+use crate::solver::method::Lost;
+use crate::solver::sector::{Node, Sector};
+
+/// How a branch of stable states ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum End {
+    /// It turns back.
+    Fold,
+    /// It goes on, unstable, where a mode of another symmetry has gone soft.
+    Breaking,
+}
+
+/// First step (ranges), and the longest: shorter than any branch of the paper's, so that none is jumped over.
+const FIRST: f64 = 0.1;
+const LONGEST: f64 = 0.7;
+/// A branch is lost when the step falls below this (ranges).
+const SHORTEST: f64 = 2e-4;
+/// Error of the prediction, root mean square in ranges, that the step length aims at.
+const AIM: f64 = 0.02;
+/// Distance (ranges) from which a fold is gone for directly.
+const NEAR_FOLD: f64 = 0.15;
+/// Breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
+const SOFT: f64 = 0.15;
+/// Accuracy of a symmetry-breaking point (ranges).
+const LOCATED: f64 = 1e-4;
+/// Most nodes of one branch, one way.
+const NODES: usize = 60;
+/// Largest deviation from the prediction in units of the predicted change: beyond it another branch was found.
+const STRAY: f64 = 0.6;
+
+/// Follows the branch of `first` towards growing u0 if `up`. Nodes in order, without `first`; the last is the end.
+///
+/// # Errors
+/// The branch was lost before an end was found.
+pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, End), Lost> {
+    let range = sector.system().law().range;
+    let sign = if up { 1.0 } else { -1.0 };
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut step = FIRST * range;
+    // A fold beyond which symmetry is already broken: the end lies before it.
+    let mut wall = f64::INFINITY;
+    while nodes.len() < NODES {
+        let (before, here) = match nodes.len() {
+            0 => (None, first.clone()),
+            1 => (Some(first), nodes[0].clone()),
+            n => (Some(&nodes[n - 2]), nodes[n - 1].clone()),
+        };
+        let fold = before.map_or(f64::INFINITY, |b| zero_of_square(b, &here));
+        if fold < NEAR_FOLD * range && wall.is_infinite() {
+            if let Ok(mut end) = sector.fold(&here, up, fold) {
+                let ahead = sign * (end.u0 - here.u0);
+                if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
+                    if end.breaking >= 0.0 {
+                        end.own = 0.0;
+                        nodes.push(end);
+                        return Ok((nodes, End::Fold));
+                    }
+                    if ahead < 20.0 * LOCATED * range {
+                        nodes.push(end);
+                        return Ok((nodes, End::Breaking));
+                    }
+                    wall = ahead;
+                }
+            }
+            step = step.min(0.5 * wall.min(fold));
+        }
+        let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here));
+        // Just past the expected zero, so that it is enclosed.
+        let h = step.min(0.6 * fold).min(0.5 * wall).min(1.05 * breaking + 20.0 * LOCATED * range);
+        if !(h > SHORTEST * range) {
+            return Err(Lost::Gone);
+        }
+        let u0 = here.u0 + sign * h;
+        let guess = predict(before, &here, u0);
+        let predicted = distance(&guess, &here.z);
+        let node = sector.node(u0, guess.clone(), Some(&here));
+        let strayed = |n: &Node| distance(&guess, &n.z) > STRAY * predicted + 1e-3 * range || !audit(&here, n, range, sector);
+        let mut node = match node {
+            Ok(node) if !strayed(&node) && node.own > 0.0 => node,
+            _ => {
+                step = 0.35 * h;
+                continue;
+            }
+        };
+        if node.breaking < SOFT * sector.system().grid().q1() {
+            sector.sharpen(&mut node);
+        }
+        let error = distance(&guess, &node.z) / range;
+        step = (h * (AIM / error).powf(0.3).clamp(0.4, 2.5)).min(LONGEST * range);
+        if wall.is_finite() {
+            wall -= h;
+        }
+        if node.breaking < 0.0 {
+            let end = cross(sector, &here, &node)?;
+            nodes.push(end);
+            return Ok((nodes, End::Breaking));
+        }
+        nodes.push(node);
+    }
+    Err(Lost::Gone)
+}
+
+/// Hermite extrapolation from two nodes, or along the tangent of one.
+fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
+    let Some(before) = before else {
+        let mut z = here.z.clone();
+        add(&mut z, u0 - here.u0, &here.tangent);
+        return z;
+    };
+    between(before, here, u0)
+}
+
+/// Cubic Hermite between two regular nodes, at any u0.
+pub fn between(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
+    let h = b.u0 - a.u0;
+    let t = (u0 - a.u0) / h;
+    let (t2, t3) = (t * t, t * t * t);
+    let mut z = vec![0.0; a.z.len()];
+    add(&mut z, 2.0 * t3 - 3.0 * t2 + 1.0, &a.z);
+    add(&mut z, (t3 - 2.0 * t2 + t) * h, &a.tangent);
+    add(&mut z, 3.0 * t2 - 2.0 * t3, &b.z);
+    add(&mut z, (t3 - t2) * h, &b.tangent);
+    z
+}
+
+/// Distance beyond `here` at which `own`, whose square falls linearly before a fold, would vanish.
+fn zero_of_square(before: &Node, here: &Node) -> f64 {
+    let fall = (before.own.powi(2) - here.own.powi(2)) / (here.u0 - before.u0).abs();
+    if fall > 0.0 { here.own.powi(2) / fall } else { f64::INFINITY }
+}
+
+/// Distance beyond `here` at which `breaking`, which falls linearly, would vanish.
+fn zero(before: &Node, here: &Node) -> f64 {
+    let fall = (before.breaking - here.breaking) / (here.u0 - before.u0).abs();
+    if fall > 0.0 { (here.breaking / fall).max(0.0) } else { f64::INFINITY }
+}
+
+/// Along a branch dV = stress du0, by the trapezoid with its end correction: a step across a jump pays with energy.
+fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
+    let h = to.u0 - from.u0;
+    let work = 0.5 * h * (from.stress + to.stress) - h * h / 12.0 * (to.slope - from.slope);
+    let missing = (to.energy - from.energy - work).abs();
+    let law = sector.system().law();
+    missing <= 0.05 * ((to.stress - from.stress) * h).abs() + 1e-4 * law.surface_energy * (h / range).abs()
+        && norm(&to.z) > 1e-3 * range
+}
+
+/// The node between `inside` and `outside` where the breaking eigenvalue vanishes: secants that keep it enclosed.
+fn cross(sector: &mut Sector, inside: &Node, outside: &Node) -> Result<Node, Lost> {
+    let range = sector.system().law().range;
+    let (mut a, mut b) = (inside.clone(), outside.clone());
+    // The inner node's value may be of the block alone; both must be of one kind.
+    if a.breaking >= SOFT * sector.system().grid().q1() {
+        a = sector.node(a.u0, a.z.clone(), Some(&b))?;
+        sector.sharpen(&mut a);
+    }
+    let (mut weight_a, mut weight_b) = (1.0, 1.0);
+    for _ in 0..20 {
+        let (fa, fb) = (weight_a * a.breaking, weight_b * b.breaking);
+        let u0 = a.u0 + (b.u0 - a.u0) * fa / (fa - fb);
+        let mut node = sector.node(u0, between(&a, &b, u0), Some(&a))?;
+        sector.sharpen(&mut node);
+        let rate = (a.breaking - b.breaking) / (a.u0 - b.u0);
+        let correction = -node.breaking / rate;
+        if correction.abs() < LOCATED * range {
+            node.u0 += correction;
+            node.energy += correction * node.stress;
+            node.stress += correction * node.slope;
+            add(&mut node.z, correction, &node.tangent.clone());
+            return Ok(node);
+        }
+        // Illinois: an end that stays too long counts half.
+        if node.breaking > 0.0 {
+            a = node;
+            (weight_a, weight_b) = (1.0, 0.5 * weight_b);
+        } else {
+            b = node;
+            (weight_a, weight_b) = (0.5 * weight_a, 1.0);
+        }
+    }
+    Err(Lost::Gone)
+}

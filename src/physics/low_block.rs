@@ -1,0 +1,303 @@
+//! The Hessian among the longest waves of an even system, exact and dense.
+//!
+//! Between cosine waves the entries are look-ups in one transform D of gamma'': cos a cos b = (cos(a+b) + cos(a-b))/2, so that
+//! mean(gamma'' cos(k) cos(l) cos(k') cos(l')) is the mean of D at (k +- k', l +- l'). All soft modes live among the longest waves:
+//! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
+
+use super::system::{System, Workspace};
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+/// Symmetry of even fields under x <-> y; both are kept by a Hessian at a field that has the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Any even field.
+    Even,
+    /// u(x, y) = u(y, x): bulge and dimple themselves; where such a mode goes soft the branch folds.
+    Symmetric,
+    /// u(x, y) = -u(y, x): where such a mode goes soft the symmetry breaks.
+    Antisymmetric,
+    /// On a line system: even in x times cos(2 pi y/L), outside the system itself; where such a mode goes soft a ridge breaks up.
+    /// (A modulation with more waves along y is always stiffer.)
+    Varicose,
+    /// The same, odd in x: where such a mode goes soft a ridge meanders.
+    Sinuous,
+}
+
+impl Class {
+    /// Projects amplitudes of an even square system onto the class.
+    pub fn project(self, system: &System, z: &mut [f64]) {
+        let sign = match self {
+            Class::Even | Class::Varicose | Class::Sinuous => return,
+            Class::Symmetric => 1.0,
+            Class::Antisymmetric => -1.0,
+        };
+        let n = system.shape().0;
+        for k in 0..n {
+            for l in 0..=k {
+                let (a, b) = (z[k * n + l], z[l * n + k]);
+                z[k * n + l] = 0.5 * (a + sign * b);
+                z[l * n + k] = 0.5 * (b + sign * a);
+            }
+        }
+    }
+}
+
+/// The dense block with its factorisation L D L^T, shortest waves first: only the last pivots, of the longest waves, can be negative.
+#[derive(Clone, Debug)]
+pub struct LowBlock {
+    class: Class,
+    /// Wave numbers (k, l) in units of 2 pi/L, one of each pair (k, l), (l, k) where the class joins them.
+    waves: Vec<[usize; 2]>,
+    ny: usize,
+    /// Lower triangles, row by row; empty before the first [`LowBlock::assemble`].
+    hessian: Vec<f64>,
+    factor: Vec<f64>,
+    /// Pivots as they came, before the floor.
+    negative: usize,
+}
+
+impl LowBlock {
+    /// The waves of `class` no longer than `reach` of an even `system`, at least one.
+    pub fn new(system: &System, class: Class, reach: f64) -> Self {
+        let (ny, nx) = system.shape();
+        let mut waves: Vec<[usize; 2]> = (0..nx)
+            .flat_map(|k| (0..ny).map(move |l| [k, l]))
+            .filter(|&[k, l]| {
+                let joined = match class {
+                    Class::Symmetric => k >= l && k > 0,
+                    Class::Antisymmetric => k > l,
+                    Class::Even | Class::Sinuous => k + l > 0,
+                    Class::Varicose => true,
+                };
+                joined && (k as f64).hypot(l as f64) <= reach
+            })
+            .collect();
+        waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
+        Self { class, waves, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0 }
+    }
+
+    /// True once assembled.
+    pub fn is_ready(&self) -> bool {
+        !self.factor.is_empty()
+    }
+
+    /// Drops the block: it belongs to a state that is left behind.
+    pub fn forget(&mut self) {
+        self.factor.clear();
+    }
+
+    /// Assembles and factorises at the state at which `ws` was last evaluated. One transform.
+    pub fn refresh(&mut self, system: &System, ws: &mut Workspace) {
+        let mut d = vec![0.0; system.dimension()];
+        let mean = system.stiffness_amplitudes(&mut d, ws);
+        self.assemble(system, &d, mean);
+    }
+
+    /// Assembles and factorises from the amplitudes `d` and the `mean` of gamma''. No transform.
+    pub fn assemble(&mut self, system: &System, d: &[f64], mean: f64) {
+        let table = Table::new(system, d, mean, &self.waves);
+        let n = self.waves.len();
+        self.hessian.clear();
+        self.hessian.reserve(n * (n + 1) / 2);
+        for i in 0..n {
+            for j in 0..=i {
+                let (a, b) = (self.waves[i], self.waves[j]);
+                let mut h = match self.class {
+                    Class::Even | Class::Varicose => table.entry(a, b),
+                    Class::Sinuous => table.odd_entry(a[0], b[0]),
+                    // (e_kl +- e_lk)/sqrt 2 with itself and others; a wave (k, k) stands alone.
+                    Class::Symmetric | Class::Antisymmetric => {
+                        let sign = if self.class == Class::Symmetric { 1.0 } else { -1.0 };
+                        let single = |w: [usize; 2]| if w[0] == w[1] { FRAC_1_SQRT_2 } else { 1.0 };
+                        single(a) * single(b) * (table.entry(a, b) + sign * table.entry(a, [b[1], b[0]]))
+                    }
+                };
+                if i == j {
+                    let modulated = matches!(self.class, Class::Varicose | Class::Sinuous);
+                    let waves = (a[0] as f64).hypot(if modulated { 1.0 } else { a[1] as f64 });
+                    h += 0.5 * system.grid().q1() * waves;
+                }
+                self.hessian.push(h);
+            }
+        }
+        self.factorise(0.01 * system.grid().q1());
+    }
+
+    /// L D L^T with |pivots| kept above `floor`, which bounds the inverse along a mode without stiffness.
+    fn factorise(&mut self, floor: f64) {
+        let n = self.waves.len();
+        self.factor.clear();
+        self.factor.extend_from_slice(&self.hessian);
+        self.negative = 0;
+        let mut scaled = vec![0.0; n];
+        for i in 0..n {
+            let (above, row) = self.factor.split_at_mut(i * (i + 1) / 2);
+            for j in 0..i {
+                let other = &above[j * (j + 1) / 2..];
+                let dot: f64 = scaled[..j].iter().zip(other).map(|(a, b)| a * b).sum();
+                // scaled[j] holds L_ij D_j until row i is complete.
+                scaled[j] = row[j] - dot;
+            }
+            let mut pivot = row[i];
+            for j in 0..i {
+                let l = scaled[j] / above[j * (j + 1) / 2 + j];
+                pivot -= l * scaled[j];
+                row[j] = l;
+            }
+            self.negative += usize::from(pivot < 0.0);
+            row[i] = if pivot.abs() < floor { floor } else { pivot };
+        }
+    }
+
+    /// Number of negative eigenvalues of the block.
+    pub fn negative(&self) -> usize {
+        self.negative
+    }
+
+    /// The eigenvalue next to zero (E* per length), with its mode of norm 1 as coefficients of the block's waves, by inverse
+    /// iteration from the coefficients `start`.
+    pub fn softest(&self, start: Option<&[f64]>) -> (f64, Vec<f64>) {
+        let n = self.waves.len();
+        let mut x = match start {
+            Some(x) => x.to_vec(),
+            // Nothing smooth is orthogonal to this.
+            None => (0..n).map(|i| (1.0 + (2.0 * i as f64).sin()) / (n - i) as f64).collect(),
+        };
+        let mut value = f64::INFINITY;
+        for _ in 0..60 {
+            let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            x.iter_mut().for_each(|x| *x /= length);
+            let before = value;
+            value = self.quadratic(&x);
+            if (value - before).abs() < 1e-6 * value.abs() {
+                break;
+            }
+            self.solve(&mut x, false);
+        }
+        let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        x.iter_mut().for_each(|x| *x /= length);
+        (value, x)
+    }
+
+    /// Amplitudes in an even `system` of a mode given by coefficients of the block's waves, as [`LowBlock::softest`] returns it. A
+    /// modulation of a line becomes one of a square system.
+    pub fn mode(&self, coefficients: &[f64], system: &System) -> Vec<f64> {
+        let mut z = vec![0.0; system.dimension()];
+        if self.class == Class::Varicose {
+            let ny = system.shape().0;
+            for (w, x) in self.waves.iter().zip(coefficients) {
+                if w[0] * ny + 1 < z.len() {
+                    z[w[0] * ny + 1] = *x;
+                }
+            }
+        } else {
+            self.scatter(coefficients, &mut z);
+        }
+        z
+    }
+
+    /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned positive) times `r`; the rest is kept.
+    pub fn precondition(&self, r: &[f64], out: &mut [f64]) {
+        let mut x = self.gather(r);
+        self.solve(&mut x, true);
+        self.scatter(&x, out);
+    }
+
+    fn quadratic(&self, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..x.len() {
+            let row = &self.hessian[i * (i + 1) / 2..];
+            let dot: f64 = row.iter().zip(&x[..i]).map(|(h, x)| h * x).sum();
+            sum += x[i] * (2.0 * dot + row[i] * x[i]);
+        }
+        sum
+    }
+
+    fn solve(&self, x: &mut [f64], positive: bool) {
+        let row = |i: usize| &self.factor[i * (i + 1) / 2..];
+        for i in 0..x.len() {
+            let dot: f64 = row(i).iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
+            x[i] -= dot;
+        }
+        for i in (0..x.len()).rev() {
+            let pivot = row(i)[i];
+            x[i] /= if positive { pivot.abs() } else { pivot };
+        }
+        for i in (0..x.len()).rev() {
+            let xi = x[i];
+            for (x, l) in x[..i].iter_mut().zip(row(i)) {
+                *x -= l * xi;
+            }
+        }
+    }
+
+    fn gather(&self, z: &[f64]) -> Vec<f64> {
+        let at = |k: usize, l: usize| z[k * self.ny + l];
+        let pick = |&[k, l]: &[usize; 2]| match self.class {
+            _ if k == l => at(k, l),
+            Class::Even | Class::Varicose | Class::Sinuous => at(k, l),
+            Class::Symmetric => FRAC_1_SQRT_2 * (at(k, l) + at(l, k)),
+            Class::Antisymmetric => FRAC_1_SQRT_2 * (at(k, l) - at(l, k)),
+        };
+        self.waves.iter().map(pick).collect()
+    }
+
+    fn scatter(&self, x: &[f64], z: &mut [f64]) {
+        for (&[k, l], &x) in self.waves.iter().zip(x) {
+            let mirrored = match self.class {
+                Class::Symmetric if k != l => 1.0,
+                Class::Antisymmetric => -1.0,
+                _ => {
+                    z[k * self.ny + l] = x;
+                    continue;
+                }
+            };
+            z[k * self.ny + l] = FRAC_1_SQRT_2 * x;
+            z[l * self.ny + k] = mirrored * FRAC_1_SQRT_2 * x;
+        }
+    }
+}
+
+/// mean(gamma'' cos_p cos_q) for all sums and differences of the block's waves.
+struct Table {
+    means: Vec<f64>,
+    width: usize,
+}
+
+impl Table {
+    fn new(system: &System, d: &[f64], mean: f64, waves: &[[usize; 2]]) -> Self {
+        let (ny, nx) = system.shape();
+        let most = |axis: usize| waves.iter().map(|w| w[axis]).max().unwrap_or(0);
+        let width = 2 * most(1).max(most(0).min(ny - 1)) + 1;
+        // On the points of the mesh cos_(2m-p) = -cos_p.
+        let fold = |p: usize, m: usize| if p < m { (p, 1.0) } else { (2 * m - p, if p == m { 0.0 } else { -1.0 }) };
+        let at = |p: usize, q: usize| {
+            let ((p, a), (q, b)) = (fold(p, nx), fold(q, ny));
+            match (p, q) {
+                _ if a * b == 0.0 => 0.0,
+                (0, 0) => a * b * mean,
+                _ => a * b * d[p * ny + q] / (norm(p) * norm(q)),
+            }
+        };
+        let height = 2 * most(0).max(most(1)) + 1;
+        Self { means: (0..height * width).map(|i| at(i / width, i % width)).collect(), width }
+    }
+
+    /// mean(gamma'' e_a e_b) of the normalised waves e_kl.
+    fn entry(&self, a: [usize; 2], b: [usize; 2]) -> f64 {
+        let at = |p: usize, q: usize| self.means[p * self.width + q];
+        let (k, l) = ([a[0] + b[0], a[0].abs_diff(b[0])], [a[1] + b[1], a[1].abs_diff(b[1])]);
+        let sum = at(k[0], l[0]) + at(k[0], l[1]) + at(k[1], l[0]) + at(k[1], l[1]);
+        0.25 * norm(a[0]) * norm(a[1]) * norm(b[0]) * norm(b[1]) * sum
+    }
+
+    /// The same for sine waves on a line.
+    fn odd_entry(&self, a: usize, b: usize) -> f64 {
+        self.means[a.abs_diff(b) * self.width] - self.means[(a + b) * self.width]
+    }
+}
+
+/// 1 over the root mean square of cos_k.
+fn norm(k: usize) -> f64 {
+    if k == 0 { 1.0 } else { SQRT_2 }
+}

@@ -1,0 +1,99 @@
+//! Even fields on a quarter of the cell say the same as the whole cell.
+
+use ndarray::Array2;
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::low_block::{Class, LowBlock};
+use tackscope::physics::system::System;
+
+const LENGTH: f64 = 256.0;
+
+fn law() -> Law {
+    Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+}
+
+/// A smooth even field of long waves, symmetric under x <-> y only if `symmetric`.
+fn amplitudes(system: &System, symmetric: bool) -> Vec<f64> {
+    let (ny, nx) = system.shape();
+    let mut z = vec![0.0; nx * ny];
+    for k in 0..nx.min(7) {
+        for l in 0..ny.min(7) {
+            let (a, b) = if symmetric { (k.max(l), k.min(l)) } else { (k, l) };
+            z[k * ny + l] = 0.6 * ((3 * a + 5 * b) as f64).sin() / (1 + a * a + b * b) as f64;
+        }
+    }
+    z[0] = 0.0;
+    z
+}
+
+#[test]
+fn energy_stress_and_forces_of_an_even_field_are_those_of_the_whole_cell() {
+    for grid in [Grid::square(LENGTH, 32), Grid::line(LENGTH, 32)] {
+        let (even, whole) = (System::even(grid, law(), &Indenter::Flat), System::new(grid, law(), &Indenter::Flat));
+        let (mut small, mut large) = (even.workspace(), whole.workspace());
+        let z = amplitudes(&even, false);
+        let mut g = vec![0.0; z.len()];
+        let at = even.evaluate(&z, 1.7, &mut g, &mut small);
+        let field: Array2<f64> = even.unfolded(even.field(&z, &mut small));
+        let big = whole.amplitudes(&field, &mut large);
+        let mut big_g = vec![0.0; big.len()];
+        let big_at = whole.evaluate(&big, 1.7, &mut big_g, &mut large);
+        assert!((at.energy - big_at.energy).abs() < 1e-14, "{} {}", at.energy, big_at.energy);
+        assert!((at.stress - big_at.stress).abs() < 1e-14);
+        let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
+        assert!((norm(&g) / norm(&big_g) - 1.0).abs() < 1e-10);
+        assert!((even.residual(&g, &mut small) - whole.residual(&big_g, &mut large)).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn a_tip_on_the_quarter_cell_falls_off_from_its_corner() {
+    let grid = Grid::square(2.0, 8);
+    let height = Indenter::Hertz { radius: 3.0 }.even_height(&grid).unwrap();
+    // Half a spacing of 0.25 from the apex along each axis, and three and a half along x at the far end.
+    assert!((height[[0, 0]] + 2.0 * 0.125_f64.powi(2) / 6.0).abs() < 1e-15);
+    assert!((height[[0, 3]] + (0.125_f64.powi(2) + 0.875_f64.powi(2)) / 6.0).abs() < 1e-15);
+}
+
+/// Every entry of the block equals the Hessian product of its two waves.
+#[test]
+fn the_low_block_is_the_hessian_among_its_waves() {
+    for (grid, class) in [
+        (Grid::square(LENGTH, 32), Class::Even),
+        (Grid::square(LENGTH, 32), Class::Symmetric),
+        (Grid::square(LENGTH, 32), Class::Antisymmetric),
+        (Grid::line(LENGTH, 24), Class::Even),
+    ] {
+        let system = System::even(grid, law(), &Indenter::Flat);
+        let mut ws = system.workspace();
+        // On the line the waves reach the end of the mesh, where products fold back.
+        let reach = if grid.is_line() { 64.0 } else { 6.0 };
+        let z = amplitudes(&system, class != Class::Even);
+        let mut g = vec![0.0; z.len()];
+        system.evaluate(&z, 1.7, &mut g, &mut ws);
+        let mut block = LowBlock::new(&system, class, reach);
+        block.refresh(&system, &mut ws);
+        let (value, coefficients) = block.softest(None);
+        let mode = block.mode(&coefficients, &system);
+        let mut image = vec![0.0; z.len()];
+        system.hessian(&mode, &mut image, &mut ws);
+        let rayleigh: f64 = mode.iter().zip(&image).map(|(a, b)| a * b).sum();
+        assert!((value - rayleigh).abs() < 1e-12, "{class:?}: {value} {rayleigh}");
+        // It is an eigenvector within the block: what is left of its image has no part there.
+        for (i, m) in image.iter_mut().zip(&mode) {
+            *i -= value * m;
+        }
+        let (mut inside, mut back) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        block.precondition(&image, &mut inside);
+        let left = inside.iter().map(|v| v * v).sum::<f64>().sqrt();
+        assert!(left < 1e-2, "{class:?}: {left:e}");
+        // The inverse of the block undoes the Hessian, restricted to the block's waves.
+        if block.negative() == 0 && grid.is_line() {
+            system.hessian(&z, &mut image, &mut ws);
+            block.precondition(&image, &mut back);
+            let worst = back.iter().zip(&z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-10, "{worst:e}");
+        }
+    }
+}
