@@ -5,6 +5,7 @@
 pub mod atlas;
 pub mod flat_branch;
 pub mod forecast;
+pub mod live_loop;
 pub mod plan;
 pub mod record;
 pub mod run;
