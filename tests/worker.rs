@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use tackscope::experiment::live_loop::Fineness;
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern;
@@ -209,4 +210,28 @@ fn time_steps_are_measured_beside_the_walk_and_the_newest_errand_wins() {
         matches!(e, Event::Measured { run: 3, stuck: None })
     });
     assert!(cells > 100, "{cells}");
+}
+
+#[test]
+fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes_stop_changing() {
+    let worker = Worker::spawn(|| {});
+    let last = 30;
+    let began = Instant::now();
+    for run in 1..=last {
+        let mut scene = fig2(32);
+        scene.law.range = tackscope::experiment::scene::Range::Length(1.0 + 0.002 * run as f64);
+        worker.send(set_scene(run, scene));
+    }
+    assert!(began.elapsed() < Duration::from_millis(100), "asking must not wait");
+    let mut told = Vec::new();
+    await_event(&worker, |e| {
+        if let Event::Live { run, live } = e {
+            assert!(live.found.is_ok(), "{live:?}");
+            told.push((*run, live.fineness));
+        }
+        matches!(e, Event::Live { live, .. } if live.fineness == Fineness::Fine)
+    });
+    assert_eq!(told.last(), Some(&(last, Fineness::Fine)));
+    assert!(told.contains(&(last, Fineness::Coarse)) && told.len() < 10, "{told:?}");
+    assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
 }

@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     heading(ui, state, actions, &palette);
     legend(ui, state, &palette);
     let words = dissipated(state);
-    ui.label(RichText::new(words.as_deref().unwrap_or("Play loop to see what one cycle dissipates.")).strong());
+    ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
     let mut new_axes = None;
     if *axes_seen != state.axes_version {
         *axes_seen = state.axes_version;
@@ -96,6 +96,9 @@ fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
         if !state.flat_state.is_empty() {
             entry(ui, palette.flat, "┄", "flat (dashed: unstable)");
         }
+        if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
+            entry(ui, palette.live, "—", "live (atlas)");
+        }
         if !state.ghosts.is_empty() {
             entry(ui, palette.ghost, "—", "earlier");
         }
@@ -108,10 +111,16 @@ fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) {
     ui.add_space(6.0);
 }
 
-/// The dissipated energy in words, when a loop is closed.
-fn dissipated(state: &ViewState) -> Option<String> {
-    let summary = &state.closed_loop.as_ref()?.summary;
-    Some(format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum))
+/// The dissipated energy in words: of a walked loop, or else of the live one.
+fn dissipated(state: &ViewState) -> String {
+    if let Some(closed) = &state.closed_loop {
+        let summary = &closed.summary;
+        return format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum);
+    }
+    match state.live.as_ref().map(|live| &live.state.found) {
+        Some(Ok(live)) => format!("∮ live loop: {:.4} γ lost in {} jumps", live.dissipated_energy, live.jumps.len()),
+        _ => "Play loop to see what one cycle dissipates.".to_owned(),
+    }
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
@@ -128,6 +137,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
             plot.line(line("earlier", &piece.points, palette.ghost, 1.0).allow_hover(false));
         }
     }
+    live(plot, state, palette);
     curve(plot, &state.curve, palette);
     pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
@@ -142,6 +152,26 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
                 .allow_hover(false),
         );
         plot.points(Points::new("now", at).radius(3.5).shape(MarkerShape::Circle).color(palette.now).allow_hover(false));
+    }
+}
+
+/// The loop of the atlas, thin, its jumps dotted; and where the surface will stand at the target, before the walk is there.
+fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+    let Some(live) = &state.live else { return };
+    for (_, points) in &live.pieces {
+        plot.line(line("live", points, palette.live, 1.2).allow_hover(false));
+    }
+    for (u0, [from, to]) in &live.jumps {
+        let style = LineStyle::dotted_dense();
+        plot.line(line("live", &[[*u0, *from], [*u0, *to]], palette.live, 1.2).style(style).allow_hover(false));
+    }
+    if let Some((pattern, sample)) = state.foreseen() {
+        let at = [sample.mean_displacement / state.rho(), sample.stress / state.model.law.traction_max()];
+        let mark = Points::new("foreseen", vec![at]).shape(MarkerShape::Diamond).radius(7.0).filled(false);
+        plot.points(mark.color(palette.live).allow_hover(false));
+        let text = RichText::new(format!(" {pattern} ahead ")).small();
+        let word = Text::new("foreseen", PlotPoint::new(at[0], at[1]), text);
+        plot.text(word.color(palette.live).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
     }
 }
 

@@ -2,7 +2,10 @@
 
 mod axes;
 mod listen;
+mod live_view;
 mod motion;
+
+pub use live_view::LiveView;
 
 use super::action::{Tab, ViewOptions};
 use super::curves::{self, Curve, Shade};
@@ -84,6 +87,8 @@ pub struct ViewState {
     pub time_steps: Option<Arc<TimeStepMap>>,
     /// A measurement is under way.
     pub measuring: bool,
+    /// The live loop.
+    pub live: Option<LiveView>,
     /// Curves of earlier loops.
     pub ghosts: VecDeque<Curve>,
     /// The last closed loop.
@@ -145,6 +150,7 @@ impl ViewState {
             well_scale: 0.01,
             time_steps: None,
             measuring: false,
+            live: None,
             ghosts: VecDeque::new(),
             closed_loop: None,
             failure: None,

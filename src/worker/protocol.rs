@@ -1,5 +1,6 @@
 //! What the window says to the solver, and what it hears back.
 
+use crate::experiment::live_loop::{Fineness, LiveLoop};
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::time_step_map::TimeStepMap;
@@ -141,6 +142,17 @@ pub struct LoopSummary {
     pub seconds: f64,
 }
 
+/// The newest live loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveState {
+    /// The loop, or why the atlas does not hold the scene.
+    pub found: Result<LiveLoop, String>,
+    /// On which mesh.
+    pub fineness: Fineness,
+    /// Wall milliseconds spent.
+    pub milliseconds: f64,
+}
+
 /// From the solver to the window. Every variant but `Failed` belongs to a run.
 #[derive(Clone, Debug)]
 pub enum Event {
@@ -192,6 +204,14 @@ pub enum Event {
         run: RunId,
         /// The well.
         well: Arc<EnergyWell>,
+    },
+    /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late: newer than the last one shown is
+    /// good enough.
+    Live {
+        /// Run.
+        run: RunId,
+        /// The loop.
+        live: Arc<LiveState>,
     },
     /// More of the time-step map.
     TimeSteps {

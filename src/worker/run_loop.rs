@@ -1,5 +1,6 @@
 //! The solver thread: commands in, events out, one picture in a mailbox.
 
+use super::live::Live;
 use super::measure::Bench;
 use super::protocol::{Command, Event, Frame, RunId};
 use super::session::Session;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Handle of the solver thread and of the one that measures beside it. Dropping it cancels and joins.
+/// Handle of the solver thread and of those that work beside it. Dropping it cancels and joins.
 pub struct Worker {
     commands: Sender<Command>,
     events: Receiver<Event>,
@@ -18,6 +19,7 @@ pub struct Worker {
     cancel: Cancel,
     thread: Option<JoinHandle<()>>,
     bench: Bench,
+    live: Live,
 }
 
 impl Worker {
@@ -28,26 +30,33 @@ impl Worker {
         let (mailbox, frames) = bounded(1);
         let cancel = Cancel::default();
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
-        let (aside, nudge) = (outbox.clone(), wake.clone());
-        let bench = Bench::spawn(move |event| {
-            let _ = aside.send(event);
-            nudge();
-        });
+        let aside = || {
+            let (outbox, wake) = (outbox.clone(), wake.clone());
+            move |event| {
+                let _ = outbox.send(event);
+                wake();
+            }
+        };
+        let (bench, live) = (Bench::spawn(aside()), Live::spawn(aside()));
         let post = Post { outbox, mailbox, stale: frames.clone(), wake };
         let token = cancel.clone();
         let thread = std::thread::Builder::new()
             .name("solver".into())
             .spawn(move || run(&inbox, &post, &token))
             .expect("the system refuses to start a thread");
-        Self { commands, events, frames, cancel, thread: Some(thread), bench }
+        Self { commands, events, frames, cancel, thread: Some(thread), bench, live }
     }
 
     /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
     pub fn send(&self, command: Command) {
-        match command {
-            Command::Measure { run, errand } => return self.bench.start(run, errand),
-            // Another scene makes the measurement of this one pointless.
-            Command::StopMeasuring | Command::SetScene { .. } => self.bench.stop(),
+        match &command {
+            Command::Measure { run, errand } => self.bench.start(*run, errand.clone()),
+            Command::StopMeasuring => self.bench.stop(),
+            Command::SetScene { run, scene, .. } => {
+                // Another scene makes the measurement of this one pointless.
+                self.bench.stop();
+                self.live.ask(*run, scene.clone());
+            }
             _ => {}
         }
         if matches!(command, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {

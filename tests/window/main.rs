@@ -2,6 +2,7 @@
 #![cfg(feature = "gui")]
 
 mod bench;
+mod live;
 mod tabs;
 
 use bench::{Bench, fig2};

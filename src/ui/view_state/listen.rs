@@ -1,11 +1,14 @@
 //! What the window makes of what the solver says.
 
+use super::live_view::LiveView;
 use super::{ClosedLoop, Failure, ViewState};
+use crate::experiment::live_loop::Sample;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::walk::EnergyWell;
+use crate::physics::pattern::Pattern;
 use crate::ui::curves::{Curve, Shade, eigenvalue_scale};
 use crate::ui::scene_edit;
-use crate::worker::protocol::{Event, Frame, RunId};
+use crate::worker::protocol::{Event, Frame, LiveState, RunId};
 use std::sync::Arc;
 
 /// Most states kept for the export; the oldest quarter goes when it is full.
@@ -24,10 +27,14 @@ impl ViewState {
             | Event::Loop { run, .. }
             | Event::Rest { run, .. }
             | Event::Well { run, .. }
+            | Event::Live { run, .. }
             | Event::TimeSteps { run, .. }
             | Event::Measured { run, .. }
             | Event::Failed { run, .. } => *run,
         };
+        if let Event::Live { run, live } = event {
+            return self.take_live(run, live);
+        }
         if of != self.run || self.scene_pending {
             return;
         }
@@ -52,6 +59,7 @@ impl ViewState {
                 self.busy = false;
             }
             Event::Well { well, .. } => self.take_well(well),
+            Event::Live { .. } => {}
             Event::TimeSteps { map, .. } => self.time_steps = Some(map),
             Event::Measured { stuck, .. } => {
                 self.measuring = false;
@@ -95,6 +103,22 @@ impl ViewState {
         if self.sweep.is_some() {
             self.target = u0;
         }
+    }
+
+    /// While a parameter is dragged every loop is late by a few frames; it is drawn all the same.
+    fn take_live(&mut self, run: RunId, live: Arc<LiveState>) {
+        if self.live.as_ref().is_none_or(|shown| run >= shown.run) {
+            self.live = Some(LiveView::new(run, live));
+        }
+    }
+
+    /// Where the surface will stand at the target, read off the live loop of this very scene.
+    pub fn foreseen(&self) -> Option<(Pattern, Sample)> {
+        let live = self.live.as_ref().filter(|live| live.run == self.run && !self.scene_pending)?;
+        if self.target == self.actual {
+            return None;
+        }
+        live.state.found.as_ref().ok()?.reading(self.state.as_ref()?, self.target)
     }
 
     /// Its picture is rescaled only where it leaves the frame or shrinks to a few pixels.
