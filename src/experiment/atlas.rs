@@ -16,10 +16,11 @@ pub use trace::End;
 
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
+use crate::physics::system::carried;
 use crate::physics::theory::flat;
 use crate::solver::method::Lost;
-use crate::solver::sector::{Node, Sector};
-use explorer::{Explorer, Rest, carried};
+use crate::solver::sector::{NODE, Node, SHARP, Sector};
+use explorer::{Explorer, Rest};
 use trace::trace;
 
 /// What an atlas is made for.
@@ -51,6 +52,8 @@ pub struct Atlas {
     ridge: Sector,
     square: Sector,
     explorer: Explorer,
+    /// For releases that the coarse mesh does not show.
+    fine: Option<Explorer>,
     flat_limits: Option<(f64, f64)>,
     branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
@@ -66,6 +69,7 @@ impl Atlas {
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
             explorer: Explorer::new(length, coarse, law, seed),
+            fine: None,
             flat_limits: flat::limits(&law, length),
             branches: Vec::new(),
             landings: vec![[None; 2]],
@@ -84,7 +88,8 @@ impl Atlas {
 
     /// Transforms spent so far: on the line, on the quarter cell, on the coarse quarter cell.
     pub fn transforms(&self) -> [usize; 3] {
-        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms()]
+        let fine = self.fine.as_ref().map_or(0, Explorer::transforms);
+        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms() + fine]
     }
 
     /// Lower and upper limit of the flat state (length); `None` where it is always stable.
@@ -101,41 +106,65 @@ impl Atlas {
         if let Some(known) = self.landings[row][side] {
             return Ok(known);
         }
-        let (u0, energy, rest) = match place {
+        let (u0, energy) = self.end_point(place, up);
+        let mut fine = false;
+        let (rest, on) = loop {
+            let (z, mode, explorer) = self.kick(place, up, fine)?;
+            let (rest, lost) = explorer.release(&z, &mode, u0);
+            // A coarse mesh may still hold what the fine one lets go.
+            let went = lost > 1e-5 * self.chart.law.surface_energy && !matches!(rest, Rest::Other);
+            if went || fine || self.chart.coarse >= self.chart.square {
+                break (rest, fine);
+            }
+            fine = true;
+        };
+        let next = self.settle(u0, energy, rest, on)?;
+        self.landings[row][side] = Some(next);
+        Ok(next)
+    }
+
+    /// u0 and energy where `place` ends.
+    fn end_point(&self, place: Place, up: bool) -> (f64, f64) {
+        match place {
             Place::Flat => {
                 let (low, high) = self.flat_limits.expect("an end was asked for");
                 // The upper limit ends the way down, the lower the way up.
                 let u0 = if up { low } else { high };
-                let flat = vec![0.0; self.explorer.system().dimension()];
-                let mode = self.explorer.flat_mode();
-                (u0, self.chart.law.at(u0).energy, self.explorer.release(&flat, &mode, u0))
+                (u0, self.chart.law.at(u0).energy)
             }
-            Place::On(i) => self.release(i, up)?,
-        };
-        let place = self.settle(u0, energy, rest)?;
-        self.landings[row][side] = Some(place);
-        Ok(place)
+            Place::On(i) => {
+                let node = self.branches[i].end(up);
+                (node.u0, node.energy)
+            }
+        }
     }
 
-    /// The release at an end of branch `i`: u0, energy before, and where it comes to rest.
-    fn release(&mut self, i: usize, up: bool) -> Result<(f64, f64, Rest), Unmapped> {
+    /// The state at the end of `place` and the mode along which it gives way, on the mesh for releases.
+    fn kick(&mut self, place: Place, up: bool, fine: bool) -> Result<(Vec<f64>, Vec<f64>, &mut Explorer), Unmapped> {
+        let explorer = if fine { Self::fine(&mut self.fine, &self.chart) } else { &mut self.explorer };
+        let Place::On(i) = place else {
+            return Ok((vec![0.0; explorer.system().dimension()], explorer.flat_mode(), explorer));
+        };
         let branch = &self.branches[i];
-        let node = if up { branch.nodes.last() } else { branch.nodes.first() }.expect("a branch has nodes");
+        let node = branch.end(up);
         let sector = if branch.is_ridge { &self.ridge } else { &self.square };
-        let z = carried(&node.z, sector.system(), self.explorer.system());
+        let own = sector.system();
         let mode = match branch.ends[usize::from(up)] {
-            End::Fold => carried(&node.tangent, sector.system(), self.explorer.system()),
-            End::Breaking if sector.breaks_oddly(node) => {
+            End::Fold => carried(&node.tangent, own, explorer.system()),
+            End::Breaking if node.breaks_oddly => {
                 return Err(Unmapped(format!("the ridge meanders at u0 = {:.4}: only the whole cell holds that", node.u0)));
             }
-            End::Breaking => sector.breaking_mode(node, self.explorer.system()),
+            End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
-        let (u0, energy) = (node.u0, node.energy);
-        Ok((u0, energy, self.explorer.release(&z, &mode, u0)))
+        Ok((carried(&node.z, own, explorer.system()), mode, explorer))
+    }
+
+    fn fine<'e>(fine: &'e mut Option<Explorer>, chart: &Chart) -> &'e mut Explorer {
+        fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law, chart.seed))
     }
 
     /// The place of a state at rest: a known branch, or a new one traced from it both ways.
-    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest) -> Result<Place, Unmapped> {
+    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest, fine: bool) -> Result<Place, Unmapped> {
         let gamma = self.chart.law.surface_energy;
         let (is_ridge, pattern, coarse) = match rest {
             Rest::Flat => {
@@ -153,8 +182,10 @@ impl Atlas {
             b.is_ridge == is_ridge && b.pattern == pattern && b.covers(u0) && b.at(u0).energy <= energy_before + 1e-6 * gamma
         });
         if let Some(i) = known {
+            self.pin(i, u0);
             return Ok(Place::On(i));
         }
+        let explored = if fine { self.fine.as_ref().expect("it was there") } else { &self.explorer };
         let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
         let z = match is_ridge {
             true => {
@@ -162,10 +193,11 @@ impl Atlas {
                 z.iter_mut().zip(&coarse).for_each(|(z, c)| *z = *c);
                 z
             }
-            false => carried(&coarse, self.explorer.system(), sector.system()),
+            false => carried(&coarse, explored.system(), sector.system()),
         };
         let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
-        let mut first = sector.node(u0, z, None).map_err(lost)?;
+        let settled = sector.settle(u0, z).ok_or(Lost::Gone);
+        let mut first = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
         if !(first.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
             return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is not what the release found")));
         }
@@ -181,6 +213,18 @@ impl Atlas {
         self.branches.push(Branch { pattern, is_ridge, nodes, ends: [below, above] });
         self.landings.push([None; 2]);
         Ok(Place::On(self.branches.len() - 1))
+    }
+
+    /// Makes `u0`, whose energy enters a jump, a node of branch `i`.
+    fn pin(&mut self, i: usize, u0: f64) {
+        let near = 1e-6 * self.chart.law.range;
+        if self.branches[i].nodes.iter().any(|n| (n.u0 - u0).abs() < near) {
+            return;
+        }
+        // Where Newton fails from so good a guess, the interpolated energy stands.
+        if let Ok(node) = self.state(i, u0) {
+            self.branches[i].insert(node);
+        }
     }
 
     /// The pattern at an end of a branch, which may no longer show the contact it had in its middle.
@@ -202,7 +246,7 @@ impl Atlas {
     pub fn state(&mut self, i: usize, u0: f64) -> Result<Node, Lost> {
         let guess = self.branches[i].guess(u0);
         let sector = if self.branches[i].is_ridge { &mut self.ridge } else { &mut self.square };
-        sector.node(u0, guess, None)
+        sector.node(u0, guess, None, SHARP)
     }
 
     /// The mechanics of branch `i`.

@@ -12,10 +12,11 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a line cell): all that can go soft in
 /// the cells of Figs 2 and 3, and few enough that the factorisation is cheaper than two transforms of 64 x 64 points.
 const WAVES: f64 = 6.0;
-/// The same for one symmetry class under x <-> y: 48 unknowns.
-const CLASS_WAVES: f64 = 10.0;
-/// On a line all waves of any mesh that a line needs.
-const LINE_WAVES: f64 = 128.0;
+/// The same where a quarter cell has at least as many points along a side as to pay for it: 90 unknowns.
+const FINE_WAVES: f64 = 10.0;
+const FINE: usize = 40;
+/// The same on half a line: nearly all of them.
+const LINE_WAVES: f64 = 64.0;
 
 /// A symmetric positive definite approximate inverse of the Hessian.
 #[derive(Clone, Debug)]
@@ -42,22 +43,22 @@ impl Preconditioner {
     /// The diagonal part with constant `stiffness` k (E* per length); the block waits for a state.
     pub fn new(system: &System, stiffness: f64) -> Self {
         if system.is_even() {
-            return Self::of_class(system, stiffness, Class::Even);
+            let reach = match system.shape() {
+                (1, _) => LINE_WAVES,
+                (_, m) if m < FINE => WAVES,
+                _ => FINE_WAVES,
+            };
+            return Self::of_class(system, stiffness, Class::Even, reach);
         }
         let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
         diagonal[..2].fill(0.0);
         Self { diagonal, even: None, modes: modes(system), factor: Vec::new() }
     }
 
-    /// The same for one symmetry class of an even system, whose block reaches further; on a line it is the whole Hessian.
-    pub fn of_class(system: &System, stiffness: f64, class: Class) -> Self {
+    /// The same for one symmetry class of an even system, with a block of the waves no longer than `reach`.
+    pub fn of_class(system: &System, stiffness: f64, class: Class, reach: f64) -> Self {
         let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
         diagonal[0] = 0.0;
-        let reach = match (system.grid().is_line(), class) {
-            (true, _) => LINE_WAVES,
-            (_, Class::Even) => WAVES,
-            _ => CLASS_WAVES,
-        };
         Self { diagonal, even: Some(LowBlock::new(system, class, reach)), modes: Vec::new(), factor: Vec::new() }
     }
 

@@ -272,6 +272,19 @@ impl System {
     }
 }
 
+/// Amplitudes carried from one even system to another of the same cell: waves the other mesh lacks are dropped. A line becomes a
+/// square system's waves along x.
+pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
+    let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
+    let mut out = vec![0.0; mx * my];
+    for k in 0..nx.min(mx) {
+        for l in 0..ny.min(my) {
+            out[k * my + l] = z[k * ny + l];
+        }
+    }
+    out
+}
+
 fn flat<T>(array: &mut Array2<T>) -> &mut [T] {
     array.as_slice_mut().expect("standard layout")
 }

@@ -3,26 +3,36 @@
 //! With the symmetry imposed there is no sliding and little left to compute: an exact block of the longest waves leaves a Newton
 //! step two to four products. Every node carries its tangent along u0, and how soft it is in each way its branch can end.
 
-use super::method::Lost;
+use super::method::{Lost, Problem, Slides};
+use super::newton::{NewtonEnd, NewtonLimits, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::numerics::vector::{add, dot, norm};
+use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::low_block::{Class, LowBlock};
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace};
+use crate::physics::system::{Evaluation, System, Workspace, carried};
+use crate::physics::theory::flat;
 
-/// Root mean square force of a node over sigma_max. The energy is stationary: its error is second order in this.
-pub const NODE: f64 = 2e-5;
+/// Root mean square force over sigma_max of a node between the ends of a branch. The energy is stationary, and the stress is
+/// corrected along the tangent: the errors of both are second order in this.
+pub const NODE: f64 = 2e-4;
+/// The same for the ends, whose place must be known, and for states that are shown.
+pub const SHARP: f64 = 1e-5;
+/// Longest step while settling, root mean square in ranges.
+const SETTLING: f64 = 0.2;
 /// Newton steps of one solve.
 const STEPS: usize = 9;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
-/// Longest wave numbers of the block of symmetry-breaking modes.
-const BREAKING_WAVES: f64 = 10.0;
+/// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can soften on a flat surface: pattern
+/// edges are sharper than that. At most 180 waves of one class, whose factorisation costs as much as a dozen transforms.
+const REACH: f64 = 3.3;
+const LEAST_REACH: f64 = 8.0;
+const MOST_REACH: f64 = 20.0;
 
 /// One equilibrium with its first derivatives along the branch.
 #[derive(Clone, Debug)]
@@ -43,8 +53,9 @@ pub struct Node {
     pub own: f64,
     /// Smallest eigenvalue among modes that break it (E* per length).
     pub breaking: f64,
-    /// The mode of `breaking`, as coefficients of [`Sector::breaking_mode`].
-    pub breaking_mode: Vec<f64>,
+    /// True if that mode is odd, a ridge about to meander: beyond the reach of every even model.
+    pub breaks_oddly: bool,
+    breaking_mode: Vec<f64>,
     own_mode: Vec<f64>,
 }
 
@@ -55,6 +66,8 @@ pub struct Sector {
     class: Class,
     preconditioner: Preconditioner,
     breaking: Vec<LowBlock>,
+    /// True if soft modes have waves beyond the blocks' reach.
+    partial: bool,
     ws: Workspace,
     /// Amplitudes and mean of gamma'' at the last refresh: the derivative of forces and stress with u0.
     stiffness: Vec<f64>,
@@ -66,21 +79,26 @@ impl Sector {
     pub fn ridge(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::line(length, n), law, &Indenter::Flat);
         let modulations = [Class::Varicose, Class::Sinuous].map(|class| LowBlock::new(&system, class, f64::INFINITY));
-        Self::new(system, Class::Even, modulations.into())
+        Self::new(system, Class::Even, modulations.into(), f64::INFINITY)
     }
 
     /// Bulges and dimples: fields that keep x <-> y.
     pub fn square(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
-        let block = LowBlock::new(&system, Class::Antisymmetric, BREAKING_WAVES);
-        Self::new(system, Class::Symmetric, vec![block])
+        let periods = length / flat::critical_length(&law);
+        let reach = (REACH * periods).clamp(LEAST_REACH, MOST_REACH);
+        let block = LowBlock::new(&system, Class::Antisymmetric, reach);
+        let mut sector = Self::new(system, Class::Symmetric, vec![block], reach);
+        sector.partial = REACH * periods > MOST_REACH;
+        sector
     }
 
-    fn new(system: System, class: Class, breaking: Vec<LowBlock>) -> Self {
+    fn new(system: System, class: Class, breaking: Vec<LowBlock>, reach: f64) -> Self {
         let law = system.law();
         let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
         Self {
-            preconditioner: Preconditioner::of_class(&system, constant, class),
+            preconditioner: Preconditioner::of_class(&system, constant, class, reach),
+            partial: false,
             class,
             breaking,
             ws: system.workspace(),
@@ -135,26 +153,27 @@ impl Sector {
         Ok(x)
     }
 
-    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows.
+    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows; the force below `tolerance` ([`NODE`]).
     ///
     /// # Errors
     /// No equilibrium near, or negative curvature on the way.
-    pub fn node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>) -> Result<Node, Lost> {
-        let (z, energy, stress) = self.converge(u0, z)?;
+    pub fn node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Node, Lost> {
+        let (z, g, at) = self.converge(u0, z, tolerance)?;
         self.refresh();
         let b = self.stiffness.clone();
-        let mut tangent = self.solve(&b, &[], 1e-4)?;
+        let mut tangent = self.solve(&b, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
         let slope = self.mean_stiffness + dot(&b, &tangent);
         let mut node = Node {
             u0,
             z,
-            energy,
-            stress,
+            energy: at.energy,
+            stress: at.stress + dot(&tangent, &g),
             slope,
             tangent,
             own: f64::NAN,
             breaking: f64::NAN,
+            breaks_oddly: false,
             breaking_mode: Vec::new(),
             own_mode: Vec::new(),
         };
@@ -162,17 +181,38 @@ impl Sector {
         Ok(node)
     }
 
+    /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses too far for [`Sector::node`].
+    pub fn settle(&mut self, u0: f64, mut z: Vec<f64>) -> Option<Vec<f64>> {
+        let radius = SETTLING * self.system.law().range;
+        for _ in 0..ROUNDS {
+            let mut g = vec![0.0; z.len()];
+            self.system.evaluate(&z, u0, &mut g, &mut self.ws);
+            self.refresh();
+            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS };
+            let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
+            let state = descend(&problem, z, u0, radius, limits, &mut self.ws, &Cancel::default());
+            z = state.z;
+            self.class.project(&self.system, &mut z);
+            match state.end {
+                NewtonEnd::Converged => return Some(z),
+                NewtonEnd::Stalled if state.residual.is_finite() => {}
+                _ => return None,
+            }
+        }
+        None
+    }
+
     /// Newton's method at fixed u0; leaves the workspace evaluated at the result.
-    fn converge(&mut self, u0: f64, mut z: Vec<f64>) -> Result<(Vec<f64>, f64, f64), Lost> {
-        let scale = self.scale();
+    fn converge(&mut self, u0: f64, mut z: Vec<f64>, tolerance: f64) -> Result<(Vec<f64>, Vec<f64>, Evaluation), Lost> {
+        let strongest = self.scale();
         let mut g = vec![0.0; z.len()];
         let mut before = f64::INFINITY;
         for step in 0..=STEPS {
             let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
             self.class.project(&self.system, &mut g);
-            let force = norm(&g) / scale;
-            if force <= NODE {
-                return Ok((z, at.energy, at.stress));
+            let force = norm(&g) / strongest;
+            if force <= tolerance {
+                return Ok((z, g, at));
             }
             // Written so that NaN ends here too.
             if !(force <= 3.0 * before) || step == STEPS {
@@ -180,94 +220,111 @@ impl Sector {
             }
             before = force;
             self.refresh();
-            let dz = self.solve(&g, &[], (0.3 * NODE / force).max(force.min(0.1)).min(0.3))?;
+            let dz = self.solve(&g, &[], (0.3 * tolerance / force).max(force.min(0.1)).min(0.3))?;
             add(&mut z, -1.0, &dz);
         }
         Err(Lost::Gone)
     }
 
-    /// Fills in how soft the node is, from the blocks at the last refresh.
+    /// Fills in how soft the node is: from the blocks at the last refresh, and where those leave out waves that matter from the
+    /// whole Hessian, starting from the modes of the node before.
     fn soften(&mut self, node: &mut Node, before: Option<&Node>) {
         let block = self.preconditioner.low_block().expect("an even system has a block");
-        (node.own, node.own_mode) = block.softest(before.map(|n| &n.own_mode[..]));
-        if block.negative() > 0 {
-            node.own = node.own.min(-f64::MIN_POSITIVE);
-        }
+        let (own, coefficients) = block.softest(None);
+        let all_positive = block.negative() == 0;
+        node.own_mode = block.mode(&coefficients, &self.system);
+        node.own = if all_positive { own } else { own.min(-f64::MIN_POSITIVE) };
         node.breaking = f64::INFINITY;
+        let is_ridge = self.is_ridge();
         for (i, block) in self.breaking.iter_mut().enumerate() {
             block.assemble(&self.system, &self.stiffness, self.mean_stiffness);
             let (value, mode) = block.softest(None);
             if value < node.breaking {
-                (node.breaking, node.breaking_mode) = (value, std::iter::once(i as f64).chain(mode).collect());
+                (node.breaking, node.breaks_oddly) = (value, i == 1);
+                node.breaking_mode = if is_ridge { mode } else { block.mode(&mode, &self.system) };
             }
+        }
+        if self.partial {
+            let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system.grid().q1() };
+            let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| known.into_iter().chain([mode]).cloned().collect();
+            let own = self.refine(Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
+            (node.own, node.own_mode) = own;
+            let breaking = self.refine(Class::Antisymmetric, start(&node.breaking_mode, before.map(|n| &n.breaking_mode)), limits);
+            (node.breaking, node.breaking_mode) = breaking;
         }
     }
 
-    /// The eigenvalue `breaking` of `node` over all waves of the mesh, not only the longest; the workspace must be evaluated there.
-    /// On a line the block is complete already.
+    /// The smallest eigenpair of one class over all waves of the mesh, at the state at which the workspace was last evaluated.
+    fn refine(&mut self, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>) {
+        let Self { system, preconditioner, ws, breaking, .. } = self;
+        let apply = |v: &[f64], out: &mut [f64]| {
+            system.hessian(v, out, ws);
+            class.project(system, out);
+        };
+        let precondition = |r: &[f64], out: &mut [f64]| {
+            if class == Class::Symmetric {
+                return preconditioner.apply(r, out);
+            }
+            for ((o, r), m) in out.iter_mut().zip(r).zip(preconditioner.diagonal()) {
+                *o = r * m;
+            }
+            breaking[0].precondition(r, out);
+        };
+        let mut found = smallest(apply, start, &[], precondition, limits, &Cancel::default());
+        (found.values[0], found.vectors.swap_remove(0))
+    }
+
+    /// The eigenvalue `breaking` of `node`, at which the workspace must be evaluated, over all waves of the mesh, not only the
+    /// longest, and closely. On a line the block is complete already.
     pub fn sharpen(&mut self, node: &mut Node) {
         if self.is_ridge() {
             return;
         }
-        let start = self.breaking_mode(node, &self.system);
-        let Self { system, preconditioner, ws, breaking, .. } = self;
-        let class = Class::Antisymmetric;
-        let found = smallest(
-            |v, out| {
-                system.hessian(v, out, ws);
-                class.project(system, out);
-            },
-            vec![start],
-            &[],
-            |r, out| {
-                for ((o, r), m) in out.iter_mut().zip(r).zip(preconditioner.diagonal()) {
-                    *o = r * m;
-                }
-                breaking[0].precondition(r, out);
-            },
-            EigenLimits { pairs: 1, least: 1, most: 6, relative: 0.02, absolute: 3e-4 * system.grid().q1() },
-            &Cancel::default(),
-        );
-        node.breaking = found.values[0];
+        let limits = EigenLimits { pairs: 1, least: 1, most: 10, relative: 0.02, absolute: 3e-4 * self.system.grid().q1() };
+        (node.breaking, node.breaking_mode) = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
     }
 
-    /// The mode in which `node` breaks its symmetry, as amplitudes in an even `system`; `None` for a meandering ridge, which no even
-    /// system holds.
-    pub fn breaking_mode(&self, node: &Node, system: &System) -> Vec<f64> {
-        let (block, coefficients) = node.breaking_mode.split_first().expect("a measured node has a mode");
-        self.breaking[*block as usize].mode(coefficients, system)
-    }
-
-    /// True if the softest breaking mode of `node` is odd: beyond the reach of every even model.
-    pub fn breaks_oddly(&self, node: &Node) -> bool {
-        self.is_ridge() && node.breaking_mode.first() == Some(&1.0)
+    /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a modulation of a ridge, or the
+    /// mode of a square state carried over. Of a meandering ridge nothing is in it.
+    pub fn breaking_mode(&self, node: &Node, to: &System) -> Vec<f64> {
+        if self.is_ridge() {
+            self.breaking[0].mode(&node.breaking_mode, to)
+        } else {
+            carried(&node.breaking_mode, &self.system, to)
+        }
     }
 
     /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit vector `phi`, u0 free. Passes
     /// through folds. Returns the node (its tangent is dz/da) and du0/da.
     fn arc(&mut self, phi: &[f64], a: f64, mut u0: f64, mut z: Vec<f64>) -> Result<(Node, f64), Lost> {
-        let scale = self.scale();
+        let strongest = self.scale();
         let removed = [phi.to_vec()];
         let mut g = vec![0.0; z.len()];
         let shift = a - dot(phi, &z);
         add(&mut z, shift, phi);
         let mut image = vec![0.0; z.len()];
+        // Found at the first step, and again, when it counts, at the last.
+        let mut along_u = Vec::new();
         for step in 0..=STEPS {
             let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
             self.class.project(&self.system, &mut g);
-            let force = norm(&g) / scale;
+            let force = norm(&g) / strongest;
             if !force.is_finite() || step == STEPS {
                 break;
             }
             self.refresh();
             let b = self.stiffness.clone();
-            let accurate = if force <= 100.0 * NODE { 1e-4 } else { 1e-2 };
-            let along_u = self.solve(&b, &removed, accurate)?;
+            let converged = force <= SHARP;
+            if along_u.is_empty() || converged {
+                along_u = self.solve(&b, &removed, 1e-2)?;
+            }
             self.system.hessian(phi, &mut image, &mut self.ws);
             let border = dot(phi, &b) - dot(&image, &along_u);
-            if force <= NODE {
+            if converged {
+                // What is left of the force along phi is a matter of u0.
+                u0 -= dot(phi, &g) / border;
                 let w = image.clone();
-                let along_a = self.solve(&w, &removed, 1e-4)?;
+                let along_a = self.solve(&w, &removed, 1e-2)?;
                 let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
                 let mut tangent = phi.to_vec();
                 add(&mut tangent, -1.0, &along_a);
@@ -282,13 +339,14 @@ impl Sector {
                     tangent,
                     own: 0.0,
                     breaking: f64::NAN,
+                    breaks_oddly: false,
                     breaking_mode: Vec::new(),
                     own_mode: Vec::new(),
                 };
                 self.soften(&mut node, None);
                 return Ok((node, rate));
             }
-            let along_g = self.solve(&g, &removed, (0.3 * NODE / force).clamp(1e-3, 0.1))?;
+            let along_g = self.solve(&g, &removed, (0.3 * SHARP / force).clamp(1e-3, 0.1))?;
             let du = -(dot(phi, &g) - dot(&image, &along_g)) / border;
             add(&mut z, -1.0, &along_g);
             add(&mut z, -du, &along_u);
@@ -297,31 +355,30 @@ impl Sector {
         Err(Lost::Gone)
     }
 
-    /// The fold ahead of `node` in the direction of growing u0 if `up`, about `distance` away. The node returned has the null vector
-    /// as tangent, pointing onwards, and an infinite slope.
+    /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before it. The node returned has the
+    /// null vector as tangent, pointing onwards, and an infinite slope.
     ///
     /// # Errors
     /// The branch was lost on the way.
-    pub fn fold(&mut self, node: &Node, up: bool, distance: f64) -> Result<Node, Lost> {
+    pub fn fold(&mut self, before: &Node, here: &Node, up: bool) -> Result<Node, Lost> {
         let range = self.system.law().range;
         let sign = if up { 1.0 } else { -1.0 };
-        let length = norm(&node.tangent);
-        let phi: Vec<f64> = node.tangent.iter().map(|t| sign * t / length).collect();
-        // Arc length of z beyond the node, the displacement there, and its rate: falling from here to zero at the fold.
-        let base = dot(&phi, &node.z);
-        let mut known = (0.0, node.u0, sign / length);
-        let mut state = (node.u0, node.z.clone(), phi.clone(), known.2);
-        let mut trial = (2.0 * distance * length).min(STRIDE * range);
+        let length = norm(&here.tangent);
+        let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
+        let (mut behind, mut last) = (Arc::of(before, &phi), Arc::of(here, &phi));
         for _ in 0..ROUNDS {
-            let ahead = trial - known.0;
-            let mut guess = state.1.clone();
-            add(&mut guess, ahead, &state.2);
-            let (mut found, rate) = self.arc(&phi, base + trial, state.0 + 0.5 * ahead * state.3, guess)?;
-            let here = (trial, found.u0, rate);
-            let top = extremum(known, here, up);
+            let a = Arc::extremum(&behind, &last, up).0;
+            if !a.is_finite() {
+                break;
+            }
+            let a = a.clamp(last.a - STRIDE * range, last.a + STRIDE * range);
+            let (guess, u0) = Arc::between(&behind, &last, a);
+            let (mut found, rate) = self.arc(&phi, a, u0, guess)?;
+            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
+            let top = Arc::extremum(&last, &arc, up);
             if (top.1 - found.u0).abs() < LOCATED * range {
-                let shift = top.0 - trial;
-                add(&mut found.z, shift, &found.tangent.clone());
+                let shift = top.0 - a;
+                add(&mut found.z, shift, &arc.dz);
                 found.energy += found.stress * (top.1 - found.u0);
                 found.stress += shift * found.slope;
                 found.u0 = top.1;
@@ -330,11 +387,55 @@ impl Sector {
                 found.slope = f64::INFINITY;
                 return Ok(found);
             }
-            state = (found.u0, found.z, found.tangent, rate);
-            trial = top.0.clamp(trial - STRIDE * range, trial + STRIDE * range);
-            known = here;
+            (behind, last) = (last, arc);
         }
         Err(Lost::Gone)
+    }
+}
+
+/// A point of a branch with its component `a` along a fixed direction as parameter.
+struct Arc {
+    a: f64,
+    u0: f64,
+    /// du0/da.
+    rate: f64,
+    z: Vec<f64>,
+    /// dz/da.
+    dz: Vec<f64>,
+}
+
+impl Arc {
+    fn of(node: &Node, phi: &[f64]) -> Self {
+        let rate = 1.0 / dot(phi, &node.tangent);
+        let mut dz = node.tangent.clone();
+        scale(&mut dz, rate);
+        Self { a: dot(phi, &node.z), u0: node.u0, rate, z: node.z.clone(), dz }
+    }
+
+    /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum if `up`.
+    fn extremum(a: &Self, b: &Self, up: bool) -> (f64, f64) {
+        let h = b.a - a.a;
+        let slope = (b.u0 - a.u0) / h;
+        // u0 = a.u0 + a.rate s + c s^2 + d s^3 with s measured from a.
+        let c = (3.0 * slope - 2.0 * a.rate - b.rate) / h;
+        let d = (a.rate + b.rate - 2.0 * slope) / (h * h);
+        let root = (c * c - 3.0 * d * a.rate).max(0.0).sqrt();
+        // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right sign.
+        let s = if up { -a.rate / (c - root) } else { -a.rate / (c + root) };
+        (a.a + s, a.u0 + s * (a.rate + s * (c + s * d)))
+    }
+
+    /// Cubic Hermite of amplitudes and u0 through two points, at any `at`.
+    fn between(a: &Self, b: &Self, at: f64) -> (Vec<f64>, f64) {
+        let h = b.a - a.a;
+        let t = (at - a.a) / h;
+        let (t2, t3) = (t * t, t * t * t);
+        let weights = [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * h, 3.0 * t2 - 2.0 * t3, (t3 - t2) * h];
+        let mut z = vec![0.0; a.z.len()];
+        for (w, part) in weights.iter().zip([&a.z, &a.dz, &b.z, &b.dz]) {
+            add(&mut z, *w, part);
+        }
+        (z, weights[0] * a.u0 + weights[1] * a.rate + weights[2] * b.u0 + weights[3] * b.rate)
     }
 }
 
@@ -344,19 +445,3 @@ const STRIDE: f64 = 0.5;
 const ROUNDS: usize = 12;
 /// Accuracy of the mean displacement of a fold, in ranges: the parabola through it is trusted that far.
 const LOCATED: f64 = 2e-5;
-
-/// Where the rate of the cubic through two points (position, value, rate) vanishes, and its value there: the maximum if `up`.
-fn extremum(a: (f64, f64, f64), b: (f64, f64, f64), up: bool) -> (f64, f64) {
-    let h = b.0 - a.0;
-    let slope = (b.1 - a.1) / h;
-    // Value = a.1 + a.2 s + c s^2 + d s^3 with s measured from a.
-    let c = (3.0 * slope - 2.0 * a.2 - b.2) / h;
-    let d = (a.2 + b.2 - 2.0 * slope) / (h * h);
-    let root = (c * c - 3.0 * d * a.2).max(0.0).sqrt();
-    // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right sign.
-    let s = if up { -a.2 / (c - root) } else { -a.2 / (c + root) };
-    if !s.is_finite() {
-        return (b.0, f64::NAN);
-    }
-    (a.0 + s, a.1 + s * (a.2 + s * (c + s * d)))
-}

@@ -33,6 +33,17 @@ impl Branch {
         (self.nodes[0].u0, self.nodes[self.nodes.len() - 1].u0)
     }
 
+    /// Adds a node between the ends.
+    pub(super) fn insert(&mut self, node: Node) {
+        let i = self.nodes.partition_point(|n| n.u0 < node.u0).clamp(1, self.nodes.len() - 1);
+        self.nodes.insert(i, node);
+    }
+
+    /// The upper or the lower end.
+    pub fn end(&self, upper: bool) -> &Node {
+        if upper { &self.nodes[self.nodes.len() - 1] } else { &self.nodes[0] }
+    }
+
     /// True if it has a state at `u0`.
     pub fn covers(&self, u0: f64) -> bool {
         let (low, high) = self.extent();

@@ -8,15 +8,23 @@ use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
-use crate::solver::method::Slides;
-use crate::solver::release::{Release, Slice};
+use crate::solver::method::{Problem, Slides};
+use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 /// Root mean square kick along the soft mode, in ranges; the same as the walk's.
 const KICK: f64 = 0.1;
-/// Residual at which a pattern is known.
+/// Residual at which a fall ends in any case.
 const TOLERANCE: f64 = 1e-6;
+/// Residual at which a pattern is known, if it was larger before by as much.
+const KNOWN: f64 = 2e-3;
+const FADED: f64 = 0.03;
+/// Longest step of a fall, root mean square in ranges: short enough to stay in the valley it started in.
+const REACH: f64 = 0.25;
+/// Steps of a fall between two looks, and most looks.
+const STRIDES: usize = 6;
+const ROUNDS: usize = 20;
 /// Share of the amplitude below which a symmetry counts as kept.
 const TRACE: f64 = 2e-2;
 
@@ -78,8 +86,9 @@ impl Explorer {
         classify(self.system.unfolded(&self.ws.gap).view(), self.system.law(), true)
     }
 
-    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
-    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
+    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`. Returns where
+    /// it rests, and how much energy per area it lost.
+    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> (Rest, f64) {
         let range = self.system.law().range;
         let size = KICK * range / norm(mode);
         let mut g = vec![0.0; z.len()];
@@ -88,19 +97,40 @@ impl Explorer {
             add(&mut moved, sign * size, mode);
             (self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy, moved)
         };
+        let before = side(0.0).0;
         let (one, other) = (side(1.0), side(-1.0));
         let start = if other.0 < one.0 { other.1 } else { one.1 };
         self.preconditioner.forget();
-        let mut release = Release::new(start, u0).with_tolerance(TOLERANCE);
-        loop {
-            let slice =
-                release.advance(&self.system, 1000, &mut self.preconditioner, Slides::Never, &mut self.ws, &Cancel::default());
-            match slice {
-                Slice::Moving => {}
-                Slice::Settled(state) => return self.recognise(state.z, u0),
-                Slice::Stuck | Slice::Cancelled => return Rest::Other,
+        self.fall(start, u0).map_or((Rest::Other, 0.0), |state| {
+            let lost = before - state.at.energy;
+            (self.recognise(state.z, u0), lost)
+        })
+    }
+
+    /// Down to the next minimum at fixed `u0`, until its pattern is known; `None` if there is no way.
+    pub fn fall(&mut self, mut z: Vec<f64>, u0: f64) -> Option<NewtonState> {
+        let limits = NewtonLimits { tolerance: TOLERANCE, steps: STRIDES, products: 40 };
+        let mut largest = 0.0_f64;
+        for _ in 0..ROUNDS {
+            if largest > 0.0 {
+                self.preconditioner.refresh(&self.system, &mut self.ws);
             }
+            let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
+            let state = descend(&problem, z, u0, REACH * self.system.law().range, limits, &mut self.ws, &Cancel::default());
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "fall residual {:.2e} energy {:.6} steps {} {:?} t {}",
+                    state.residual, state.at.energy, state.steps, state.end, self.ws.transforms
+                );
+            }
+            largest = largest.max(state.residual);
+            // A small force alone may belong to the saddle just left: it must have grown before.
+            if state.end == NewtonEnd::Converged || state.residual < KNOWN && state.residual < FADED * largest {
+                return Some(state);
+            }
+            z = state.z;
         }
+        None
     }
 
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
@@ -151,17 +181,4 @@ fn transpose(z: &mut [f64], n: usize) {
             z.swap(k * n + l, l * n + k);
         }
     }
-}
-
-/// Amplitudes carried from one even system to another of the same cell: waves the other mesh lacks are dropped. A line becomes a
-/// square system's waves along x.
-pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
-    let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
-    let mut out = vec![0.0; mx * my];
-    for k in 0..nx.min(mx) {
-        for l in 0..ny.min(my) {
-            out[k * my + l] = z[k * ny + l];
-        }
-    }
-    out
 }

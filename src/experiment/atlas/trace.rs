@@ -3,7 +3,7 @@
 use crate::numerics::vector::{add, norm};
 use crate::solver::branch::distance;
 use crate::solver::method::Lost;
-use crate::solver::sector::{Node, Sector};
+use crate::solver::sector::{NODE, Node, SHARP, Sector};
 
 /// How a branch of stable states ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,13 +20,13 @@ const LONGEST: f64 = 0.7;
 /// A branch is lost when the step falls below this (ranges).
 const SHORTEST: f64 = 2e-4;
 /// Error of the prediction, root mean square in ranges, that the step length aims at.
-const AIM: f64 = 0.02;
+const AIM: f64 = 0.03;
 /// Distance (ranges) from which a fold is gone for directly.
 const NEAR_FOLD: f64 = 0.15;
-/// Breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
-const SOFT: f64 = 0.15;
 /// Accuracy of a symmetry-breaking point (ranges).
-const LOCATED: f64 = 1e-4;
+const LOCATED: f64 = 3e-5;
+/// Most Newton steps towards it.
+const CROSSINGS: usize = 24;
 /// Most nodes of one branch, one way.
 const NODES: usize = 60;
 /// Largest deviation from the prediction in units of the predicted change: beyond it another branch was found.
@@ -50,8 +50,11 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
             n => (Some(&nodes[n - 2]), nodes[n - 1].clone()),
         };
         let fold = before.map_or(f64::INFINITY, |b| zero_of_square(b, &here));
-        if fold < NEAR_FOLD * range && wall.is_infinite() {
-            if let Ok(mut end) = sector.fold(&here, up, fold) {
+        if let Some(before) = before
+            && fold < NEAR_FOLD * range
+            && wall.is_infinite()
+        {
+            if let Ok(mut end) = sector.fold(before, &here, up) {
                 let ahead = sign * (end.u0 - here.u0);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
                     if end.breaking >= 0.0 {
@@ -69,26 +72,23 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
             step = step.min(0.5 * wall.min(fold));
         }
         let breaking = before.map_or(f64::INFINITY, |b| zero(b, &here));
-        // Just past the expected zero, so that it is enclosed.
-        let h = step.min(0.6 * fold).min(0.5 * wall).min(1.05 * breaking + 20.0 * LOCATED * range);
+        // Past the expected zero, so that it is enclosed; in this symmetry the branch simply goes on there.
+        let h = step.min(0.6 * fold).min(0.5 * wall).min(1.5 * breaking + 0.02 * range);
         if !(h > SHORTEST * range) {
             return Err(Lost::Gone);
         }
         let u0 = here.u0 + sign * h;
         let guess = predict(before, &here, u0);
         let predicted = distance(&guess, &here.z);
-        let node = sector.node(u0, guess.clone(), Some(&here));
+        let node = sector.node(u0, guess.clone(), Some(&here), NODE);
         let strayed = |n: &Node| distance(&guess, &n.z) > STRAY * predicted + 1e-3 * range || !audit(&here, n, range, sector);
-        let mut node = match node {
+        let node = match node {
             Ok(node) if !strayed(&node) && node.own > 0.0 => node,
             _ => {
                 step = 0.35 * h;
                 continue;
             }
         };
-        if node.breaking < SOFT * sector.system().grid().q1() {
-            sector.sharpen(&mut node);
-        }
         let error = distance(&guess, &node.z) / range;
         step = (h * (AIM / error).powf(0.3).clamp(0.4, 2.5)).min(LONGEST * range);
         if wall.is_finite() {
@@ -149,22 +149,29 @@ fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
         && norm(&to.z) > 1e-3 * range
 }
 
-/// The node between `inside` and `outside` where the breaking eigenvalue vanishes: secants that keep it enclosed.
+/// The node between `inside` and `outside` where the breaking eigenvalue vanishes over all waves of the mesh.
+///
+/// The two know it from the longest waves only, which is too high by nearly the same amount everywhere: the first value over all
+/// waves corrects both.
 fn cross(sector: &mut Sector, inside: &Node, outside: &Node) -> Result<Node, Lost> {
     let range = sector.system().law().range;
     let (mut a, mut b) = (inside.clone(), outside.clone());
-    // The inner node's value may be of the block alone; both must be of one kind.
-    if a.breaking >= SOFT * sector.system().grid().q1() {
-        a = sector.node(a.u0, a.z.clone(), Some(&b))?;
-        sector.sharpen(&mut a);
-    }
-    let (mut weight_a, mut weight_b) = (1.0, 1.0);
-    for _ in 0..20 {
-        let (fa, fb) = (weight_a * a.breaking, weight_b * b.breaking);
-        let u0 = a.u0 + (b.u0 - a.u0) * fa / (fa - fb);
-        let mut node = sector.node(u0, between(&a, &b, u0), Some(&a))?;
-        sector.sharpen(&mut node);
+    let mut corrected = false;
+    for round in 0..CROSSINGS {
         let rate = (a.breaking - b.breaking) / (a.u0 - b.u0);
+        let secant = a.u0 - a.breaking / rate;
+        let enclosed = (secant - a.u0) * (secant - b.u0) < 0.0;
+        // Where the eigenvalue falls off steeply towards one end, secants creep.
+        let u0 = if enclosed && round % 4 != 3 { secant } else { 0.5 * (a.u0 + b.u0) };
+        let mut node = sector.node(u0, between(&a, &b, u0), Some(&a), SHARP)?;
+        let of_block = node.breaking;
+        sector.sharpen(&mut node);
+        if !std::mem::replace(&mut corrected, true) {
+            let offset = node.breaking - of_block;
+            (a.breaking, b.breaking) = (a.breaking + offset, b.breaking + offset);
+        }
+        let nearer = if node.breaking > 0.0 { &mut a } else { &mut b };
+        let rate = (node.breaking - nearer.breaking) / (node.u0 - nearer.u0);
         let correction = -node.breaking / rate;
         if correction.abs() < LOCATED * range {
             node.u0 += correction;
@@ -173,14 +180,7 @@ fn cross(sector: &mut Sector, inside: &Node, outside: &Node) -> Result<Node, Los
             add(&mut node.z, correction, &node.tangent.clone());
             return Ok(node);
         }
-        // Illinois: an end that stays too long counts half.
-        if node.breaking > 0.0 {
-            a = node;
-            (weight_a, weight_b) = (1.0, 0.5 * weight_b);
-        } else {
-            b = node;
-            (weight_a, weight_b) = (0.5 * weight_a, 1.0);
-        }
+        *nearer = node;
     }
     Err(Lost::Gone)
 }
