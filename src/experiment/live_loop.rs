@@ -103,7 +103,8 @@ impl LiveLoop {
         if points > POINTS_MAX {
             return Err(unmapped(&format!("a live loop would need {points} points a side")));
         }
-        let chart = Chart { length, law, square: points, line: points, coarse: points, seed: scene.seed };
+        let coarse = (points / 2).next_multiple_of(8);
+        let chart = Chart { length, law, square: points, line: points, coarse, seed: scene.seed };
         let mut atlas = Atlas::new(chart);
         let cycle = atlas.cycle(scene.drive.start, turn)?;
         let mut this = Self {

@@ -55,6 +55,25 @@ pub enum Action {
     SetView(ViewOptions),
     /// Begin (true) or drop the measurement of time steps.
     MeasureTimeSteps(bool),
+    /// Look at the recorded state nearest to a place of the plot.
+    SelectState {
+        /// u0/rho and stress/sigma_max.
+        at: [f64; 2],
+        /// How far away it may be, along each.
+        reach: [f64; 2],
+    },
+    /// Look at the state after the jump of this index.
+    SelectJump(usize),
+    /// Look at the next jump (true) or the one before.
+    StepJump(bool),
+    /// Look at nothing.
+    ClearSelection,
+    /// The scene as text on the clipboard.
+    CopyScene,
+    /// A scene as text from the clipboard.
+    PasteScene(String),
+    /// Panels and view as they were at first.
+    RestoreLayout,
     /// The failure has been read.
     DismissFailure,
     /// End the program.

@@ -1,6 +1,6 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask};
+use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::handle::SolverHandle;
@@ -8,6 +8,7 @@ use super::view_state::{Failure, ViewState};
 use super::{controls, gap_map, keys, loop_plot, profile, status_bar, tabs, toolbar};
 use crate::storage::{self, export, picture, presets, scene_file};
 use crate::worker::protocol::Command;
+use egui::containers::PanelState;
 use egui::{CentralPanel, Context, Panel, Ui};
 use std::path::Path;
 
@@ -152,6 +153,23 @@ impl App {
             Action::Fit(to_data) => state.fit_axes(to_data),
             Action::SetView(view) => state.view = view,
             Action::MeasureTimeSteps(begin) => state.measure_time_steps(begin),
+            Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectJump(index) => state.select_jump(index),
+            Action::StepJump(forward) => state.step_jump(forward),
+            Action::ClearSelection => state.selection = None,
+            Action::CopyScene => {
+                ctx.copy_text(scene_file::to_text(&state.scene));
+                state.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
+            }
+            Action::PasteScene(text) => match scene_file::parse(&text, "clipboard") {
+                Ok(scene) => state.open_scene(scene),
+                Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
+            },
+            Action::RestoreLayout => {
+                ctx.data_mut(|data| data.remove_by_type::<PanelState>());
+                state.view = ViewOptions::default();
+                state.fit_axes(false);
+            }
             Action::DismissFailure => state.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }

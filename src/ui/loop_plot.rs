@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::curves::Curve;
+use super::inspect;
 use super::scene_edit;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -11,6 +12,9 @@ use egui_plot::{
     Arrows, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints,
     PlotUi, Points, Text,
 };
+
+/// A click this near to a state means it, in screen points.
+const CLICK: f64 = 14.0;
 
 /// Draws heading, legend and plot, of this height in all. `axes_seen` remembers which axes the plot has been given.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32, axes_seen: &mut u64) {
@@ -43,8 +47,15 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
                 plot.set_plot_bounds(PlotBounds::from_min_max(low, high));
             }
             draw(plot, state, &palette);
-        })
-        .response;
+        });
+    let (response, transform) = (response.response, response.transform);
+    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) {
+        let at = transform.value_from_position(pointer);
+        let scale = transform.dpos_dvalue();
+        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
+        actions.push(Action::SelectState { at: [at.x, at.y], reach });
+    }
+    inspect::show(ui, state, response.rect, actions);
     let sentence = sentence(state);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
 }
@@ -141,6 +152,11 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     curve(plot, &state.curve, palette);
     pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
+    if let Some(selection) = &state.selection {
+        let at = vec![[selection.state.mean_displacement / state.rho(), selection.state.stress_over_max]];
+        let mark = Points::new("selected", at).shape(MarkerShape::Square).radius(7.0).filled(false);
+        plot.points(mark.color(palette.now).allow_hover(false));
+    }
     if let Some(now) = &state.state {
         let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
         plot.points(

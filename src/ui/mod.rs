@@ -22,6 +22,7 @@ mod energy_well;
 mod event_list;
 mod gap_map;
 mod gap_picture;
+mod inspect;
 mod keys;
 mod law_picker;
 mod loop_plot;

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         }
     });
     match state.view.tab {
-        Tab::Events => event_list::show(ui, state, announced),
+        Tab::Events => event_list::show(ui, state, actions, announced),
         Tab::Stability => stability::show(ui, state, actions),
         Tab::EnergyWell => energy_well::show(ui, state),
     }

@@ -96,6 +96,8 @@ pub fn install(ctx: &Context) {
         style.spacing.interact_size.y = 22.0;
         style.spacing.slider_width = 120.0;
         style.animation_time = 0.0;
+        // A drag that misses a slider must not paint the words beside it.
+        style.interaction.selectable_labels = false;
     });
 }
 

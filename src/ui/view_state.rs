@@ -4,8 +4,10 @@ mod axes;
 mod listen;
 mod live_view;
 mod motion;
+mod select;
 
 pub use live_view::LiveView;
+pub use select::Selection;
 
 use super::action::{Tab, ViewOptions};
 use super::curves::{self, Curve, Shade};
@@ -89,6 +91,8 @@ pub struct ViewState {
     pub measuring: bool,
     /// The live loop.
     pub live: Option<LiveView>,
+    /// The stored state somebody looks at.
+    pub selection: Option<Selection>,
     /// Curves of earlier loops.
     pub ghosts: VecDeque<Curve>,
     /// The last closed loop.
@@ -151,6 +155,7 @@ impl ViewState {
             time_steps: None,
             measuring: false,
             live: None,
+            selection: None,
             ghosts: VecDeque::new(),
             closed_loop: None,
             failure: None,
@@ -265,6 +270,7 @@ impl ViewState {
         self.curve = Curve::default();
         self.stiffness = Curve::default();
         self.closed_loop = None;
+        self.selection = None;
         self.well = None;
         self.time_steps = None;
         self.measuring = false;

@@ -198,6 +198,21 @@ impl Bench {
         self.settle();
     }
 
+    /// The accessible sentence of the plot.
+    pub fn plot_sentence(&self) -> String {
+        self.names().lines().find(|line| line.starts_with("Stress against u0:")).expect("the plot says a sentence").to_owned()
+    }
+
+    /// Clicks at a place.
+    pub fn click_at(&mut self, at: egui::Pos2) {
+        self.window.hover_at(at);
+        self.window.step();
+        self.window.drag_at(at);
+        self.window.step();
+        self.window.drop_at(at);
+        self.settle();
+    }
+
     pub fn names(&self) -> String {
         fn walk(node: egui_kittest::Node<'_>, all: &mut String) {
             if let Some(label) = node.accesskit_node().label() {

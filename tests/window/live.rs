@@ -19,9 +19,13 @@ fn live() -> Arc<LiveState> {
 fn the_live_loop_is_drawn_and_its_energy_and_milliseconds_are_in_the_status_bar() {
     let mut bench = Bench::new();
     bench.reach(4.2, Branch::Approach);
-    bench.say(Event::Live { run: 1, live: live() });
+    let live = live();
+    let lost = live.found.as_ref().unwrap().dissipated_energy;
+    bench.say(Event::Live { run: 1, live });
     let names = bench.names();
-    for words in ["live (atlas)", "loop 0.1175 γ in 7 ms (atlas, 40 points)", "live loop: 0.1175 γ lost in 8 jumps"] {
+    let status = format!("loop {lost:.4} γ in 7 ms (atlas, 40 points)");
+    let headline = format!("live loop: {lost:.4} γ lost in 8 jumps");
+    for words in ["live (atlas)", &status, &headline] {
         assert!(names.contains(words), "{words} in {names}");
     }
 }

@@ -3,6 +3,7 @@
 
 mod bench;
 mod live;
+mod select;
 mod tabs;
 
 use bench::{Bench, fig2};

@@ -135,6 +135,7 @@ impl ViewState {
     /// A fresh loop begins: what there was becomes a ghost.
     fn archive(&mut self) {
         self.stiffness = Curve::default();
+        self.selection = None;
         let old = std::mem::take(&mut self.curve);
         if old.points().nth(2).is_some() {
             self.ghosts.push_back(old);
