@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use tackscope::experiment::chart::Effort;
 use tackscope::experiment::live_loop::Fineness;
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
@@ -234,4 +235,17 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
     assert_eq!(told.last(), Some(&(last, Fineness::Fine)));
     assert!(told.contains(&(last, Fineness::Coarse)) && told.len() < 10, "{told:?}");
     assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
+}
+
+#[test]
+fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
+    let worker = Worker::spawn(|| {});
+    let scene = Arc::new(fig2(32));
+    worker.send(Command::Measure { run: 1, errand: Errand::Chart { scene: scene.clone(), effort: Effort::Quick } });
+    await_event(&worker, |e| matches!(e, Event::Chart { chart, .. } if !chart.rows.is_empty()));
+    let begin = Instant::now();
+    worker.send(Command::StopMeasuring);
+    await_event(&worker, |e| matches!(e, Event::Measured { run: 1, stuck: None }));
+    println!("stopped after {:?}", begin.elapsed());
+    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
 }

@@ -53,8 +53,12 @@ pub enum Action {
     Fit(bool),
     /// Change how things are drawn.
     SetView(ViewOptions),
-    /// Begin (true) or drop the measurement of time steps.
-    MeasureTimeSteps(bool),
+    /// Begin a measurement beside the walk.
+    Measure(Measurement),
+    /// Drop the measurement under way.
+    StopMeasuring,
+    /// Make the settings of this row of the chart the scene's.
+    UseChartRow(usize),
     /// Look at the recorded state nearest to a place of the plot.
     SelectState {
         /// u0/rho and stress/sigma_max.
@@ -155,6 +159,29 @@ pub enum Tab {
     Stability,
     /// The energy along the soft mode.
     EnergyWell,
+    /// Speed against accuracy of every method.
+    Accuracy,
+}
+
+/// What can be measured beside the walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measurement {
+    /// Which time steps GFMD survives.
+    TimeSteps,
+    /// Speed against accuracy, on coarse meshes with long steps.
+    QuickChart,
+    /// Speed against accuracy, within two minutes.
+    FullChart,
+}
+
+/// What a loop costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum CostOf {
+    /// Processor seconds.
+    #[default]
+    Time,
+    /// Fourier transforms.
+    Transforms,
 }
 
 /// Stability of what.
@@ -182,6 +209,8 @@ pub struct ViewOptions {
     pub tab: Tab,
     /// Which stability.
     pub stability: StabilityOf,
+    /// Which cost the chart shows.
+    pub cost: CostOf,
 }
 
 impl Default for ViewOptions {
@@ -193,6 +222,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             tab: Tab::default(),
             stability: StabilityOf::default(),
+            cost: CostOf::default(),
         }
     }
 }

@@ -152,7 +152,9 @@ impl App {
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
             Action::SetView(view) => state.view = view,
-            Action::MeasureTimeSteps(begin) => state.measure_time_steps(begin),
+            Action::Measure(what) => state.measure(what),
+            Action::StopMeasuring => state.stop_measuring(),
+            Action::UseChartRow(index) => state.use_chart_row(index),
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(forward) => state.step_jump(forward),

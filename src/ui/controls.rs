@@ -208,8 +208,8 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         edit(actions, scene);
     }
     ui.label("Method");
-    for (method, word) in [(MethodKind::NewtonKrylov, "Newton-Krylov"), (MethodKind::Gfmd, "GFMD, as in the paper")] {
-        if ui.radio(state.method == method, word).clicked() {
+    for method in MethodKind::ALL {
+        if ui.radio(state.method == method, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }
     }

@@ -4,21 +4,22 @@ use super::action::Action;
 use super::controls::named;
 use super::theme;
 use super::view_state::ViewState;
-use egui::{Frame, Rect, RichText, Ui, UiBuilder, vec2};
+use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
 
 /// Width of the card.
-const WIDTH: f32 = 178.0;
+const WIDTH: f32 = 196.0;
 
-/// The card, in the upper corner of `plot` away from the state.
+/// The card, in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action>) {
     let Some(selection) = &state.selection else { return };
     let s = &selection.state;
     let palette = theme::palette(ui.visuals().dark_mode);
-    let (low, high) = (state.axes().0[0], state.axes().1[0]);
-    let on_the_right = s.mean_displacement / state.rho() > 0.5 * (low + high);
-    let left = if on_the_right { plot.left() + 44.0 } else { plot.right() - WIDTH - 6.0 };
-    let area = Rect::from_min_size(egui::pos2(left, plot.top() + 6.0), vec2(WIDTH, plot.height()));
-    ui.scope_builder(UiBuilder::new().max_rect(area), |ui| {
+    // In the corner that the curve of a loop leaves free, unless the state itself is there.
+    let ([left, bottom], [right, top]) = state.axes();
+    let there = s.mean_displacement / state.rho() > 0.5 * (left + right) && s.stress_over_max > 0.45 * (bottom + top);
+    let x = if there { plot.left() + 46.0 } else { plot.right() - WIDTH - 6.0 };
+    let area = Area::new(Id::unique("inspected")).order(Order::Middle).fixed_pos(pos2(x, plot.top() + 6.0));
+    area.constrain(false).show(ui.ctx(), |ui| {
         let fill = ui.visuals().window_fill.gamma_multiply(0.94);
         Frame::popup(ui.style()).fill(fill).inner_margin(6.0).show(ui, |ui| {
             ui.set_width(WIDTH - 14.0);
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action
                 ui.label(RichText::new(line).small());
             }
             if let Some(jump) = selection.jump.and_then(|i| state.record.jumps.get(i)) {
-                let words = format!("{} → {}: {:.4} γ released", jump.from, jump.to, jump.released_energy);
+                let words = format!("{} → {} released {:.4} γ", jump.from, jump.to, jump.released_energy);
                 ui.label(RichText::new(words).small().color(palette.jump));
             }
             if ui.small_button("Walk to this u₀").clicked() {
@@ -52,7 +53,7 @@ fn numbers(state: &ViewState) -> Vec<String> {
     vec![
         format!("u₀ {:.5} ρ", s.mean_displacement / state.rho()),
         format!("stress {:.5} σₘₐₓ", s.stress_over_max),
-        format!("eigenvalue {:.4} ± {:.4} E*/L", s.stiffness_min, s.stiffness_error),
+        format!("eigenvalue {:.3} ± {:.3} E*/L", s.stiffness_min, s.stiffness_error),
         format!("energy {:.5} γ", s.energy / state.model.law.surface_energy),
         format!("contact {:.1} %, residual {:.0e}", 100.0 * s.contact_area, s.residual),
         format!("{}: {} iterations, {:.1} ms", s.model, s.iterations, s.milliseconds),

@@ -105,10 +105,10 @@ fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
         entry(ui, palette.retraction, "▶", "retraction");
         entry(ui, palette.jump, "↕", "jump");
         if !state.flat_state.is_empty() {
-            entry(ui, palette.flat, "┄", "flat (dashed: unstable)");
+            entry(ui, palette.flat, "┄", "flat (dashed unstable)");
         }
         if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
-            entry(ui, palette.live, "—", "live (atlas)");
+            entry(ui, palette.live, "—", "live");
         }
         if !state.ghosts.is_empty() {
             entry(ui, palette.ghost, "—", "earlier");

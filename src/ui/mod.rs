@@ -15,6 +15,7 @@ pub mod scene_edit;
 pub mod theme;
 pub mod view_state;
 
+mod accuracy;
 mod controls;
 mod dialogs;
 mod display;

@@ -2,14 +2,15 @@
 
 use super::action::{Action, Tab};
 use super::view_state::ViewState;
-use super::{energy_well, event_list, stability};
+use super::{accuracy, energy_well, event_list, stability};
 use egui::{Role, Ui, WidgetInfo};
 
 /// The tabs in order.
-const TABS: [(Tab, &str, &str); 3] = [
+const TABS: [(Tab, &str, &str); 4] = [
     (Tab::Events, "Events", "every jump so far"),
     (Tab::Stability, "Stability", "how far the next jump is, and which time steps GFMD survives"),
     (Tab::EnergyWell, "Energy well", "the energy along the softest mode"),
+    (Tab::Accuracy, "Speed and accuracy", "what every method costs, and how far off it is"),
 ];
 
 /// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
@@ -29,5 +30,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         Tab::Events => event_list::show(ui, state, actions, announced),
         Tab::Stability => stability::show(ui, state, actions),
         Tab::EnergyWell => energy_well::show(ui, state),
+        Tab::Accuracy => accuracy::show(ui, state, actions),
     }
 }

@@ -1,6 +1,6 @@
 //! Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts them.
 
-use super::action::Action;
+use super::action::{Action, Measurement};
 use super::loop_plot::{line, small, ticks};
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -16,14 +16,14 @@ const MARKS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let palette = theme::palette(ui.visuals().dark_mode);
     ui.horizontal_wrapped(|ui| {
-        if state.measuring {
+        if state.measuring == Some(Measurement::TimeSteps) {
             if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {
-                actions.push(Action::MeasureTimeSteps(false));
+                actions.push(Action::StopMeasuring);
             }
             let done = state.time_steps.as_ref().map_or(0.0, |map| map.fraction());
             ui.add(ProgressBar::new(done as f32).desired_width(56.0).desired_height(14.0));
         } else if ui.button("Measure").on_hover_text("let a tiny perturbation go at states along the approach").clicked() {
-            actions.push(Action::MeasureTimeSteps(true));
+            actions.push(Action::Measure(Measurement::TimeSteps));
         }
         legend(ui, &palette);
     });

@@ -3,13 +3,14 @@
 mod axes;
 mod listen;
 mod live_view;
+mod measure;
 mod motion;
 mod select;
 
 pub use live_view::LiveView;
 pub use select::Selection;
 
-use super::action::{Tab, ViewOptions};
+use super::action::{Measurement, Tab, ViewOptions};
 use super::curves::{self, Curve, Shade};
 use super::history::History;
 use super::scene_edit::{self, Follows};
@@ -18,7 +19,7 @@ use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::{Command, Errand, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
+use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -87,8 +88,10 @@ pub struct ViewState {
     pub well_scale: f64,
     /// The time-step map as far as it is measured.
     pub time_steps: Option<Arc<TimeStepMap>>,
-    /// A measurement is under way.
-    pub measuring: bool,
+    /// The chart of speed against accuracy as far as it is measured.
+    pub chart: Option<Arc<ChartSoFar>>,
+    /// The measurement under way.
+    pub measuring: Option<Measurement>,
     /// The live loop.
     pub live: Option<LiveView>,
     /// The stored state somebody looks at.
@@ -153,7 +156,8 @@ impl ViewState {
             well: None,
             well_scale: 0.01,
             time_steps: None,
-            measuring: false,
+            chart: None,
+            measuring: None,
             live: None,
             selection: None,
             ghosts: VecDeque::new(),
@@ -202,6 +206,11 @@ impl ViewState {
         }
         if model != self.model {
             self.ghosts.clear();
+        }
+        // Mesh and step are what a chart compares; another law or cell is another loop.
+        let loop_of = |m: &Model| (m.law, m.grid.length, m.grid.is_line(), m.indenter);
+        if loop_of(&model) != loop_of(&self.model) {
+            self.chart = None;
         }
         self.flat_state = curves::flat_state(&scene, &model);
         self.scene = Arc::new(scene);
@@ -273,20 +282,7 @@ impl ViewState {
         self.selection = None;
         self.well = None;
         self.time_steps = None;
-        self.measuring = false;
-    }
-
-    /// Begins the measurement of time steps, or drops it.
-    pub fn measure_time_steps(&mut self, begin: bool) {
-        self.measuring = begin;
-        self.outbox.push(match begin {
-            true => {
-                self.time_steps = None;
-                let errand = Errand::TimeSteps { scene: self.scene.clone(), turn: self.limits.0 };
-                Command::Measure { run: self.run, errand }
-            }
-            false => Command::StopMeasuring,
-        });
+        self.measuring = None;
     }
 
     /// What the solver must hear, at most one scene and one target per frame, in the order that makes sense to it.

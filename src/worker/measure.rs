@@ -1,6 +1,8 @@
 //! The thread for measurements beside the walk: one at a time, the newest wins, partial results as they come.
 
-use super::protocol::{Errand, Event, RunId};
+use super::protocol::{ChartSoFar, Errand, Event, RunId};
+use crate::experiment::chart::{self, Effort, News};
+use crate::experiment::scene::Scene;
 use crate::experiment::time_step_map::{Progress, Survey};
 use crate::numerics::cancel::Cancel;
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -80,6 +82,7 @@ fn run(inbox: &Receiver<Order>, tell: &dyn Fn(Event), cancel: &Cancel) {
                 Ok(survey) => time_steps(run, survey, tell, cancel, &goes_on),
                 Err(error) => Some(error.to_string()),
             },
+            Errand::Chart { scene, effort } => chart(run, &scene, effort, tell, cancel, &goes_on),
         }));
         let stuck = measured.unwrap_or_else(|_| Some("the solver stopped with a fault of its own".to_owned()));
         tell(Event::Measured { run, stuck });
@@ -105,5 +108,49 @@ fn time_steps(run: RunId, mut survey: Survey, tell: &dyn Fn(Event), cancel: &Can
         }
     }
     tell(Event::TimeSteps { run, map: Arc::new(survey.map().clone()) });
+    stuck
+}
+
+/// Returns why it could not be finished, if so.
+fn chart(
+    run: RunId,
+    scene: &Scene,
+    effort: Effort,
+    tell: &dyn Fn(Event),
+    cancel: &Cancel,
+    goes_on: &dyn Fn() -> bool,
+) -> Option<String> {
+    let mut so_far = ChartSoFar::default();
+    let mut told = Instant::now();
+    let finished = chart::run(scene, effort, cancel, &mut |news| {
+        if !goes_on() {
+            cancel.request();
+        }
+        let mut at_once = true;
+        match news {
+            News::Begun { what, reference: true } => so_far.now = format!("reference: {what}"),
+            News::Begun { what, reference: false } => so_far.now = what.to_string(),
+            News::Measured(row) => so_far.rows.push(row.clone()),
+            News::Skipped(_) => so_far.skipped += 1,
+            News::Fraction(fraction) => {
+                so_far.fraction = fraction;
+                at_once = told.elapsed() >= PACE;
+            }
+        }
+        if at_once {
+            told = Instant::now();
+            tell(Event::Chart { run, chart: Arc::new(so_far.clone()) });
+        }
+    });
+    so_far.now.clear();
+    let stuck = match finished {
+        Ok(chart) => {
+            so_far.rows = chart.rows;
+            so_far.floor = chart.reference.map(|reference| reference.errors.dissipated_energy);
+            None
+        }
+        Err(error) => Some(error.to_string()),
+    };
+    tell(Event::Chart { run, chart: Arc::new(so_far) });
     stuck
 }

@@ -1,5 +1,6 @@
 //! What the window says to the solver, and what it hears back.
 
+use crate::experiment::chart::{Effort, Judged};
 use crate::experiment::live_loop::{Fineness, LiveLoop};
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
@@ -37,6 +38,28 @@ pub enum Errand {
         /// Where the approach ends (length).
         turn: f64,
     },
+    /// Speed against accuracy of every method.
+    Chart {
+        /// The scene.
+        scene: Arc<Scene>,
+        /// How much trouble to take.
+        effort: Effort,
+    },
+}
+
+/// A chart of speed against accuracy as far as it is measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartSoFar {
+    /// What was measured, in that order.
+    pub rows: Vec<Judged>,
+    /// How many points were left out because they would take too long.
+    pub skipped: usize,
+    /// What is being measured now, in words.
+    pub now: String,
+    /// Share of the work that is done, 0 to 1.
+    pub fraction: f64,
+    /// The reference's own error of the dissipated energy, once everything is measured.
+    pub floor: Option<f64>,
 }
 
 /// From the window to the solver.
@@ -219,6 +242,13 @@ pub enum Event {
         run: RunId,
         /// What is measured so far.
         map: Arc<TimeStepMap>,
+    },
+    /// More of the chart.
+    Chart {
+        /// Run.
+        run: RunId,
+        /// What is measured so far.
+        chart: Arc<ChartSoFar>,
     },
     /// The measurement is over: done, dropped, or stuck for the reason given.
     Measured {

@@ -1,6 +1,7 @@
 //! The real window, driven through its accessible labels by a solver that is stepped by hand. No display, no graphics, no time.
 #![cfg(feature = "gui")]
 
+mod accuracy;
 mod bench;
 mod live;
 mod select;

@@ -65,7 +65,7 @@ fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
     let mut bench = walked();
     bench.click("3.102");
     assert_eq!(bench.state().selection.as_ref().map(|s| (s.jump, s.state.mean_displacement)), Some((Some(0), 3.102)));
-    assert!(bench.names().contains("flat → ridge: 0.1234 γ released"));
+    assert!(bench.names().contains("flat → ridge released 0.1234 γ"));
 }
 
 #[test]

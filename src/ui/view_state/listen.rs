@@ -29,6 +29,7 @@ impl ViewState {
             | Event::Well { run, .. }
             | Event::Live { run, .. }
             | Event::TimeSteps { run, .. }
+            | Event::Chart { run, .. }
             | Event::Measured { run, .. }
             | Event::Failed { run, .. } => *run,
         };
@@ -61,8 +62,9 @@ impl ViewState {
             Event::Well { well, .. } => self.take_well(well),
             Event::Live { .. } => {}
             Event::TimeSteps { map, .. } => self.time_steps = Some(map),
+            Event::Chart { chart, .. } => self.chart = Some(chart),
             Event::Measured { stuck, .. } => {
-                self.measuring = false;
+                self.measuring = None;
                 if let Some(message) = stuck {
                     let remedy = "What was measured stands.".to_owned();
                     self.failure = Some(Failure { message: format!("The measurement ended early: {message}."), remedy });
