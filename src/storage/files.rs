@@ -50,16 +50,27 @@ fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 /// # Errors
 /// A file that is missing, unreadable, longer than `limit`, or not UTF-8.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, Failure> {
-    let refuse =
-        |reason: String, remedy: &str| Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() };
-    let missing = "check the path, and that you may read it";
+    let bytes = read_bytes(path, limit)?;
+    String::from_utf8(bytes).map_err(|_| unreadable(path, "not UTF-8".to_owned(), "save it as UTF-8 text"))
+}
+
+/// Reads at most `limit` bytes.
+///
+/// # Errors
+/// A file that is missing, unreadable, or longer than `limit`.
+pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
+    let missing = |error: io::Error| unreadable(path, error.to_string(), "check the path, and that you may read it");
     let mut bytes = Vec::new();
-    let file = fs::File::open(path).map_err(|error| refuse(error.to_string(), missing))?;
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| refuse(error.to_string(), missing))?;
+    fs::File::open(path).map_err(missing)?.take(limit + 1).read_to_end(&mut bytes).map_err(missing)?;
     if bytes.len() as u64 > limit {
-        return Err(refuse(format!("longer than {limit} bytes"), "a scene file is a page of text; check that this is one"));
+        let reason = format!("longer than {limit} bytes");
+        return Err(unreadable(path, reason, "a scene file is a page of text; check that this is one"));
     }
-    String::from_utf8(bytes).map_err(|_| refuse("not UTF-8".to_owned(), "save it as UTF-8 text"))
+    Ok(bytes)
+}
+
+fn unreadable(path: &Path, reason: String, remedy: &str) -> Failure {
+    Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() }
 }
 
 /// Removes the files of `folder` whose name `ours` accepts; a folder that does not exist is empty.

@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         CostOf::Time => "processor seconds",
         CostOf::Transforms => "transforms",
     };
-    let shown = small(ui, "accuracy", cost, "error of dissipated energy")
+    let shown = small(ui, "accuracy", cost, "error of the loss")
         .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
         .x_grid_spacer(decades)
         .y_grid_spacer(decades)

@@ -190,13 +190,18 @@ impl App {
         let Some(task) = self.dialogs.task() else { return };
         let state = &self.state;
         let done = match task {
-            FileTask::OpenScene => scene_file::load(path).map(|scene| self.state.open_scene(scene)),
+            FileTask::OpenScene => {
+                let picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+                let scene = if picture { picture::load_scene(path) } else { scene_file::load(path) };
+                scene.map(|scene| self.state.open_scene(scene))
+            }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
             FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
-            FileTask::ExportLoopPng => picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title),
+            FileTask::ExportLoopPng => picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title)
+                .and_then(|()| picture::attach_scene(path, &state.scene)),
             FileTask::ExportGapPng => match &state.frame {
-                Some(frame) => picture::write_gap_png(path, &frame.gap),
+                Some(frame) => picture::write_gap_png(path, &frame.gap).and_then(|()| picture::attach_scene(path, &state.scene)),
                 None => return,
             },
         };

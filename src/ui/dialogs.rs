@@ -153,12 +153,13 @@ impl FileDialog {
 /// The desktop's own file chooser (rfd), which runs elsewhere while the window goes on drawing.
 pub fn desktop_chooser(request: FileRequest) -> PathFuture {
     let task = request.task;
-    let (kind, extension) = match task {
-        FileTask::OpenScene | FileTask::SaveScene => ("Scene", "toml"),
-        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => ("CSV", "csv"),
-        FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", "png"),
+    let (kind, extensions): (_, &[&str]) = match task {
+        FileTask::OpenScene => ("Scene, or a picture with its scene", &["toml", "png"]),
+        FileTask::SaveScene => ("Scene", &["toml"]),
+        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => ("CSV", &["csv"]),
+        FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
     };
-    let dialog = rfd::AsyncFileDialog::new().set_title(task.title()).add_filter(kind, &[extension]);
+    let dialog = rfd::AsyncFileDialog::new().set_title(task.title()).add_filter(kind, extensions);
     Box::pin(async move {
         let file = if task == FileTask::OpenScene {
             dialog.pick_file().await

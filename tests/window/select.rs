@@ -99,3 +99,25 @@ fn restore_layout_brings_view_and_axes_back() {
     assert_eq!(bench.state().view, Default::default());
     assert_eq!(bench.state().fit, None);
 }
+
+#[test]
+fn an_exported_picture_opens_again_as_its_scene() {
+    let mut bench = walked();
+    bench.click("law cosine");
+    let scene = bench.state().scene.clone();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("loop.png");
+    let enter = |bench: &mut Bench, what: &str, button: &str| {
+        bench.click(what);
+        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        bench.window.run();
+        bench.window.event(egui::Event::Text(path.display().to_string()));
+        bench.window.run();
+        bench.click(button);
+    };
+    enter(&mut bench, "Export PNG…", "Write");
+    assert_eq!(bench.state().failure, None);
+    bench.click("law mie");
+    enter(&mut bench, "Open…", "Open");
+    assert_eq!((bench.state().failure.clone(), bench.state().scene.clone()), (None, scene));
+}

@@ -3,12 +3,14 @@
 mod curves;
 mod gap;
 mod loop_plot;
+mod metadata;
 #[cfg(test)]
 mod tests;
 
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
 pub(super) use loop_plot::register_font;
 pub use loop_plot::{write_loop_png, write_loop_svg};
+pub use metadata::{attach_scene, load_scene};
 
 use super::{Failure, files};
 use image::{ImageFormat, RgbImage};
