@@ -182,7 +182,7 @@ impl Survey {
                 distance(&run.state.field, &self.walk.state().field) > GROWTH * run.size
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
-            Err(_) => true,
+            Err(Lost::Gone | Lost::Unstable | Lost::Diverged(_)) => true,
         };
         run.steps += SLICE;
         if grown || run.steps >= RUN {
