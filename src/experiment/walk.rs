@@ -6,9 +6,9 @@
 mod advance;
 mod guard;
 mod landing;
-mod soft;
+mod views;
 
-pub use soft::EnergyWell;
+pub use views::EnergyWell;
 
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;
@@ -27,7 +27,6 @@ use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
 use guard::Guard;
-use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
@@ -270,19 +269,6 @@ impl Walk {
     /// Sets where to go; the path already gone is kept, and a jump under way is completed first.
     pub fn set_target(&mut self, u0: f64) {
         self.target = u0;
-    }
-
-    /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
-    pub fn gap(&mut self) -> Array2<f64> {
-        let spent = self.ws.transforms;
-        let (z, u0) = match &self.jumping {
-            Some(jumping) => (&jumping.release.z, jumping.release.u0),
-            None => (&self.state.field, self.state.mean_displacement),
-        };
-        self.system.gap(z, u0, &mut self.ws);
-        // A picture is no part of the solution's cost.
-        self.ws.transforms = spent;
-        self.system.unfolded(&self.ws.gap)
     }
 
     /// Does one bounded piece of work.

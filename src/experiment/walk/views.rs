@@ -1,4 +1,4 @@
-//! The mode that gives way first, and the energy well along it.
+//! What a walk shows: the gap, the mode that gives way first, and the energy well along it.
 
 use super::Walk;
 use crate::numerics::vector::{add, dot, scale};
@@ -32,6 +32,19 @@ impl EnergyWell {
 }
 
 impl Walk {
+    /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
+    pub fn gap(&mut self) -> Array2<f64> {
+        let spent = self.ws.transforms;
+        let (z, u0) = match &self.jumping {
+            Some(jumping) => (&jumping.release.z, jumping.release.u0),
+            None => (&self.state.field, self.state.mean_displacement),
+        };
+        self.system.gap(z, u0, &mut self.ws);
+        // A picture is no part of the solution's cost.
+        self.ws.transforms = spent;
+        self.system.unfolded(&self.ws.gap)
+    }
+
     /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest eigenvalue, or of the flat state one of its
     /// equal longest waves. `None` while jumping or not measured. One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
