@@ -84,6 +84,13 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 }
             });
             ui.small("Shift: fine");
+            if let Some((pattern, sample)) = state.foreseen() {
+                let stress = sample.stress / state.model.law.traction_max();
+                let words = format!("ahead: {pattern}, stable\n{stress:.3} σₘₐₓ\n{:.2} E*/L", sample.stiffness_min);
+                let colour = super::theme::palette(ui.visuals().dark_mode).live;
+                ui.label(RichText::new(words).small().color(colour))
+                    .on_hover_text("read off the atlas; the walk is on its way there");
+            }
         });
     });
 }

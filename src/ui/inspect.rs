@@ -7,7 +7,7 @@ use super::view_state::ViewState;
 use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
 
 /// Width of the card.
-const WIDTH: f32 = 196.0;
+const WIDTH: f32 = 216.0;
 
 /// The card, in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action>) {
@@ -56,6 +56,6 @@ fn numbers(state: &ViewState) -> Vec<String> {
         format!("eigenvalue {:.3} ± {:.3} E*/L", s.stiffness_min, s.stiffness_error),
         format!("energy {:.5} γ", s.energy / state.model.law.surface_energy),
         format!("contact {:.1} %, residual {:.0e}", 100.0 * s.contact_area, s.residual),
-        format!("{}: {} iterations, {:.1} ms", s.model, s.iterations, s.milliseconds),
+        format!("{}, {} iterations, {:.0} ms", s.model, s.iterations, s.milliseconds),
     ]
 }

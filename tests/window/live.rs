@@ -55,6 +55,7 @@ fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves()
     bench.enter("Target", "2.0");
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
     assert_eq!((pattern, sample.mean_displacement), (Pattern::Ridge, 2.0));
+    assert!(bench.names().contains("ahead: ridge, stable"), "{}", bench.names());
     bench.reach(2.0, Branch::Approach);
     assert_eq!(bench.state().foreseen(), None, "the walk is there");
 }
