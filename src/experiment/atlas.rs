@@ -8,6 +8,7 @@
 mod curve;
 mod cycle;
 mod explorer;
+mod tour;
 mod trace;
 
 pub use curve::{Branch, Point};
