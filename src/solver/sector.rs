@@ -56,6 +56,8 @@ pub struct Node {
     pub own: f64,
     /// Smallest eigenvalue among modes that break it (E* per length).
     pub breaking: f64,
+    /// At a fold d2u0/da2 along the null vector, at the end where symmetry breaks d breaking/du0; NaN elsewhere.
+    pub bend: f64,
     /// True if that mode is odd, a ridge about to meander: beyond the reach of every even model.
     pub breaks_oddly: bool,
     /// Soft modes as amplitudes, where they are needed, and as coefficients of the blocks.
@@ -77,6 +79,7 @@ impl Node {
             tangent,
             own: f64::NAN,
             breaking: f64::NAN,
+            bend: f64::NAN,
             breaks_oddly: false,
             breaking_mode: Vec::new(),
             own_mode: Vec::new(),
@@ -450,19 +453,63 @@ impl Sector {
             let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
             let top = Arc::extremum(&last, &arc, up);
             if (top.1 - found.u0).abs() < LOCATED * range {
-                let shift = top.0 - a;
-                add(&mut found.z, shift, &arc.dz);
-                found.energy += found.stress * (top.1 - found.u0);
-                found.stress += shift * found.slope;
-                found.u0 = top.1;
-                let length = norm(&found.tangent);
-                found.tangent.iter_mut().for_each(|t| *t /= length);
-                found.slope = f64::INFINITY;
+                found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
                 return Ok(found);
             }
             (behind, last) = (last, arc);
         }
         Err(Lost::Gone)
+    }
+
+    /// The fold next to `near`, a fold of a slightly different law or cell.
+    ///
+    /// # Errors
+    /// It was not found.
+    pub fn refold(&mut self, near: &Node, up: bool) -> Result<Node, Lost> {
+        let range = self.system.law().range;
+        let length = norm(&near.tangent);
+        let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
+        let mut a = dot(&phi, &near.z);
+        let (mut u0, mut z, mut bend) = (near.u0, near.z.clone(), near.bend);
+        let mut last: Option<Arc> = None;
+        for _ in 0..ROUNDS {
+            let (mut found, rate) = self.arc(&phi, a, u0, z)?;
+            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
+            if let Some(last) = &last {
+                bend = (arc.rate - last.rate) / (arc.a - last.a);
+            }
+            if !(if up { bend < 0.0 } else { bend > 0.0 }) {
+                break;
+            }
+            let shift = -rate / bend;
+            let top = (a + shift, arc.u0 + 0.5 * shift * rate);
+            if (top.1 - arc.u0).abs() < LOCATED * range {
+                found.shift_to(&arc, top, bend);
+                return Ok(found);
+            }
+            let shift = shift.clamp(-STRIDE * range, STRIDE * range);
+            z = arc.z.clone();
+            add(&mut z, shift, &arc.dz);
+            (a, u0) = (a + shift, arc.u0 + shift * (rate + 0.5 * bend * shift));
+            last = Some(arc);
+        }
+        Err(Lost::Gone)
+    }
+}
+
+impl Node {
+    /// Moves the node found at `arc` to the fold `top` (a, u0) close by; `bend` is d2u0/da2 there.
+    fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
+        let shift = top.0 - arc.a;
+        add(&mut self.z, shift, &arc.dz);
+        self.energy += self.stress * (top.1 - self.u0);
+        self.stress += shift * self.slope;
+        self.u0 = top.1;
+        // Per unit of the null vector instead of phi.
+        let length = norm(&self.tangent);
+        self.bend = bend / (length * length);
+        scale(&mut self.tangent, 1.0 / length);
+        self.slope = f64::INFINITY;
     }
 }
 
