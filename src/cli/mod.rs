@@ -16,6 +16,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::experiment::plan::Wish;
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -92,6 +93,9 @@ struct RunArguments {
     /// Which method follows the branches
     #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
     method: MethodKind,
+    /// How the loop is computed, in place of the plan's choice
+    #[arg(long, value_enum, default_value_t = Wish::Plan)]
+    model: Wish,
     /// Seed in place of the scene's: it chooses between equivalent patterns
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
@@ -104,6 +108,24 @@ struct RunArguments {
     /// Afterwards run the paper's method on the same loop and write the ratio of processor time into summary.json
     #[arg(long)]
     yardstick: bool,
+    /// Afterwards walk the same loop on the next finer mesh of the whole cell and write the measured error into summary.json
+    #[arg(long)]
+    verify: bool,
+}
+
+impl ValueEnum for Wish {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Wish::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()).help(match self {
+            Wish::Plan => "the cheapest model that is good enough",
+            Wish::Atlas => "branches of flat, ridge and square patterns",
+            Wish::Quarter => "the walk on the even quarter of the cell",
+            Wish::Whole => "the walk on the whole cell",
+        }))
+    }
 }
 
 impl ValueEnum for MethodKind {
@@ -144,6 +166,8 @@ fn window_or_default_scene() -> u8 {
                 seed: None,
                 points: None,
                 step: None,
+                verify: false,
+                model: Wish::Plan,
                 yardstick: false,
             })
         }

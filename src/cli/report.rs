@@ -1,5 +1,6 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
+use crate::experiment::plan::{Plan, Road};
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome};
 use crate::experiment::scene::{Model, Scene};
@@ -15,6 +16,8 @@ const LOSS_MIN: f64 = 1e-6;
 /// A walk with what it took.
 pub(super) struct Timed {
     pub(super) run: LoopRun,
+    /// Why it was not computed as planned, if it was not.
+    pub(super) deviation: Option<String>,
     pub(super) wall_seconds: f64,
     pub(super) processor_seconds: f64,
 }
@@ -34,7 +37,7 @@ pub(super) fn dissipated_energy(run: &LoopRun, model: &Model) -> Option<f64> {
 }
 
 /// Everything for `summary.json` but the yardstick.
-pub(super) fn summary(given: &str, scene: &Scene, model: &Model, method: &'static str, timed: &Timed) -> Summary {
+pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str, timed: &Timed) -> Summary {
     let run = &timed.run;
     let states = &run.record.states;
     let dissipated = dissipated_energy(run, model);
@@ -49,7 +52,9 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, method: &'stati
             source: scene.source.clone(),
             toml: scene_file::to_text(scene),
         },
-        plan: plan(model),
+        plan: plan_summary(model, plan, timed.deviation.as_deref()),
+        predicted_error: Number(plan.predicted_error),
+        measured_error: Number(f64::NAN),
         method,
         completed: run.outcome == Outcome::Completed,
         stop: stop_word(&run.outcome),
@@ -72,8 +77,15 @@ fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-fn plan(model: &Model) -> PlanSummary {
+fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
     PlanSummary {
+        road: match plan.road {
+            _ if deviation.is_some() => "whole",
+            Road::Atlas(_) => "atlas",
+            Road::Walk(reduction) => reduction.word(),
+        },
+        words: deviation.map_or_else(|| plan.words.clone(), |why| format!("{}; {why}", plan.words)),
+        predicted_seconds: Number(plan.predicted_seconds),
         reason: model.reason.clone(),
         length: Number(model.grid.length),
         points: [model.grid.nx, model.grid.ny],

@@ -3,10 +3,12 @@
 use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_interrupt, say};
-use crate::experiment::run::{LoopRun, Outcome, run_loop};
+use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, reference};
+use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
+use crate::storage::summary::Number;
 use crate::storage::{Failure, files, presets, scene_file, summary};
 use cpu_time::ProcessTime;
 use std::time::Instant;
@@ -31,21 +33,44 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
             allowed: "the yardstick is gfmd itself; leave one of the two out".to_owned(),
         });
     }
+    if arguments.model == Wish::Atlas && arguments.method != MethodKind::NewtonKrylov {
+        return Err(Failure::Value {
+            file: "command line".to_owned(),
+            key: "--model".to_owned(),
+            value: format!("atlas with --method {}", arguments.method.word()),
+            allowed: "only newton follows the branches of an atlas; leave one of the two out".to_owned(),
+        });
+    }
     let (scene, place) = scene(arguments)?;
     let refused = |error: SceneError| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
     files::prepare_folder(&arguments.out)?;
     let cancel = cancel_on_interrupt();
 
-    let main = timed(arguments, &scene, &model, arguments.method, &cancel).map_err(refused)?;
+    // The other methods are there to be compared on the cell they were made for.
+    let newton = arguments.method == MethodKind::NewtonKrylov;
+    let wish = if newton || arguments.model != Wish::Plan { arguments.model } else { Wish::Whole };
+    let plan = plan_of(&scene, &model, wish);
+    let main = timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
     report::write_results(&arguments.out, &scene, &model, &main.run)?;
-    let mut told = report::summary(&arguments.scene, &scene, &model, arguments.method.word(), &main);
+    let mut told = report::summary(&arguments.scene, &scene, &model, &plan, arguments.method.word(), &main);
     let summary_path = arguments.out.join("summary.json");
     summary::write_summary(&summary_path, &told)?;
     if arguments.yardstick && main.run.outcome == Outcome::Completed {
-        let other = timed(arguments, &scene, &model, MethodKind::Gfmd, &cancel).map_err(refused)?;
+        let whole = plan_of(&scene, &model, Wish::Whole);
+        let other = timed(arguments, &scene, &model, &whole, MethodKind::Gfmd, &cancel).map_err(refused)?;
         told.yardstick = Some(report::yardstick(&model, &main, &other));
         summary::write_summary(&summary_path, &told)?;
+    }
+    if arguments.verify && main.run.outcome == Outcome::Completed {
+        let finer = reference(&scene, &model);
+        let finer_model = finer.model().map_err(refused)?;
+        let whole = plan_of(&finer, &finer_model, Wish::Whole);
+        let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, &cancel).map_err(refused)?;
+        if better.run.outcome == Outcome::Completed {
+            told.measured_error = Number(measured_error(&main.run.record, &better.run.record));
+            summary::write_summary(&summary_path, &told)?;
+        }
     }
     if !arguments.quiet {
         say(&closing_words(arguments, &model, &main.run, told.yardstick.as_ref()));
@@ -76,17 +101,22 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
 }
 
 /// Walks the loop, telling the user, and takes the time.
-fn timed(arguments: &RunArguments, scene: &Scene, model: &Model, method: MethodKind, cancel: &Cancel) -> Result<Timed, SceneError> {
-    let word = method.word();
-    let (nx, ny, mu_rho) = (model.grid.nx, model.grid.ny, model.mu_rho);
-    let heading = format!("{}: {nx} x {ny} points ({}), mu_rho = {mu_rho:.3}, method {word}", scene.title, model.reason);
+fn timed(
+    arguments: &RunArguments,
+    scene: &Scene,
+    model: &Model,
+    plan: &Plan,
+    method: MethodKind,
+    cancel: &Cancel,
+) -> Result<Timed, SceneError> {
+    let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
     let mut teller = Teller::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
-    let run = run_loop(scene, method, cancel, &mut |news| teller.tell(&news))?;
+    let (run, deviation) = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news))?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
-    Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
+    Ok(Timed { run, deviation, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {

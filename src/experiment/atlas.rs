@@ -5,9 +5,11 @@
 //! symmetry where an eigenvalue vanishes), and where the surface lands is learnt from a release on a coarse mesh. A loop of any
 //! drive, or the state under the slider, is then read off. The walk is the reference, and a test holds the two together.
 
+mod adapt;
 mod curve;
 mod cycle;
 mod explorer;
+mod tour;
 mod trace;
 
 pub use curve::{Branch, Point};
@@ -220,14 +222,17 @@ impl Atlas {
         Ok(Place::On(self.branches.len() - 1))
     }
 
-    /// Makes `u0`, whose energy enters a jump, a node of branch `i`.
+    /// Makes `u0`, whose energy enters a jump, a node of branch `i`, unless there is one close by.
     fn pin(&mut self, i: usize, u0: f64) {
-        let near = 1e-6 * self.chart.law.range;
-        if self.branches[i].nodes.iter().any(|n| (n.u0 - u0).abs() < near) {
+        let near = 0.02 * self.chart.law.range;
+        let branch = &self.branches[i];
+        if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.u0 - u0).abs() < near) {
             return;
         }
+        let guess = branch.guess(u0);
+        let sector = if branch.is_ridge { &mut self.ridge } else { &mut self.square };
         // Where Newton fails from so good a guess, the interpolated energy stands.
-        if let Ok(node) = self.state(i, u0) {
+        if let Ok(node) = sector.node(u0, guess, None, NODE) {
             self.branches[i].insert(node);
         }
     }

@@ -1,4 +1,12 @@
-//! The plan: the cheapest model that meets the asked accuracy, in words.
+//! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the cost it expects.
+
+use super::atlas::Chart;
+use super::record::{JumpRecord, LoopRecord};
+use super::scene::{Model, Points, Range, Scene, Turn};
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::mesh_rule;
+use crate::physics::theory::flat;
 
 /// Which part of the cell a walk represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -18,4 +26,217 @@ impl Reduction {
             Reduction::Quarter => "quarter",
         }
     }
+}
+
+/// How a loop is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Road {
+    /// Read off the branches of an atlas, every increment solved on the model of its pattern.
+    Atlas(Chart),
+    /// By the walk on a part of the cell.
+    Walk(Reduction),
+}
+
+/// What the user may overrule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wish {
+    /// The plan decides.
+    #[default]
+    Plan,
+    /// The atlas, whatever the plan thinks of it.
+    Atlas,
+    /// The walk on the even quarter.
+    Quarter,
+    /// The walk on the whole cell.
+    Whole,
+}
+
+impl Wish {
+    /// All, in the order of the command line.
+    pub const ALL: [Wish; 4] = [Wish::Plan, Wish::Atlas, Wish::Quarter, Wish::Whole];
+
+    /// The word of the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Wish::Plan => "plan",
+            Wish::Atlas => "atlas",
+            Wish::Quarter => "quarter",
+            Wish::Whole => "whole",
+        }
+    }
+}
+
+/// The decision, with its reason.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// What is done.
+    pub road: Road,
+    /// In one sentence: which models, on which meshes, and why.
+    pub words: String,
+    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger; NaN where nothing is known (uneven
+    /// ground, laws whose stiffness jumps).
+    pub predicted_error: f64,
+    /// Expected seconds for the loop, to a factor of two or three, on one core.
+    pub predicted_seconds: f64,
+}
+
+/// Largest mu_rho at which patterns belong to the physics and not to the mesh; beyond it only the whole cell shows what the mesh does.
+const CONTINUUM: f64 = 0.56;
+/// Largest mu_rho at which a tip may be left to its even quarter.
+const EVEN_TIP: f64 = 0.9;
+/// Finest and coarsest mesh on which landings are explored, as mu_rho.
+const EXPLORED: f64 = 0.58;
+
+/// Expected relative error of jumps and dissipated energy from the mesh, for smooth laws on flat ground.
+///
+/// Fields are smooth, so that the error is exponential in the number of points: it falls by about e^2 for each unit of 1/mu_rho^2,
+/// which is proportional to n. A longer cell (in units of L_c) has sharper edges. The law is an envelope of measurements over random
+/// scenes (tests/plan.rs).
+pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
+    let periods = length / flat::critical_length(law);
+    let edges = periods.max(1.0).powf(2.4);
+    // Below this the ends are not located any better.
+    3e-5 + 1.5 * edges * (-2.1 / (mu_rho * mu_rho)).exp()
+}
+
+/// The fewest points along a side, a multiple of 8 with small factors, that keep [`mesh_error`] below `accuracy`.
+pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
+    let mut n = 16;
+    loop {
+        let mu_rho = mesh_rule::mu_rho(law, length / n as f64);
+        if n >= 1 << 13 || mu_rho <= 0.5 && mesh_error(law, length, mu_rho) <= accuracy.max(5e-5) {
+            return n;
+        }
+        n = next_fast(n + 8);
+    }
+}
+
+/// The next multiple of 8 at or above `n` with no prime factors but 2, 3 and 5: quick to transform, also on a quarter cell.
+pub fn next_fast(n: usize) -> usize {
+    let mut candidate = n.next_multiple_of(8);
+    loop {
+        let mut rest = candidate;
+        for p in [2, 3, 5] {
+            while rest.is_multiple_of(p) {
+                rest /= p;
+            }
+        }
+        if rest == 1 {
+            return candidate;
+        }
+        candidate += 8;
+    }
+}
+
+/// The atlas of a scene on `n` points along a side.
+pub fn chart(law: &Law, length: f64, n: usize, seed: u64) -> Chart {
+    let coarse = next_fast((mesh_rule::points_for_mu_rho(law, length, EXPLORED)).ceil() as usize);
+    Chart { length, law: *law, square: n, line: next_fast(n + n / 3), coarse: coarse.clamp(16, n.max(16)), seed }
+}
+
+/// Decides how to compute the loop of `scene`, whose open choices are made in `model`.
+pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
+    let n = model.grid.nx;
+    let flat = model.indenter == Indenter::Flat;
+    let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
+    let obstacle = obstacle(scene, model);
+    let known = flat && model.law.is_smooth() && model.mu_rho <= CONTINUUM;
+    let mesh = if known { mesh_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
+    let increments = 2.0 * travel(scene, model) / scene.drive.step;
+    let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
+    let points = (model.grid.points()) as f64;
+    let by_walk = |reduction: Reduction, why: &str| {
+        let (place, seconds) = match reduction {
+            Reduction::Whole => (whole.clone(), 45.0 * transform(points)),
+            Reduction::Quarter => (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0)),
+        };
+        Plan {
+            road: Road::Walk(reduction),
+            words: format!("{place}: {why}{}", expected(mesh)),
+            predicted_error: mesh,
+            predicted_seconds: increments * seconds,
+        }
+    };
+    match (wish, obstacle) {
+        (Wish::Whole, _) => by_walk(Reduction::Whole, "asked for"),
+        (Wish::Quarter, _) => by_walk(Reduction::Quarter, "asked for"),
+        (Wish::Plan, Some(why)) if !flat && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) && !model.grid.is_line() => {
+            by_walk(Reduction::Quarter, &format!("{why}, and a tip keeps its mirror symmetry at this mu_rho"))
+        }
+        (Wish::Plan, Some(why)) => by_walk(Reduction::Whole, &why),
+        (Wish::Atlas, _) | (Wish::Plan, None) => {
+            let chart = chart(&model.law, model.grid.length, n, scene.seed);
+            let side = chart.square;
+            Plan {
+                road: Road::Atlas(chart),
+                words: format!(
+                    "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
+                     f64{}",
+                    chart.line,
+                    expected(mesh)
+                ),
+                predicted_error: mesh,
+                predicted_seconds: (3000.0 + 20.0 * increments) * transform(points / 4.0),
+            }
+        }
+    }
+}
+
+fn expected(error: f64) -> String {
+    if !error.is_finite() {
+        return String::new();
+    }
+    // One significant digit.
+    let percent = 100.0 * error;
+    let digits = (-percent.log10().floor()).max(0.0) as usize;
+    format!("; expected error {percent:.digits$} %")
+}
+
+/// Why there can be no atlas; `None` if there can.
+fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
+    let n = model.grid.nx;
+    if model.indenter != Indenter::Flat {
+        Some("uneven ground has no branches of known symmetry".to_owned())
+    } else if model.grid.is_line() {
+        Some("a line cell is small enough as it is".to_owned())
+    } else if !model.law.is_smooth() {
+        Some("this law's stiffness jumps, and branches with it".to_owned())
+    } else if model.mu_rho > CONTINUUM {
+        Some(format!("at mu_rho = {:.2} the mesh makes jumps of its own", model.mu_rho))
+    } else if !n.is_multiple_of(4) || n < 16 {
+        Some(format!("{n} points are no multiple of 4 from 16 on"))
+    } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
+        Some("the turn at zero load is for a tip".to_owned())
+    } else {
+        None
+    }
+}
+
+/// u0 from the start to the turn, or what it may be for a tip (length).
+fn travel(scene: &Scene, model: &Model) -> f64 {
+    match scene.drive.turn {
+        Turn::At(turn) => scene.drive.start - turn,
+        Turn::ZeroLoad => 10.0 * model.law.range,
+    }
+}
+
+/// The scene that judges a loop of `scene`: the same law on the next finer mesh.
+pub fn reference(scene: &Scene, model: &Model) -> Scene {
+    let n = next_fast(model.grid.nx + model.grid.nx / 3);
+    let mut finer = scene.clone();
+    finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+    finer.law.range = Range::Length(model.law.range);
+    finer
+}
+
+/// The larger of the relative errors of the released energy and of the jumps' u0, of `record` against the better `reference`; 1 where
+/// the jumps are not the same ones. Zero if neither has any.
+pub fn measured_error(record: &LoopRecord, reference: &LoopRecord) -> f64 {
+    let name = |jump: &JumpRecord| (jump.branch, jump.from, jump.to);
+    if !record.jumps.iter().map(name).eq(reference.jumps.iter().map(name)) {
+        return 1.0;
+    }
+    let share = |value: f64, right: f64| if right == 0.0 { value.abs() } else { ((value - right) / right).abs() };
+    let jumps = record.jumps.iter().zip(&reference.jumps).map(|(a, b)| share(a.mean_displacement, b.mean_displacement));
+    jumps.fold(share(record.released_energy_sum(), reference.released_energy_sum()), f64::max)
 }

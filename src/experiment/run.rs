@@ -1,6 +1,7 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
-use super::plan::Reduction;
+use super::atlas::{Atlas, Unmapped};
+use super::plan::{Plan, Reduction, Road};
 use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk};
@@ -76,6 +77,37 @@ pub fn run_loop(
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
     run_reduced(scene, method, Reduction::Whole, cancel, observe)
+}
+
+/// Runs the closed loop on the road of `plan`; where an atlas finds that it does not hold this scene, on the whole cell. The second
+/// value says in words why, if it did not come as planned.
+///
+/// # Errors
+/// As [`run_loop`].
+pub fn run_planned(
+    scene: &Scene,
+    method: MethodKind,
+    plan: &Plan,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<(LoopRun, Option<String>), SceneError> {
+    let chart = match plan.road {
+        Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe).map(|run| (run, None)),
+        Road::Atlas(chart) => chart,
+    };
+    let (model, start) = (scene.model()?, scene.drive.start);
+    let mut atlas = Atlas::new(chart);
+    let toured = match scene.drive.turn {
+        Turn::At(turn) => atlas.cycle(start, turn).and_then(|cycle| atlas.tour(scene, &model, &cycle, cancel, observe)),
+        Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for a tip".to_owned())),
+    };
+    match toured {
+        Ok(run) => Ok((run, None)),
+        Err(reason) => {
+            let run = run_loop(scene, method, cancel, observe)?;
+            Ok((run, Some(format!("walked on the whole cell after all: {reason}"))))
+        }
+    }
 }
 
 /// The same on a part of the cell.

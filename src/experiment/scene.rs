@@ -1,5 +1,6 @@
 //! What to compute: the scene, as a file or the window describes it.
 
+use super::plan::points_for;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
@@ -150,15 +151,16 @@ impl Scene {
             }
             (Points::Auto, Range::Length(range)) => {
                 let range = positive("law.range", range)?;
-                let mu = mu_rho_for(self.accuracy);
-                let n = fast_even(mesh_rule::points_for_mu_rho(&Law { range, ..unit }, length, mu));
+                let law = Law { range, ..unit };
+                let n = points_for(&law, length, self.accuracy);
+                let mu = mesh_rule::mu_rho(&law, length / n as f64);
                 if n > POINTS_MAX {
                     let allowed = format!(
                         "this range needs {n} points a side, more than {POINTS_MAX}: a larger law.range or a smaller cell.length"
                     );
                     return Err(refuse("cell.points", "auto", &allowed));
                 }
-                let reason = format!("mu_rho at most {mu} keeps the mesh error below the asked {}", self.accuracy);
+                let reason = format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy);
                 (Grid::square(length, n), reason)
             }
         };
@@ -207,33 +209,6 @@ impl Scene {
             return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for a tip"));
         }
         Ok(())
-    }
-}
-
-/// Largest mu_rho that keeps the mesh error of jumps and dissipated energy below `accuracy` (the error is exponential in n).
-fn mu_rho_for(accuracy: f64) -> f64 {
-    match accuracy {
-        a if a >= 0.1 => 0.5,
-        a if a >= 0.01 => 0.45,
-        a if a >= 0.001 => 0.40,
-        _ => 0.36,
-    }
-}
-
-/// The next even number at or above `n` whose only prime factors are 2, 3 and 5, at least 16.
-pub(crate) fn fast_even(n: f64) -> usize {
-    let mut candidate = (n.clamp(16.0, 1e6).ceil() as usize).next_multiple_of(2);
-    loop {
-        let mut rest = candidate;
-        for p in [2, 3, 5] {
-            while rest.is_multiple_of(p) {
-                rest /= p;
-            }
-        }
-        if rest == 1 {
-            return candidate;
-        }
-        candidate += 2;
     }
 }
 

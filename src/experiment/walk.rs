@@ -4,7 +4,7 @@
 //! out what happened. It works on any scene and is the reference for every faster road.
 
 mod advance;
-mod guard;
+pub(super) mod guard;
 mod landing;
 mod views;
 
@@ -16,6 +16,7 @@ use super::record::{Branch, Cause, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
+use crate::physics::indenter::Indenter;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
@@ -150,11 +151,7 @@ impl Walk {
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
         let constant = well * if system.is_flat() { 0.25 } else { 0.04 };
         let preconditioner = Preconditioner::new(&system, constant);
-        let slides = match system.is_flat() {
-            false => Slides::Never,
-            true if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
-            true => Slides::UnlessPinned,
-        };
+        let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let guard = even.then(|| Guard::new(&model, constant, slides, tracker(0x9a4d)));
         let method = method.build(scene.seed);
@@ -401,6 +398,15 @@ impl Walk {
         };
         self.seen = Cost { iterations: self.counts.iterations, transforms: self.transforms() };
         observe(Happening::State(self.record.clone()));
+    }
+}
+
+/// Whether patterns slide on the whole cell of `model`.
+pub(super) fn slides_on(model: &Model) -> Slides {
+    match model.indenter {
+        Indenter::Flat if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+        Indenter::Flat => Slides::UnlessPinned,
+        _ => Slides::Never,
     }
 }
 

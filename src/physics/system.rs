@@ -161,6 +161,16 @@ impl System {
         }
     }
 
+    /// The gap field alone, for a picture: with working memory of its own, and not counted.
+    pub fn gap_field(&self, z: &[f64], u0: f64) -> Array2<f64> {
+        let mut gap = Array2::zeros(self.shape());
+        self.basis.synthesise(z, u0, &mut gap, &mut self.basis.scratch());
+        if let Some(height) = &self.height {
+            gap -= height;
+        }
+        gap
+    }
+
     /// Energy, mean stress and `gradient` dV/dz at (`z`, `u0`); leaves gap, traction and stiffness in `ws`. Two transforms.
     pub fn evaluate(&self, z: &[f64], u0: f64, gradient: &mut [f64], ws: &mut Workspace) -> Evaluation {
         self.gap(z, u0, ws);

@@ -3,6 +3,7 @@
 //! With the symmetry imposed there is no sliding and little left to compute: an exact block of the longest waves leaves a Newton
 //! step two to four products. Every node carries its tangent along u0, and how soft it is in each way its branch can end.
 
+use super::equilibrium::Stiffness;
 use super::method::{Lost, Problem, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, descend};
 use crate::numerics::cancel::Cancel;
@@ -55,6 +56,8 @@ pub struct Node {
     pub own: f64,
     /// Smallest eigenvalue among modes that break it (E* per length).
     pub breaking: f64,
+    /// At a fold d2u0/da2 along the null vector, at the end where symmetry breaks d breaking/du0; NaN elsewhere.
+    pub bend: f64,
     /// True if that mode is odd, a ridge about to meander: beyond the reach of every even model.
     pub breaks_oddly: bool,
     /// Soft modes as amplitudes, where they are needed, and as coefficients of the blocks.
@@ -76,6 +79,7 @@ impl Node {
             tangent,
             own: f64::NAN,
             breaking: f64::NAN,
+            bend: f64::NAN,
             breaks_oddly: false,
             breaking_mode: Vec::new(),
             own_mode: Vec::new(),
@@ -83,6 +87,19 @@ impl Node {
             own_waves: Vec::new(),
         }
     }
+}
+
+/// A state with the evidence for it.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// The state; its slope and tangent are not computed.
+    pub node: Node,
+    /// max |residual traction| / max(sigma_max, max |traction|).
+    pub residual: f64,
+    /// Smallest eigenvalue of the symmetry's classes (E* per length).
+    pub stiffness: Stiffness,
+    /// Transforms spent on it.
+    pub transforms: usize,
 }
 
 /// Solver of the equilibria of one symmetry.
@@ -277,14 +294,14 @@ impl Sector {
             let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system.grid().q1() };
             let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| known.into_iter().chain([mode]).cloned().collect();
             let own = self.refine(Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
-            (node.own, node.own_mode) = own;
+            (node.own, node.own_mode, _) = own;
             let breaking = self.refine(Class::Antisymmetric, start(&node.breaking_mode, before.map(|n| &n.breaking_mode)), limits);
-            (node.breaking, node.breaking_mode) = breaking;
+            (node.breaking, node.breaking_mode, _) = breaking;
         }
     }
 
-    /// The smallest eigenpair of one class over all waves of the mesh, at the state at which the workspace was last evaluated.
-    fn refine(&mut self, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>) {
+    /// The smallest eigenpair of one class, with its residual, over all waves of the mesh, at the state at which the workspace was last evaluated.
+    fn refine(&mut self, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>, f64) {
         let Self { system, preconditioner, ws, breaking, .. } = self;
         let apply = |v: &[f64], out: &mut [f64]| {
             system.hessian(v, out, ws);
@@ -300,7 +317,7 @@ impl Sector {
             breaking[0].precondition(r, out);
         };
         let mut found = smallest(apply, start, &[], precondition, limits, &Cancel::default());
-        (found.values[0], found.vectors.swap_remove(0))
+        (found.values[0], found.vectors.swap_remove(0), found.residual)
     }
 
     /// The eigenvalue `breaking` of `node`, at which the workspace must be evaluated, over all waves of the mesh, not only the
@@ -310,7 +327,7 @@ impl Sector {
             return;
         }
         let limits = EigenLimits { pairs: 1, least: 1, most: 10, relative: 0.02, absolute: 3e-4 * self.system.grid().q1() };
-        (node.breaking, node.breaking_mode) = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+        (node.breaking, node.breaking_mode, _) = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
     }
 
     /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a modulation of a ridge, or the
@@ -321,6 +338,41 @@ impl Sector {
         } else {
             carried(&node.breaking_mode, &self.system, to)
         }
+    }
+
+    /// The state at `u0` next to the guess, with the evidence for it: residual below `tolerance`, and the smallest eigenvalue among
+    /// the modes that keep its symmetry or break it along y, over all waves of the mesh. The gap field is left in the workspace.
+    ///
+    /// # Errors
+    /// As [`Sector::node`].
+    pub fn measure(&mut self, u0: f64, guess: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Measured, Lost> {
+        let spent = self.ws.transforms;
+        let mut mean = 0.5 * tolerance;
+        let (mut z, mut g, mut at) = self.converge(u0, guess, mean)?;
+        let mut residual = self.system.residual(&g, &mut self.ws);
+        while !(residual <= tolerance) {
+            // The largest residual is more than the mean one promised.
+            mean *= 0.2;
+            if mean < 1e-3 * tolerance {
+                return Err(Lost::Gone);
+            }
+            (z, g, at) = self.converge(u0, z, mean)?;
+            residual = self.system.residual(&g, &mut self.ws);
+        }
+        self.refresh();
+        let mut node = Node::bare(u0, z, at.energy, at.stress, f64::NAN, Vec::new());
+        self.soften(&mut node, before);
+        let mut stiffness = Stiffness { value: node.own.min(node.breaking), error: 1e-4 * node.own.abs().min(node.breaking.abs()) };
+        if !self.is_ridge() {
+            let limits = EigenLimits { pairs: 1, least: 1, most: 12, relative: 0.02, absolute: 1e-4 * self.system.grid().q1() };
+            let block = self.preconditioner.low_block().expect("an even system has a block");
+            let own = self.refine(Class::Symmetric, vec![block.mode(&node.own_waves, &self.system)], limits);
+            let breaking = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+            (node.own, node.breaking) = (own.0, breaking.0);
+            let softest = if own.0 < breaking.0 { own } else { breaking };
+            stiffness = Stiffness { value: softest.0, error: softest.2 };
+        }
+        Ok(Measured { node, residual, stiffness, transforms: self.ws.transforms - spent })
     }
 
     /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit vector `phi`, u0 free. Passes
@@ -401,19 +453,63 @@ impl Sector {
             let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
             let top = Arc::extremum(&last, &arc, up);
             if (top.1 - found.u0).abs() < LOCATED * range {
-                let shift = top.0 - a;
-                add(&mut found.z, shift, &arc.dz);
-                found.energy += found.stress * (top.1 - found.u0);
-                found.stress += shift * found.slope;
-                found.u0 = top.1;
-                let length = norm(&found.tangent);
-                found.tangent.iter_mut().for_each(|t| *t /= length);
-                found.slope = f64::INFINITY;
+                found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
                 return Ok(found);
             }
             (behind, last) = (last, arc);
         }
         Err(Lost::Gone)
+    }
+
+    /// The fold next to `near`, a fold of a slightly different law or cell.
+    ///
+    /// # Errors
+    /// It was not found.
+    pub fn refold(&mut self, near: &Node, up: bool) -> Result<Node, Lost> {
+        let range = self.system.law().range;
+        let length = norm(&near.tangent);
+        let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
+        let mut a = dot(&phi, &near.z);
+        let (mut u0, mut z, mut bend) = (near.u0, near.z.clone(), near.bend);
+        let mut last: Option<Arc> = None;
+        for _ in 0..ROUNDS {
+            let (mut found, rate) = self.arc(&phi, a, u0, z)?;
+            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
+            if let Some(last) = &last {
+                bend = (arc.rate - last.rate) / (arc.a - last.a);
+            }
+            if !(if up { bend < 0.0 } else { bend > 0.0 }) {
+                break;
+            }
+            let shift = -rate / bend;
+            let top = (a + shift, arc.u0 + 0.5 * shift * rate);
+            if (top.1 - arc.u0).abs() < LOCATED * range {
+                found.shift_to(&arc, top, bend);
+                return Ok(found);
+            }
+            let shift = shift.clamp(-STRIDE * range, STRIDE * range);
+            z = arc.z.clone();
+            add(&mut z, shift, &arc.dz);
+            (a, u0) = (a + shift, arc.u0 + shift * (rate + 0.5 * bend * shift));
+            last = Some(arc);
+        }
+        Err(Lost::Gone)
+    }
+}
+
+impl Node {
+    /// Moves the node found at `arc` to the fold `top` (a, u0) close by; `bend` is d2u0/da2 there.
+    fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
+        let shift = top.0 - arc.a;
+        add(&mut self.z, shift, &arc.dz);
+        self.energy += self.stress * (top.1 - self.u0);
+        self.stress += shift * self.slope;
+        self.u0 = top.1;
+        // Per unit of the null vector instead of phi.
+        let length = norm(&self.tangent);
+        self.bend = bend / (length * length);
+        scale(&mut self.tangent, 1.0 / length);
+        self.slope = f64::INFINITY;
     }
 }
 

@@ -33,7 +33,11 @@ pub struct Summary {
     pub scene: SceneSummary,
     /// The model that was chosen, and why.
     pub plan: PlanSummary,
-    /// "newton" or "gfmd".
+    /// Relative error of dissipated energy and jumps that the plan expects; not available where nothing is known.
+    pub predicted_error: Number,
+    /// The same against a walk on the next finer mesh; not available unless asked for with --verify.
+    pub measured_error: Number,
+    /// "newton", "gfmd" or another method's word.
     pub method: &'static str,
     /// True if the loop is closed.
     pub completed: bool,
@@ -79,7 +83,13 @@ pub struct SceneSummary {
 /// The chosen model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanSummary {
-    /// Why this model.
+    /// "atlas", or the part of the cell that was walked: "quarter", "whole".
+    pub road: &'static str,
+    /// Which models on which meshes, and why.
+    pub words: String,
+    /// Seconds expected, to a factor of two or three.
+    pub predicted_seconds: Number,
+    /// Why this mesh.
     pub reason: String,
     /// Side L of the cell.
     pub length: Number,

@@ -34,6 +34,8 @@ pub struct Leg {
     pub from: f64,
     /// u0 where it ends (length).
     pub to: f64,
+    /// True if it begins with a landing (or is the first); false where the drive only turned.
+    pub begins: bool,
 }
 
 /// A closed loop.
@@ -93,15 +95,19 @@ impl Atlas {
             return Err(Unmapped(format!("the flat state is not stable at the start, u0 = {start}")));
         }
         let mut cycle = Cycle { legs: Vec::new(), jumps: Vec::new(), dissipated_energy: 0.0 };
-        let (mut place, mut here) = (Place::Flat, start);
+        let (mut place, mut here, mut begins) = (Place::Flat, start, true);
         for (direction, goal) in [(Direction::Approach, turn), (Direction::Retraction, start)] {
             let up = direction == Direction::Retraction;
             loop {
                 let end = self.end(place, here, up).filter(|(at, _)| if up { *at < goal } else { *at > goal });
                 let to = end.map_or(goal, |(at, _)| at);
-                cycle.legs.push(Leg { direction, place, from: here, to });
+                cycle.legs.push(Leg { direction, place, from: here, to, begins });
+                begins = true;
                 here = to;
-                let Some((at, cause)) = end else { break };
+                let Some((at, cause)) = end else {
+                    begins = false;
+                    break;
+                };
                 if cycle.jumps.len() == JUMPS {
                     return Err(Unmapped(format!("more than {JUMPS} jumps")));
                 }

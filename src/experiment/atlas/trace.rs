@@ -192,11 +192,7 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
         // The two ends may be known less well than their distance to this node, but not than their own.
         let correction = -node.breaking / rate;
         if correction.abs() < LOCATED * range {
-            node.u0 += correction;
-            node.energy += correction * node.stress;
-            node.stress += correction * node.slope;
-            add(&mut node.z, correction, &node.tangent.clone());
-            return Ok(node);
+            return Ok(moved(node, correction, rate));
         }
         if node.breaking > 0.0 {
             a = node;
@@ -205,4 +201,43 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
         }
     }
     Err(Lost::Gone)
+}
+
+/// The symmetry-breaking end next to `near`, one of a slightly different law or cell.
+///
+/// # Errors
+/// It was not found.
+pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
+    let range = sector.system().law().range;
+    let (mut u0, mut z, mut rate) = (near.u0, near.z.clone(), near.bend);
+    let mut last: Option<(f64, f64)> = None;
+    for _ in 0..CROSSINGS {
+        let mut node = sector.node(u0, z, None, SHARP)?;
+        sector.sharpen(&mut node);
+        if let Some((u, value)) = last {
+            rate = (node.breaking - value) / (node.u0 - u);
+        }
+        let correction = -node.breaking / rate;
+        if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
+            break;
+        }
+        if correction.abs() < LOCATED * range {
+            return Ok(moved(node, correction, rate));
+        }
+        last = Some((node.u0, node.breaking));
+        z = node.z.clone();
+        add(&mut z, correction, &node.tangent);
+        u0 += correction;
+    }
+    Err(Lost::Gone)
+}
+
+/// A node moved along its branch by so little that its tangent serves; `rate` is d breaking/du0.
+fn moved(mut node: Node, du: f64, rate: f64) -> Node {
+    node.u0 += du;
+    node.energy += du * node.stress;
+    node.stress += du * node.slope;
+    add(&mut node.z, du, &node.tangent);
+    node.bend = rate;
+    node
 }

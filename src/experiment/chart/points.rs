@@ -1,8 +1,8 @@
 //! Which points a chart has, and what they may cost.
 
 use super::Measured;
-use crate::experiment::plan::Reduction;
-use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn, fast_even};
+use crate::experiment::plan::{Reduction, next_fast};
+use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
 use crate::physics::indenter::Indenter;
 use crate::solver::method::MethodKind;
 use std::collections::HashMap;
@@ -130,11 +130,11 @@ pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
 pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
     let predictor = Predictor::new(scene);
     let grid = scene.model()?.grid;
-    let mesh = |share: f64| if share < 1.0 { fast_even(share * grid.nx as f64) } else { grid.nx };
+    let mesh = |share: f64| if share < 1.0 { next_fast((share * grid.nx as f64).ceil().max(16.0) as usize) } else { grid.nx };
     let line = grid.is_line();
     let point = |method, points, step| Point { method, model: WHOLE, line, points, precision: Precision::Double, step };
     let finest = |most: usize, step: f64| {
-        let finer = fast_even(1.2 * most as f64 + 1.0);
+        let finer = next_fast((1.2 * most as f64 + 1.0).ceil() as usize);
         [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
             .map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
     };

@@ -13,7 +13,7 @@ use ndarray::Array2;
 const INTERVAL: f64 = 0.1;
 
 /// Tracks the smallest eigenvalue of the whole cell beside a walk on its even part.
-pub(super) struct Guard {
+pub(in crate::experiment) struct Guard {
     system: System,
     preconditioner: Preconditioner,
     slides: Slides,
@@ -24,30 +24,30 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    pub(super) fn new(model: &Model, constant: f64, slides: Slides, tracker: Tracker) -> Self {
+    pub(in crate::experiment) fn new(model: &Model, constant: f64, slides: Slides, tracker: Tracker) -> Self {
         let system = System::new(model.grid, model.law, &model.indenter);
         Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), last: None, system }
     }
 
     /// Transforms of the whole cell spent.
-    pub(super) fn transforms(&self) -> usize {
+    pub(in crate::experiment) fn transforms(&self) -> usize {
         self.ws.transforms
     }
 
     /// Forgets the branch.
-    pub(super) fn reset(&mut self) {
+    pub(in crate::experiment) fn reset(&mut self) {
         self.tracker.reset();
         self.last = None;
     }
 
     /// What it saw last, if that was near enough to `u0` and clear of zero.
-    pub(super) fn recent(&self, u0: f64) -> Option<Stiffness> {
+    pub(in crate::experiment) fn recent(&self, u0: f64) -> Option<Stiffness> {
         let clear = |s: Stiffness| s.value > 0.1 * self.system.grid().q1();
         self.last.filter(|(at, s)| (at - u0).abs() < INTERVAL * self.system.law().range && clear(*s)).map(|(_, s)| s)
     }
 
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
-    pub(super) fn check(&mut self, displacement: &Array2<f64>, u0: f64, cancel: &Cancel) -> Stiffness {
+    pub(in crate::experiment) fn check(&mut self, displacement: &Array2<f64>, u0: f64, cancel: &Cancel) -> Stiffness {
         let Self { system, preconditioner, slides, tracker, ws, last } = self;
         let z = system.amplitudes(displacement, ws);
         let mut gradient = vec![0.0; z.len()];

@@ -1,0 +1,91 @@
+//! An atlas for a law or a cell a little different: its ends and nodes found again from those of the old one.
+
+use super::curve::Branch;
+use super::trace::{End, recross};
+use super::{Atlas, Chart, Place};
+use crate::numerics::vector::{add, scale};
+use crate::physics::system::carried;
+use crate::solver::method::Lost;
+use crate::solver::sector::{NODE, Node, Sector};
+
+/// Most nodes of an adapted branch between its ends.
+const INNER: usize = 3;
+
+impl Atlas {
+    /// The same branches for `chart`, whose law and cell should differ by a few percent at most. Landings are taken over as they are:
+    /// the caller compares the order of jumps before and after.
+    ///
+    /// # Errors
+    /// A branch that was not found again; then a new atlas must be made.
+    pub fn adapted(&self, chart: Chart) -> Result<Self, Lost> {
+        let mut new = Self::new(chart);
+        let stretch = chart.law.range / self.chart.law.range;
+        for old in &self.branches {
+            let from = self.sector_of(old);
+            let to = if old.is_ridge { &mut new.ridge } else { &mut new.square };
+            new.branches.push(adapt(old, from, to, stretch)?);
+        }
+        new.landings.clone_from(&self.landings);
+        for (row, sides) in self.landings.iter().enumerate() {
+            for (side, landing) in sides.iter().enumerate() {
+                if let Some(Place::On(i)) = landing {
+                    let from = if row == 0 { Place::Flat } else { Place::On(row - 1) };
+                    if row > 0 || new.flat_limits.is_some() {
+                        let (u0, _) = new.end_point(from, side == 1);
+                        new.pin(*i, u0);
+                    }
+                }
+            }
+        }
+        Ok(new)
+    }
+}
+
+fn adapt(old: &Branch, from: &Sector, to: &mut Sector, stretch: f64) -> Result<Branch, Lost> {
+    let last = old.nodes.len() - 1;
+    let mut end = |upper: bool| {
+        let node = stretched(old.end(upper), from, to, stretch);
+        match old.ends[usize::from(upper)] {
+            End::Fold => to.refold(&node, upper),
+            End::Breaking => recross(to, &node),
+        }
+    };
+    let (low, high) = (end(false)?, end(true)?);
+    let (a, b) = (old.nodes[0].u0, old.nodes[last].u0);
+    let changed = |new: &Node, old: &Node| {
+        let mut change = new.z.clone();
+        add(&mut change, -1.0, &stretched(old, from, to, stretch).z);
+        change
+    };
+    let (change_low, change_high) = (changed(&low, &old.nodes[0]), changed(&high, &old.nodes[last]));
+    let mut nodes = vec![low];
+    let (from_u, width) = (nodes[0].u0, high.u0 - nodes[0].u0);
+    let stride = (last - 1).div_ceil(INNER).max(1);
+    // Counted from the middle of the first stride, so that both ends are served alike.
+    for k in (1..last).skip(((last - 1) % stride) / 2).step_by(stride) {
+        let share = (old.nodes[k].u0 - a) / (b - a);
+        let mut z = stretched(&old.nodes[k], from, to, stretch).z;
+        // What changed at the ends changed a part of that in between.
+        add(&mut z, 1.0 - share, &change_low);
+        add(&mut z, share, &change_high);
+        let node = to.node(from_u + share * width, z, nodes.last().filter(|n| n.slope.is_finite()), NODE)?;
+        nodes.push(node);
+    }
+    nodes.push(high);
+    let stable = nodes[1..nodes.len() - 1].iter().all(|n| n.own > 0.0 && n.breaking > 0.0);
+    let ordered = nodes.windows(2).all(|w| w[0].u0 < w[1].u0);
+    if !stable || !ordered {
+        return Err(Lost::Gone);
+    }
+    Ok(Branch { pattern: old.pattern, is_ridge: old.is_ridge, nodes, ends: old.ends })
+}
+
+/// A node of another mesh and range as a first guess: amplitudes and u0 in proportion to the range.
+fn stretched(node: &Node, from: &Sector, to: &Sector, stretch: f64) -> Node {
+    let mut z = carried(&node.z, from.system(), to.system());
+    scale(&mut z, stretch);
+    let tangent = carried(&node.tangent, from.system(), to.system());
+    let mut guess = node.clone();
+    (guess.u0, guess.z, guess.tangent) = (stretch * node.u0, z, tangent);
+    guess
+}
