@@ -82,6 +82,7 @@ fn plan(model: &Model) -> PlanSummary {
         surface_energy: Number(model.law.surface_energy),
         range: Number(model.law.range),
         mu_rho: Number(model.mu_rho),
+        warning: model.warning(),
     }
 }
 

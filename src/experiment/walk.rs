@@ -137,6 +137,14 @@ impl Walk {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn reduced(scene: &Scene, method: MethodKind, reduction: Reduction) -> Result<Self, SceneError> {
+        Self::with_method(scene, method.build(scene.seed), reduction)
+    }
+
+    /// A walk by any method, also one that is not in the list.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn with_method(scene: &Scene, method: Box<dyn Method>, reduction: Reduction) -> Result<Self, SceneError> {
         let model = scene.model()?;
         let even = reduction == Reduction::Quarter;
         if even && !model.grid.nx.is_multiple_of(4) {
@@ -153,7 +161,6 @@ impl Walk {
         };
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let guard = even.then(|| Guard::new(&model, constant, slides, tracker(0x9a4d)));
-        let method = method.build(scene.seed);
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
         let state = Equilibrium {
