@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use tackscope::experiment::live_loop::Fineness;
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Event, Sweep};
+use tackscope::worker::protocol::{Command, Errand, Event, Sweep};
 use tackscope::worker::session::Session;
 use tackscope::worker::{Output, Worker};
 
@@ -42,7 +43,7 @@ fn events(out: &[Output]) -> Vec<&Event> {
 #[test]
 fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, mean_displacement: 2.0 }]);
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 2.0 }]);
     let path: Vec<f64> = events(&out)
         .iter()
         .filter_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None })
@@ -54,7 +55,7 @@ fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
 #[test]
 fn a_jump_is_seen_as_a_film_and_told_once() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::SetTarget { run: 1, mean_displacement: 3.05 }]);
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 3.05 }]);
     let film = out.iter().filter(|o| matches!(o, Output::Frame(_, frame) if frame.relaxing && frame.state.is_none())).count();
     let jumps: Vec<_> = events(&out)
         .into_iter()
@@ -67,7 +68,7 @@ fn a_jump_is_seen_as_a_film_and_told_once() {
 #[test]
 fn a_closed_loop_reports_a_ledger_that_agrees() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::Sweep { run: 1, sweep: Sweep::Loop }]);
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
     let summary =
         events(&out).into_iter().find_map(|e| if let Event::Loop { summary, .. } = e { Some(summary.clone()) } else { None });
     let summary = summary.expect("a loop was closed");
@@ -79,7 +80,7 @@ fn commands_of_an_older_run_are_dropped() {
     let mut session = Session::default();
     let out = drain(
         &mut session,
-        vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), Command::SetTarget { run: 1, mean_displacement: 1.0 }],
+        vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 1.0 }],
     );
     let moved = events(&out).into_iter().any(|e| matches!(e, Event::State { run: 2, state } if state.mean_displacement < 4.2));
     assert!(!moved);
@@ -95,10 +96,10 @@ fn a_scene_that_cannot_run_is_refused_in_words() {
 }
 
 /// Waits until the worker has shown `event`, at most 20 s.
-fn await_event(worker: &Worker, wanted: impl Fn(&Event) -> bool) -> Event {
+fn await_event(worker: &Worker, mut wanted: impl FnMut(&Event) -> bool) -> Event {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_secs(20) {
-        if let Some(event) = worker.next_event(Duration::from_millis(50)).filter(&wanted) {
+        if let Some(event) = worker.next_event(Duration::from_millis(50)).filter(&mut wanted) {
             return event;
         }
     }
@@ -114,19 +115,19 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
     });
     worker.send(set_scene(1, fig2(256)));
     await_event(&worker, |e| matches!(e, Event::Rest { .. }));
-    worker.send(Command::SetTarget { run: 1, mean_displacement: 0.5 });
+    worker.send(Command::SetTarget { run: 1, motion: 1, mean_displacement: 0.5 });
     // In the thick of the first jump.
     await_event(&worker, |e| matches!(e, Event::State { state, .. } if state.mean_displacement < 3.12));
     std::thread::sleep(Duration::from_millis(30));
     let begin = Instant::now();
-    worker.send(Command::Stop);
+    worker.send(Command::Stop { run: 1, motion: 2 });
     await_event(&worker, |e| matches!(e, Event::Rest { .. }));
     let answered = begin.elapsed();
     println!("stop answered after {answered:?}");
     // 50 ms are promised; a loaded test machine may itself sleep longer than that.
     assert!(answered < Duration::from_millis(500), "{answered:?}");
-    worker.send(Command::SetTarget { run: 1, mean_displacement: 4.2 });
-    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    worker.send(Command::SetTarget { run: 1, motion: 3, mean_displacement: 4.2 });
+    await_event(&worker, |e| matches!(e, Event::Rest { motion: 3, .. }));
     assert!(wakes.load(Ordering::Relaxed) > 5);
 }
 
@@ -136,8 +137,101 @@ fn the_latest_of_many_targets_is_where_it_rests() {
     worker.send(set_scene(7, fig2(32)));
     await_event(&worker, |e| matches!(e, Event::Rest { .. }));
     for i in 0..100 {
-        worker.send(Command::SetTarget { run: 7, mean_displacement: 4.2 - 0.005 * f64::from(i) });
+        worker.send(Command::SetTarget { run: 7, motion: i + 1, mean_displacement: 4.2 - 0.005 * i as f64 });
     }
-    worker.send(Command::SetTarget { run: 7, mean_displacement: 4.0 });
+    worker.send(Command::SetTarget { run: 7, motion: 101, mean_displacement: 4.0 });
     await_event(&worker, |e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0));
+}
+
+#[test]
+fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
+    let mut session = Session::default();
+    let to = |motion, mean_displacement| Command::SetTarget { run: 1, motion, mean_displacement };
+    let rests = |out: &[Output]| -> Vec<u64> {
+        events(out).into_iter().filter_map(|e| if let Event::Rest { motion, .. } = e { Some(*motion) } else { None }).collect()
+    };
+    assert_eq!(rests(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])), [0, 1]);
+    // A stop while it rests, and a sweep within milliseconds: the rest of the stop is not the end of the sweep.
+    let sweep = Command::Sweep { run: 1, motion: 3, sweep: Sweep::Retract };
+    assert_eq!(rests(&drain(&mut session, vec![Command::Stop { run: 1, motion: 2 }, sweep])), [2, 3]);
+    let out = drain(&mut session, vec![to(5, 4.1), Command::Stop { run: 1, motion: 4 }, to(4, 4.0)]);
+    assert!(matches!(events(&out).last(), Some(Event::Rest { motion: 5, mean_displacement, .. }) if *mean_displacement == 4.1));
+}
+
+#[test]
+fn the_energy_well_is_told_at_rest_and_on_the_move_while_it_is_watched() {
+    let mut session = Session::default();
+    let wells = |out: &[Output]| -> Vec<f64> {
+        let well = |e: &Event| if let Event::Well { well, .. } = e { Some(well.mean_displacement) } else { None };
+        events(out).into_iter().filter_map(well).collect()
+    };
+    let to = |motion, mean_displacement| Command::SetTarget { run: 1, motion, mean_displacement };
+    assert!(wells(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])).is_empty());
+    assert_eq!(wells(&drain(&mut session, vec![Command::Watch { energy_well: true }])), [4.1]);
+    // The clock of this test stands still, so that one well on the move is all there may be.
+    let told = wells(&drain(&mut session, vec![to(2, 3.8)]));
+    assert!(told.len() == 2 && told[0] > 3.8 && told[1] == 3.8, "{told:?}");
+    assert!(wells(&drain(&mut session, vec![Command::Watch { energy_well: false }, to(3, 3.6)])).is_empty());
+}
+
+#[test]
+fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
+    let mut session = Session::default();
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 3.05 }]);
+    let frames = out.iter().filter_map(|o| if let Output::Frame(_, frame) = o { Some(frame) } else { None });
+    let (mut resting, mut moving) = (0, 0);
+    for frame in frames {
+        assert!(!(frame.relaxing && frame.soft_mode.is_some()));
+        moving += usize::from(frame.relaxing);
+        if let Some(mode) = &frame.soft_mode {
+            let square = mode.iter().map(|v| v * v).sum::<f64>() / mode.len() as f64;
+            assert!((square - 1.0).abs() < 1e-6, "{square}");
+            resting += 1;
+        }
+    }
+    assert!(resting > 10 && moving > 3, "{resting} {moving}");
+}
+
+#[test]
+fn time_steps_are_measured_beside_the_walk_and_the_newest_errand_wins() {
+    let worker = Worker::spawn(|| {});
+    let scene = Arc::new(fig2(16));
+    let measure = |run| Command::Measure { run, errand: Errand::TimeSteps { scene: scene.clone(), turn: 0.2 } };
+    worker.send(measure(1));
+    worker.send(measure(2));
+    worker.send(set_scene(2, fig2(16)));
+    await_event(&worker, |e| matches!(e, Event::Measured { run: 2, .. }));
+    worker.send(measure(3));
+    let mut cells = 0;
+    await_event(&worker, |e| {
+        if let Event::TimeSteps { run: 3, map } = e {
+            cells = map.stable.len();
+        }
+        matches!(e, Event::Measured { run: 3, stuck: None })
+    });
+    assert!(cells > 100, "{cells}");
+}
+
+#[test]
+fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes_stop_changing() {
+    let worker = Worker::spawn(|| {});
+    let last = 30;
+    let began = Instant::now();
+    for run in 1..=last {
+        let mut scene = fig2(32);
+        scene.law.range = tackscope::experiment::scene::Range::Length(1.0 + 0.002 * run as f64);
+        worker.send(set_scene(run, scene));
+    }
+    assert!(began.elapsed() < Duration::from_millis(100), "asking must not wait");
+    let mut told = Vec::new();
+    await_event(&worker, |e| {
+        if let Event::Live { run, live } = e {
+            assert!(live.found.is_ok(), "{live:?}");
+            told.push((*run, live.fineness));
+        }
+        matches!(e, Event::Live { live, .. } if live.fineness == Fineness::Fine)
+    });
+    assert_eq!(told.last(), Some(&(last, Fineness::Fine)));
+    assert!(told.contains(&(last, Fineness::Coarse)) && told.len() < 10, "{told:?}");
+    assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
 }

@@ -5,8 +5,11 @@
 pub mod atlas;
 pub mod chart;
 pub mod flat_branch;
+pub mod forecast;
+pub mod live_loop;
 pub mod plan;
 pub mod record;
 pub mod run;
 pub mod scene;
+pub mod time_step_map;
 pub mod walk;

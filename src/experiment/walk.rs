@@ -6,6 +6,9 @@
 mod advance;
 mod guard;
 mod landing;
+mod soft;
+
+pub use soft::EnergyWell;
 
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;
@@ -114,6 +117,8 @@ pub struct Walk {
     bracket: f64,
     halve: bool,
     jumping: Option<Jumping>,
+    /// The soft mode last shown, for the sign of the next.
+    facing: Vec<f64>,
     target: f64,
     direction: Branch,
     counts: Counts,
@@ -193,6 +198,7 @@ impl Walk {
             bracket: f64::INFINITY,
             halve: false,
             jumping: None,
+            facing: Vec::new(),
             target: start,
             direction: Branch::Approach,
             counts: Counts::default(),
@@ -242,6 +248,11 @@ impl Walk {
     /// The state it stands on.
     pub fn state(&self) -> &Equilibrium {
         &self.state
+    }
+
+    /// What a method needs to know of the problem.
+    pub(super) fn problem(&self) -> Problem<'_> {
+        problem(&self.system, &self.preconditioner, self.slides)
     }
 
     /// What was spent so far.

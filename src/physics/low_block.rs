@@ -5,6 +5,7 @@
 //! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
 
 use super::system::{System, Workspace};
+use crate::numerics::vector::dot;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Symmetry of even fields under x <-> y; both are kept by a Hessian at a field that has the first.
@@ -48,6 +49,10 @@ pub struct LowBlock {
     class: Class,
     /// Wave numbers (k, l) in units of 2 pi/L, one of each pair (k, l), (l, k) where the class joins them.
     waves: Vec<[usize; 2]>,
+    /// Half the norms of the waves.
+    weights: Vec<f64>,
+    /// q E*/2 of the waves.
+    elastic: Vec<f64>,
     ny: usize,
     /// Lower triangles, row by row; empty before the first [`LowBlock::assemble`].
     hessian: Vec<f64>,
@@ -73,7 +78,14 @@ impl LowBlock {
             })
             .collect();
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
-        Self { class, waves, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0 }
+        let modulated = matches!(class, Class::Varicose | Class::Sinuous);
+        let waves_of = |w: &[usize; 2]| (w[0] as f64).hypot(if modulated { 1.0 } else { w[1] as f64 });
+        let elastic = waves.iter().map(|w| 0.5 * system.grid().q1() * waves_of(w)).collect();
+        // A wave (k, k) stands alone where the class joins others in pairs.
+        let alone = |w: &[usize; 2]| class == Class::Symmetric && w[0] == w[1];
+        let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
+        let weights = waves.iter().map(|w| single(w) * norm(w[0]) * norm(w[1]) / 2.0).collect();
+        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0 }
     }
 
     /// True once assembled.
@@ -99,26 +111,18 @@ impl LowBlock {
         let n = self.waves.len();
         self.hessian.clear();
         self.hessian.reserve(n * (n + 1) / 2);
-        for i in 0..n {
-            for j in 0..=i {
-                let (a, b) = (self.waves[i], self.waves[j]);
-                let mut h = match self.class {
-                    Class::Even | Class::Varicose => table.entry(a, b),
-                    Class::Sinuous => table.odd_entry(a[0], b[0]),
-                    // (e_kl +- e_lk)/sqrt 2 with itself and others; a wave (k, k) stands alone.
-                    Class::Symmetric | Class::Antisymmetric => {
-                        let sign = if self.class == Class::Symmetric { 1.0 } else { -1.0 };
-                        let single = |w: [usize; 2]| if w[0] == w[1] { FRAC_1_SQRT_2 } else { 1.0 };
-                        single(a) * single(b) * (table.entry(a, b) + sign * table.entry(a, [b[1], b[0]]))
-                    }
+        for (i, (&a, &weight)) in self.waves.iter().zip(&self.weights).enumerate() {
+            for (&b, &other) in self.waves[..=i].iter().zip(&self.weights) {
+                let sum = match self.class {
+                    Class::Even | Class::Varicose => table.cosines(a, b),
+                    Class::Sinuous => table.sines(a[0], b[0]),
+                    // (e_kl +- e_lk)/sqrt 2 with itself and others.
+                    Class::Symmetric => table.cosines(a, b) + table.cosines(a, [b[1], b[0]]),
+                    Class::Antisymmetric => table.cosines(a, b) - table.cosines(a, [b[1], b[0]]),
                 };
-                if i == j {
-                    let modulated = matches!(self.class, Class::Varicose | Class::Sinuous);
-                    let waves = (a[0] as f64).hypot(if modulated { 1.0 } else { a[1] as f64 });
-                    h += 0.5 * system.grid().q1() * waves;
-                }
-                self.hessian.push(h);
+                self.hessian.push(weight * other * sum);
             }
+            *self.hessian.last_mut().expect("just pushed") += self.elastic[i];
         }
         self.factorise(0.01 * system.grid().q1());
     }
@@ -134,9 +138,8 @@ impl LowBlock {
             let (above, row) = self.factor.split_at_mut(i * (i + 1) / 2);
             for j in 0..i {
                 let other = &above[j * (j + 1) / 2..];
-                let dot: f64 = scaled[..j].iter().zip(other).map(|(a, b)| a * b).sum();
                 // scaled[j] holds L_ij D_j until row i is complete.
-                scaled[j] = row[j] - dot;
+                scaled[j] = row[j] - dot(&scaled[..j], &other[..j]);
             }
             let mut pivot = row[i];
             for j in 0..i {
@@ -169,7 +172,7 @@ impl LowBlock {
             x.iter_mut().for_each(|x| *x /= length);
             let before = value;
             value = self.quadratic(&x);
-            if (value - before).abs() < 1e-6 * value.abs() {
+            if (value - before).abs() < 1e-5 * value.abs() {
                 break;
             }
             self.solve(&mut x, false);
@@ -207,8 +210,7 @@ impl LowBlock {
         let mut sum = 0.0;
         for i in 0..x.len() {
             let row = &self.hessian[i * (i + 1) / 2..];
-            let dot: f64 = row.iter().zip(&x[..i]).map(|(h, x)| h * x).sum();
-            sum += x[i] * (2.0 * dot + row[i] * x[i]);
+            sum += x[i] * (2.0 * dot(&row[..i], &x[..i]) + row[i] * x[i]);
         }
         sum
     }
@@ -216,8 +218,7 @@ impl LowBlock {
     fn solve(&self, x: &mut [f64], positive: bool) {
         let row = |i: usize| &self.factor[i * (i + 1) / 2..];
         for i in 0..x.len() {
-            let dot: f64 = row(i).iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
-            x[i] -= dot;
+            x[i] -= dot(&row(i)[..i], &x[..i]);
         }
         for i in (0..x.len()).rev() {
             let pivot = row(i)[i];
@@ -283,17 +284,18 @@ impl Table {
         Self { means: (0..height * width).map(|i| at(i / width, i % width)).collect(), width }
     }
 
-    /// mean(gamma'' e_a e_b) of the normalised waves e_kl.
-    fn entry(&self, a: [usize; 2], b: [usize; 2]) -> f64 {
-        let at = |p: usize, q: usize| self.means[p * self.width + q];
-        let (k, l) = ([a[0] + b[0], a[0].abs_diff(b[0])], [a[1] + b[1], a[1].abs_diff(b[1])]);
-        let sum = at(k[0], l[0]) + at(k[0], l[1]) + at(k[1], l[0]) + at(k[1], l[1]);
-        0.25 * norm(a[0]) * norm(a[1]) * norm(b[0]) * norm(b[1]) * sum
+    /// Four times mean(gamma'' cos_a cos_b).
+    #[inline]
+    fn cosines(&self, a: [usize; 2], b: [usize; 2]) -> f64 {
+        let (upper, lower) = ((a[0] + b[0]) * self.width, a[0].abs_diff(b[0]) * self.width);
+        let (sum, difference) = (a[1] + b[1], a[1].abs_diff(b[1]));
+        let at = |i: usize| self.means[i];
+        at(upper + sum) + at(upper + difference) + at(lower + sum) + at(lower + difference)
     }
 
-    /// The same for sine waves on a line.
-    fn odd_entry(&self, a: usize, b: usize) -> f64 {
-        self.means[a.abs_diff(b) * self.width] - self.means[(a + b) * self.width]
+    /// Four times mean(gamma'' sin_a sin_b) on a line.
+    fn sines(&self, a: usize, b: usize) -> f64 {
+        2.0 * (self.means[a.abs_diff(b) * self.width] - self.means[(a + b) * self.width])
     }
 }
 

@@ -219,7 +219,10 @@ impl Sector {
                 break;
             }
             before = force;
-            self.refresh();
+            // The block of the node before serves a first step, and often the second.
+            if step > 1 || !self.preconditioner.low_block().is_some_and(LowBlock::is_ready) {
+                self.refresh();
+            }
             let dz = self.solve(&g, &[], (0.3 * tolerance / force).max(force.min(0.1)).min(0.3))?;
             add(&mut z, -1.0, &dz);
         }

@@ -53,6 +53,27 @@ pub enum Action {
     Fit(bool),
     /// Change how things are drawn.
     SetView(ViewOptions),
+    /// Begin (true) or drop the measurement of time steps.
+    MeasureTimeSteps(bool),
+    /// Look at the recorded state nearest to a place of the plot.
+    SelectState {
+        /// u0/rho and stress/sigma_max.
+        at: [f64; 2],
+        /// How far away it may be, along each.
+        reach: [f64; 2],
+    },
+    /// Look at the state after the jump of this index.
+    SelectJump(usize),
+    /// Look at the next jump (true) or the one before.
+    StepJump(bool),
+    /// Look at nothing.
+    ClearSelection,
+    /// The scene as text on the clipboard.
+    CopyScene,
+    /// A scene as text from the clipboard.
+    PasteScene(String),
+    /// Panels and view as they were at first.
+    RestoreLayout,
     /// The failure has been read.
     DismissFailure,
     /// End the program.
@@ -124,6 +145,28 @@ pub enum ProfileLine {
     AlongY(f64),
 }
 
+/// What is shown below the plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Tab {
+    /// The list of jumps.
+    #[default]
+    Events,
+    /// The smallest eigenvalue, or the time steps.
+    Stability,
+    /// The energy along the soft mode.
+    EnergyWell,
+}
+
+/// Stability of what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum StabilityOf {
+    /// Of the equilibria: the smallest eigenvalue against u0.
+    #[default]
+    States,
+    /// Of GFMD: which time steps it survives.
+    TimeSteps,
+}
+
 /// How things are drawn; no part of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -133,10 +176,23 @@ pub struct ViewOptions {
     pub smooth: bool,
     /// Where the profile is cut.
     pub profile: ProfileLine,
+    /// Draw the soft mode over the map.
+    pub soft_mode: bool,
+    /// What is shown below the plot.
+    pub tab: Tab,
+    /// Which stability.
+    pub stability: StabilityOf,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { centred: true, smooth: true, profile: ProfileLine::Auto }
+        Self {
+            centred: true,
+            smooth: true,
+            profile: ProfileLine::Auto,
+            soft_mode: false,
+            tab: Tab::default(),
+            stability: StabilityOf::default(),
+        }
     }
 }

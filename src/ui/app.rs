@@ -1,13 +1,14 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask};
+use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::handle::SolverHandle;
 use super::view_state::{Failure, ViewState};
-use super::{controls, event_list, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use super::{controls, gap_map, keys, loop_plot, profile, status_bar, tabs, toolbar};
 use crate::storage::{self, export, picture, presets, scene_file};
 use crate::worker::protocol::Command;
+use egui::containers::PanelState;
 use egui::{CentralPanel, Context, Panel, Ui};
 use std::path::Path;
 
@@ -108,10 +109,11 @@ impl App {
         let right =
             Panel::right("curve").default_size((0.42 * rest).clamp(250.0, 560.0)).size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
-            let height = (0.64 * ui.available_height()).max(230.0);
+            let whole = ui.available_height();
+            let height = (if whole < 600.0 { 0.54 } else { 0.62 } * whole).max(230.0);
             loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
             ui.separator();
-            event_list::show(ui, state, &self.announced.0);
+            tabs::show(ui, state, actions, &self.announced.0);
         });
         CentralPanel::default().show(ui, |ui| {
             let (width, height) = (ui.available_width(), ui.available_height());
@@ -150,6 +152,24 @@ impl App {
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
             Action::SetView(view) => state.view = view,
+            Action::MeasureTimeSteps(begin) => state.measure_time_steps(begin),
+            Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectJump(index) => state.select_jump(index),
+            Action::StepJump(forward) => state.step_jump(forward),
+            Action::ClearSelection => state.selection = None,
+            Action::CopyScene => {
+                ctx.copy_text(scene_file::to_text(&state.scene));
+                state.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
+            }
+            Action::PasteScene(text) => match scene_file::parse(&text, "clipboard") {
+                Ok(scene) => state.open_scene(scene),
+                Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
+            },
+            Action::RestoreLayout => {
+                ctx.data_mut(|data| data.remove_by_type::<PanelState>());
+                state.view = ViewOptions::default();
+                state.fit_axes(false);
+            }
             Action::DismissFailure => state.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }

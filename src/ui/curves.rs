@@ -1,4 +1,5 @@
-//! The curve of stress against mean displacement, ready to draw: u0/rho and stress/sigma_max, cut at jumps, never more than a few thousand points.
+//! Curves over the mean displacement, ready to draw, cut at jumps, never more than a few thousand points: stress against u0, and the
+//! smallest eigenvalue against u0.
 
 use crate::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
@@ -18,11 +19,11 @@ pub struct Piece {
     pub branch: Branch,
     /// The pattern of its newest state.
     pub pattern: Pattern,
-    /// (u0/rho, stress/sigma_max) in the order they were reached.
+    /// (u0/rho, stress/sigma_max or another ordinate) in the order they were reached.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A path through (u0, stress).
+/// A path through (u0, stress), or through another quantity of the states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// Its pieces in order.
@@ -32,9 +33,14 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Adds a state. After a jump it begins a new piece; a change of direction begins one too, joined to the old.
+    /// Adds a state with its stress.
     pub fn push(&mut self, state: &StateRecord, law: &Law) {
-        let point = [state.mean_displacement / law.range, state.stress_over_max];
+        self.push_with(state, law, state.stress_over_max);
+    }
+
+    /// Adds a state with this ordinate. After a jump it begins a new piece; a change of direction begins one too, joined to the old.
+    pub fn push_with(&mut self, state: &StateRecord, law: &Law, ordinate: f64) {
+        let point = [state.mean_displacement / law.range, ordinate];
         let jumped = std::mem::take(&mut self.broken);
         let last = self.pieces.last().and_then(|piece| piece.points.last().copied());
         match self.pieces.last_mut() {
@@ -61,6 +67,11 @@ impl Curve {
         {
             piece.points.push([jump.mean_displacement / law.range, jump.stress_before / law.traction_max()]);
         }
+        self.cut();
+    }
+
+    /// The next state begins a new piece.
+    pub fn cut(&mut self) {
         self.broken = true;
     }
 
@@ -84,6 +95,19 @@ impl Curve {
         }
         self.count = self.pieces.iter().map(|piece| piece.points.len()).sum();
     }
+}
+
+/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic one.
+const LINEAR: f64 = 0.1;
+
+/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft pattern and a pressed one are seen.
+pub fn eigenvalue_scale(eigenvalue: f64) -> f64 {
+    (eigenvalue / LINEAR).asinh()
+}
+
+/// The eigenvalue at a place of that axis.
+pub fn eigenvalue_at(place: f64) -> f64 {
+    LINEAR * place.sinh()
 }
 
 /// The area between the branches of a closed loop.

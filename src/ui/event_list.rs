@@ -1,5 +1,6 @@
 //! The list of jumps, newest first. `announced` is the jump last read aloud.
 
+use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::record::Branch;
@@ -8,38 +9,45 @@ use egui::{RichText, ScrollArea, Ui};
 /// Most rows that are laid out.
 const ROWS: usize = 200;
 
-/// Heading and table.
-pub fn show(ui: &mut Ui, state: &ViewState, announced: &str) {
+/// Sum and table.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
     let jumps = &state.record.jumps;
-    ui.horizontal(|ui| {
-        ui.label(RichText::new("Events").heading().strong());
-        let sum = ui.label(
-            RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
-        );
-        // Invisible, only read aloud: the last jump, not more often than the ear can follow.
-        ui.ctx().accesskit_node_builder(sum.id, |node| {
-            node.set_live(egui::accesskit::Live::Polite);
-            node.set_description(announced.to_owned());
-        });
+    let sum = ui.label(
+        RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
+    );
+    // Invisible, only read aloud: the last jump, not more often than the ear can follow.
+    ui.ctx().accesskit_node_builder(sum.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+        node.set_description(announced.to_owned());
     });
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());
         return;
     }
     let palette = theme::palette(ui.visuals().dark_mode);
+    let selected = state.selection.as_ref().and_then(|selection| selection.jump);
+    let marked = selected.map(|index| jumps.len() - index);
+    let colour = ui.visuals().selection.bg_fill.gamma_multiply(0.55);
+    let faint = ui.visuals().faint_bg_color;
+    let rows = move |row: usize, _: &egui::Style| {
+        if marked == Some(row) { Some(colour) } else { (row % 2 == 1).then_some(faint) }
+    };
     ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-        egui::Grid::new("events").striped(true).num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
+        egui::Grid::new("events").with_row_color(rows).num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
             for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
                 ui.label(RichText::new(title).small().weak());
             }
             ui.end_row();
-            for jump in jumps.iter().rev().take(ROWS) {
+            for (index, jump) in jumps.iter().enumerate().rev().take(ROWS) {
                 let (mark, colour) = match jump.branch {
                     Branch::Approach => ("◀", palette.approach),
                     Branch::Retraction => ("▶", palette.retraction),
                 };
                 ui.label(RichText::new(mark).color(colour)).on_hover_text(jump.branch.to_string());
-                ui.label(format!("{:.3}", jump.mean_displacement / state.rho()));
+                let place = ui.selectable_label(selected == Some(index), format!("{:.3}", jump.mean_displacement / state.rho()));
+                if place.on_hover_text("the numbers of the state after it (J, K)").clicked() {
+                    actions.push(Action::SelectJump(index));
+                }
                 ui.label(format!("{} → {}", jump.from, jump.to)).on_hover_text(state.say_jump(jump));
                 ui.label(format!("{:.4}", jump.released_energy));
                 ui.label(RichText::new(jump.cause.to_string()).small());

@@ -1,7 +1,7 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{GapPicture, colour};
+use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
@@ -18,10 +18,12 @@ const BAR: f32 = 64.0;
 /// The texture and what it was made from, so that nothing is made twice.
 #[derive(Default)]
 pub struct MapCache {
-    made_from: Option<(Arc<Frame>, bool, bool, f64)>,
+    made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
     texture: Option<TextureHandle>,
     /// The field as drawn.
     pub picture: Option<GapPicture>,
+    /// The soft mode's contours, if they are wanted and there is one.
+    mode: Option<ModeLines>,
 }
 
 impl MapCache {
@@ -29,15 +31,16 @@ impl MapCache {
     pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
         let Some(frame) = &state.frame else {
             self.picture = None;
+            self.mode = None;
             self.made_from = None;
             return;
         };
         let centred = state.view.centred && state.model.indenter == Indenter::Flat;
         let top = scene_edit::gap_scale(&state.scene, &state.model);
-        let fresh = self
-            .made_from
-            .as_ref()
-            .is_some_and(|(f, c, s, t)| Arc::ptr_eq(f, frame) && (*c, *s, *t) == (centred, state.view.smooth, top));
+        let view = state.view;
+        let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
+            Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
+        });
         if fresh {
             return;
         }
@@ -48,8 +51,9 @@ impl MapCache {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ctx.load_texture("gap", image, options)),
         }
+        self.mode = frame.soft_mode.as_ref().filter(|_| view.soft_mode).map(|mode| picture.mode_lines(mode));
         self.picture = Some(picture);
-        self.made_from = Some((frame.clone(), centred, state.view.smooth, top));
+        self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
     }
 }
 
@@ -70,6 +74,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, cache: &MapCache, actions: &mut Vec<
         ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
         ui.painter().image(texture.id(), band, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         contour(ui, picture, band);
+        soft_mode(ui, state, cache, picture, band);
         profile_line(ui, state, picture, band);
     } else {
         ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
@@ -126,6 +131,33 @@ fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
     for [a, b] in &picture.contour {
         painter.line_segment([to_screen(picture, band, *a), to_screen(picture, band, *b)], Stroke::new(1.6, Color32::WHITE));
     }
+}
+
+/// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what they mean in the corner.
+fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
+    if !state.view.soft_mode {
+        return;
+    }
+    let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
+    let colour = theme::palette(true).jump;
+    let segment = |s: &Segment, width: f32, colour: Color32| {
+        painter.line_segment(s.map(|p| to_screen(picture, band, p)), Stroke::new(width, colour));
+    };
+    if let Some(lines) = &cache.mode {
+        // Every second mesh square or so, whichever way the line runs.
+        let dotted = || lines.down.iter().filter(|s| (s[0][0].min(s[1][0]) as usize + 2 * s[0][1].min(s[1][1]) as usize) % 4 < 2);
+        lines.up.iter().chain(dotted()).for_each(|s| segment(s, 3.2, Color32::from_black_alpha(110)));
+        lines.up.iter().chain(dotted()).for_each(|s| segment(s, 1.5, colour));
+    }
+    let words = match &cache.mode {
+        Some(_) if picture.min == picture.max => "soft mode (one of the equal first waves): — up  ┈ down",
+        Some(_) => "soft mode: — up  ┈ down",
+        None => "no soft mode while jumping",
+    };
+    let galley = painter.layout_no_wrap(words.to_owned(), theme::small(), colour);
+    let area = Rect::from_min_size(band.left_bottom() + vec2(6.0, -galley.size().y - 12.0), galley.size() + vec2(12.0, 6.0));
+    painter.rect_filled(area, 5.0, Color32::from_black_alpha(190));
+    painter.galley(area.min + vec2(6.0, 3.0), galley, colour);
 }
 
 /// The line of the profile: (along x, index of row or column).
@@ -194,7 +226,7 @@ fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
-    let galley = ui.painter().layout_no_wrap(word.to_owned(), egui::FontId::proportional(size), Color32::WHITE);
+    let galley = ui.painter().layout(word.to_owned(), egui::FontId::proportional(size), Color32::WHITE, map.width() - 32.0);
     let centre = pos2(map.center().x, map.top() + 30.0);
     let area = Rect::from_center_size(centre, galley.size() + vec2(24.0, 12.0));
     ui.painter().rect_filled(area, 8.0, Color32::from_black_alpha(170));

@@ -16,8 +16,25 @@ pub struct GapPicture {
     /// True if the island is a hole in the contact and not a contact.
     pub hole: bool,
     /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's square.
-    pub contour: Vec<[[f32; 2]; 2]>,
+    pub contour: Vec<Segment>,
+    /// Rows and columns by which it was rolled.
+    roll: (usize, usize),
 }
+
+/// A piece of a line on the map.
+pub type Segment = [[f32; 2]; 2];
+
+/// Contours of the soft mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModeLines {
+    /// Where the mode lifts the surface.
+    pub up: Vec<Segment>,
+    /// Where it lowers it.
+    pub down: Vec<Segment>,
+}
+
+/// Levels of the soft mode's contours, in shares of its largest magnitude.
+const MODE_LEVELS: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl GapPicture {
     /// Prepares a field. `contact_gap` is the level of the contact line.
@@ -27,7 +44,15 @@ impl GapPicture {
         let gap = rolled(gap, dy, dx);
         let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
         let contour = contour(&gap, contact_gap);
-        Self { gap, min, max, hole, contour }
+        Self { gap, min, max, hole, contour, roll: (dy, dx) }
+    }
+
+    /// The contours of a mode of this field.
+    pub fn mode_lines(&self, mode: &Array2<f64>) -> ModeLines {
+        let mode = rolled(mode, self.roll.0, self.roll.1);
+        let largest = mode.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+        let lines = |sign: f64| MODE_LEVELS.iter().flat_map(|level| contour(&mode, sign * level * largest)).collect();
+        ModeLines { up: lines(1.0), down: lines(-1.0) }
     }
 
     /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
@@ -99,7 +124,7 @@ fn rolled(gap: &Array2<f64>, dy: usize, dx: usize) -> Array2<f64> {
 }
 
 /// Marching squares between the mesh points.
-fn contour(gap: &Array2<f64>, level: f64) -> Vec<[[f32; 2]; 2]> {
+fn contour(gap: &Array2<f64>, level: f64) -> Vec<Segment> {
     let (ny, nx) = gap.dim();
     let mut segments = Vec::new();
     for j in 0..ny.saturating_sub(1) {
@@ -168,6 +193,19 @@ mod tests {
                 assert!((radius(*p) / expected - 1.0).abs() < 0.1, "{} {expected}", radius(*p));
             }
         }
+    }
+
+    #[test]
+    fn the_soft_mode_is_rolled_with_the_gap_and_drawn_on_both_sides_of_zero() {
+        let picture = GapPicture::new(&island(32, 32, 16.0, 8.0), 2.3, true);
+        let mode = Array2::from_shape_fn((32, 32), |(_, i)| (TAU * (i as f64 - 8.0) / 32.0).cos());
+        let lines = picture.mode_lines(&mode);
+        let columns =
+            |segments: &[Segment]| segments.iter().map(|s| s[0][0]).fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)));
+        let (low, high) = columns(&lines.up);
+        // The crest stands in the middle, where the pattern was rolled to.
+        assert!(low > 8.0 && high < 25.0 && (low + high - 33.0).abs() < 1.0, "{low} {high}");
+        assert_eq!(lines.up.len(), lines.down.len());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 15] = [
+pub const SHEET: [(&str, &str); 18] = [
     ("← →", "one step of u₀ down, up (with Shift a tenth)"),
     ("PgDn PgUp", "ten steps down, up"),
     ("Home End", "start, turning point"),
@@ -17,6 +17,9 @@ pub const SHEET: [(&str, &str); 15] = [
     ("Esc", "stop; close a dialog"),
     ("1 … 9", "presets"),
     ("S", "export a picture"),
+    ("J K", "next jump, jump before"),
+    ("Click on the curve", "the numbers of that state"),
+    ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
     ("Ctrl+O Ctrl+S", "open, save a scene"),
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
     ("Ctrl+Q", "quit"),
@@ -39,6 +42,9 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
         };
         input.events.iter().filter_map(pressed).collect()
     });
+    if free && !dialog_open {
+        actions.extend(ctx.input(|input| input.events.iter().filter_map(clipboard).collect::<Vec<_>>()));
+    }
     for (key, modifiers, repeat) in presses {
         let action = if modifiers.command {
             command(key, modifiers.shift, free)
@@ -50,6 +56,14 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
             None
         };
         actions.extend(action);
+    }
+}
+
+fn clipboard(event: &Event) -> Option<Action> {
+    match event {
+        Event::Copy => Some(Action::CopyScene),
+        Event::Paste(text) => Some(Action::PasteScene(text.clone())),
+        _ => None,
     }
 }
 
@@ -75,10 +89,13 @@ fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Actio
         Key::Home => Action::SetTarget(state.limits.1),
         Key::End => Action::SetTarget(state.limits.0),
         Key::Period => Action::Increment,
+        Key::J => Action::StepJump(true),
+        Key::K => Action::StepJump(false),
         _ if repeat => return None,
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
+        Key::Escape if state.selection.is_some() && !state.busy => Action::ClearSelection,
         Key::Escape => Action::Stop,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
         Key::Slash if shift => Action::ToggleHelp,

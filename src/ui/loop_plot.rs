@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::curves::Curve;
+use super::inspect;
 use super::scene_edit;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -12,35 +13,29 @@ use egui_plot::{
     PlotUi, Points, Text,
 };
 
+/// A click this near to a state means it, in screen points.
+const CLICK: f64 = 14.0;
+
 /// Draws heading, legend and plot, of this height in all. `axes_seen` remembers which axes the plot has been given.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32, axes_seen: &mut u64) {
     let palette = theme::palette(ui.visuals().dark_mode);
     heading(ui, state, actions, &palette);
     legend(ui, state, &palette);
     let words = dissipated(state);
-    ui.label(RichText::new(words.as_deref().unwrap_or("Play loop to see what one cycle dissipates.")).strong());
+    ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
     let mut new_axes = None;
     if *axes_seen != state.axes_version {
         *axes_seen = state.axes_version;
         new_axes = Some(state.axes());
     }
     let grid = ui.visuals().text_color().gamma_multiply(0.45);
-    let response = Plot::new("loop")
+    let response = fixed("loop")
         .height((height - 88.0).max(120.0))
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .auto_bounds(false)
         .x_axis_label("u₀ / ρ")
         .y_axis_label("stress / σₘₐₓ")
-        .y_axis_min_width(30.0)
         .grid_color(grid)
         .x_grid_spacer(|input| ticks(input, 7.0))
         .y_grid_spacer(|input| ticks(input, 8.0))
-        .show_crosshair(false)
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
@@ -52,10 +47,38 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
                 plot.set_plot_bounds(PlotBounds::from_min_max(low, high));
             }
             draw(plot, state, &palette);
-        })
-        .response;
+        });
+    let (response, transform) = (response.response, response.transform);
+    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) {
+        let at = transform.value_from_position(pointer);
+        let scale = transform.dpos_dvalue();
+        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
+        actions.push(Action::SelectState { at: [at.x, at.y], reach });
+    }
+    inspect::show(ui, state, response.rect, actions);
     let sentence = sentence(state);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+}
+
+/// A plot whose axes no gesture moves.
+pub fn fixed<'a>(id: &'static str) -> Plot<'a> {
+    Plot::new(id)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .auto_bounds(false)
+        .show_crosshair(false)
+        .y_axis_min_width(30.0)
+}
+
+/// Such a plot in the rest of the space; its axes lose their names where there is little of it.
+pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
+    let height = ui.available_height().max(80.0);
+    let plot = fixed(id).height(height);
+    if height < 130.0 { plot } else { plot.x_axis_label(x).y_axis_label(y) }
 }
 
 fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
@@ -84,6 +107,9 @@ fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
         if !state.flat_state.is_empty() {
             entry(ui, palette.flat, "┄", "flat (dashed: unstable)");
         }
+        if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
+            entry(ui, palette.live, "—", "live (atlas)");
+        }
         if !state.ghosts.is_empty() {
             entry(ui, palette.ghost, "—", "earlier");
         }
@@ -96,10 +122,16 @@ fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) {
     ui.add_space(6.0);
 }
 
-/// The dissipated energy in words, when a loop is closed.
-fn dissipated(state: &ViewState) -> Option<String> {
-    let summary = &state.closed_loop.as_ref()?.summary;
-    Some(format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum))
+/// The dissipated energy in words: of a walked loop, or else of the live one.
+fn dissipated(state: &ViewState) -> String {
+    if let Some(closed) = &state.closed_loop {
+        let summary = &closed.summary;
+        return format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum);
+    }
+    match state.live.as_ref().map(|live| &live.state.found) {
+        Some(Ok(live)) => format!("∮ live loop: {:.4} γ lost in {} jumps", live.dissipated_energy, live.jumps.len()),
+        _ => "Play loop to see what one cycle dissipates.".to_owned(),
+    }
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
@@ -116,9 +148,15 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
             plot.line(line("earlier", &piece.points, palette.ghost, 1.0).allow_hover(false));
         }
     }
+    live(plot, state, palette);
     curve(plot, &state.curve, palette);
     pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
+    if let Some(selection) = &state.selection {
+        let at = vec![[selection.state.mean_displacement / state.rho(), selection.state.stress_over_max]];
+        let mark = Points::new("selected", at).shape(MarkerShape::Square).radius(7.0).filled(false);
+        plot.points(mark.color(palette.now).allow_hover(false));
+    }
     if let Some(now) = &state.state {
         let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
         plot.points(
@@ -133,12 +171,33 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     }
 }
 
-fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
+/// The loop of the atlas, thin, its jumps dotted; and where the surface will stand at the target, before the walk is there.
+fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+    let Some(live) = &state.live else { return };
+    for (_, points) in &live.pieces {
+        plot.line(line("live", points, palette.live, 1.2).allow_hover(false));
+    }
+    for (u0, [from, to]) in &live.jumps {
+        let style = LineStyle::dotted_dense();
+        plot.line(line("live", &[[*u0, *from], [*u0, *to]], palette.live, 1.2).style(style).allow_hover(false));
+    }
+    if let Some((pattern, sample)) = state.foreseen() {
+        let at = [sample.mean_displacement / state.rho(), sample.stress / state.model.law.traction_max()];
+        let mark = Points::new("foreseen", vec![at]).shape(MarkerShape::Diamond).radius(7.0).filled(false);
+        plot.points(mark.color(palette.live).allow_hover(false));
+        let text = RichText::new(format!(" {pattern} ahead ")).small();
+        let word = Text::new("foreseen", PlotPoint::new(at[0], at[1]), text);
+        plot.text(word.color(palette.live).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+    }
+}
+
+/// A line of this colour and width.
+pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
     Line::new(name, PlotPoints::from(points.to_vec())).stroke(Stroke::new(width, colour))
 }
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
-fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
+pub fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let step = scene_edit::tick_spacing(high - low, count);
     let first = (low / step).ceil();
@@ -150,7 +209,7 @@ fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
 }
 
 /// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.
-fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
+pub fn curve(plot: &mut PlotUi<'_>, curve: &Curve, palette: &Palette) {
     let every = plot.plot_bounds().width() / 22.0;
     for piece in &curve.pieces {
         let (colour, shape, name) = match piece.branch {

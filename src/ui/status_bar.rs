@@ -37,6 +37,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             }
         }
         part(ui, &mesh(state));
+        if let Some(live) = &state.live {
+            part(ui, "");
+            let colour = theme::palette(ui.visuals().dark_mode).live;
+            ui.label(RichText::new(live.words()).color(colour));
+        }
     });
 }
 

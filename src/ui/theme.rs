@@ -18,6 +18,8 @@ pub struct Palette {
     pub jump: Color32,
     /// Earlier loops.
     pub ghost: Color32,
+    /// The live loop.
+    pub live: Color32,
     /// Dissipated area.
     pub shade: Color32,
     /// Failures and the zone where the mesh lies.
@@ -42,6 +44,7 @@ pub fn palette(dark: bool) -> Palette {
             flat: c(150, 156, 166),
             jump: c(244, 120, 176),
             ghost: c(92, 99, 110),
+            live: c(86, 196, 170),
             shade: Color32::from_rgba_unmultiplied(244, 200, 120, 34),
             warn: c(255, 140, 112),
             good: c(110, 205, 150),
@@ -56,6 +59,7 @@ pub fn palette(dark: bool) -> Palette {
             flat: c(110, 116, 126),
             jump: c(176, 28, 104),
             ghost: c(188, 194, 202),
+            live: c(0, 128, 108),
             shade: Color32::from_rgba_unmultiplied(220, 150, 30, 46),
             warn: c(178, 48, 20),
             good: c(20, 124, 70),
@@ -92,6 +96,8 @@ pub fn install(ctx: &Context) {
         style.spacing.interact_size.y = 22.0;
         style.spacing.slider_width = 120.0;
         style.animation_time = 0.0;
+        // A drag that misses a slider must not paint the words beside it.
+        style.interaction.selectable_labels = false;
     });
 }
 

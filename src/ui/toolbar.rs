@@ -24,6 +24,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         button(ui, "Save…", "Ctrl+S", true, Action::AskFile(FileTask::SaveScene));
         button(ui, "Export CSV…", "states or jumps of what is recorded", true, Action::AskFile(FileTask::ExportLoopCsv));
         button(ui, "Export PNG…", "S", true, Action::AskFile(FileTask::ExportLoopPng));
+        button(ui, "Copy scene", "the scene as text on the clipboard (Ctrl+C); Ctrl+V opens one", true, Action::CopyScene);
         ui.separator();
         for (face, name, enabled, action) in
             [("↶", "Undo", state.history.can_undo(), Action::Undo), ("↷", "Redo", state.history.can_redo(), Action::Redo)]
@@ -36,6 +37,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let face = if dark { "☀" } else { "☾" };
         if named(ui.button(face), "Switch theme").on_hover_text("light or dark").clicked() {
             actions.push(Action::ToggleTheme);
+        }
+        if named(ui.button("▣"), "Restore layout").on_hover_text("panels, axes and view as they were at first").clicked() {
+            actions.push(Action::RestoreLayout);
         }
         if named(ui.button("?"), "Help").on_hover_text("keys and marks (?)").clicked() {
             actions.push(Action::ToggleHelp);

@@ -1,23 +1,26 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod axes;
+mod listen;
+mod live_view;
 mod motion;
+mod select;
 
-use super::action::ViewOptions;
+pub use live_view::LiveView;
+pub use select::Selection;
+
+use super::action::{Tab, ViewOptions};
 use super::curves::{self, Curve, Shade};
 use super::history::History;
 use super::scene_edit::{self, Follows};
 use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
+use crate::experiment::time_step_map::TimeStepMap;
+use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+use crate::worker::protocol::{Command, Errand, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
-
-/// Most states kept for the export; the oldest quarter goes when it is full.
-const STATES_MAX: usize = 200_000;
-/// Most faint curves of earlier loops.
-const GHOSTS_MAX: usize = 3;
 
 /// Something went wrong, in words, with what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,6 +79,20 @@ pub struct ViewState {
     pub record: LoopRecord,
     /// The curve of `record`.
     pub curve: Curve,
+    /// The smallest eigenvalue (E*/L) along `record`, as [`curves::eigenvalue_scale`] draws it.
+    pub stiffness: Curve,
+    /// The newest energy well.
+    pub well: Option<Arc<EnergyWell>>,
+    /// Height of the well's picture (gamma).
+    pub well_scale: f64,
+    /// The time-step map as far as it is measured.
+    pub time_steps: Option<Arc<TimeStepMap>>,
+    /// A measurement is under way.
+    pub measuring: bool,
+    /// The live loop.
+    pub live: Option<LiveView>,
+    /// The stored state somebody looks at.
+    pub selection: Option<Selection>,
     /// Curves of earlier loops.
     pub ghosts: VecDeque<Curve>,
     /// The last closed loop.
@@ -96,8 +113,11 @@ pub struct ViewState {
     pub axes_version: u64,
     /// Undo and redo.
     pub history: History,
+    /// The newest motion asked for; a rest that ends an older one is stale.
+    motion: Motion,
     scene_pending: bool,
     target_pending: bool,
+    watching: bool,
     outbox: Vec<Command>,
 }
 
@@ -129,6 +149,13 @@ impl ViewState {
             state: None,
             record: LoopRecord::default(),
             curve: Curve::default(),
+            stiffness: Curve::default(),
+            well: None,
+            well_scale: 0.01,
+            time_steps: None,
+            measuring: false,
+            live: None,
+            selection: None,
             ghosts: VecDeque::new(),
             closed_loop: None,
             failure: None,
@@ -138,8 +165,10 @@ impl ViewState {
             fit: None,
             axes_version: 1,
             history: History::default(),
+            motion: 0,
             scene_pending: true,
             target_pending: false,
+            watching: false,
             outbox: Vec::new(),
         })
     }
@@ -147,87 +176,6 @@ impl ViewState {
     /// The range rho.
     pub fn rho(&self) -> f64 {
         self.model.law.range
-    }
-
-    /// Takes an event of the solver in; stale ones are dropped.
-    pub fn apply(&mut self, event: Event) {
-        let of = match &event {
-            Event::Ready { run, .. }
-            | Event::State { run, .. }
-            | Event::Jump { run, .. }
-            | Event::LoopStarted { run }
-            | Event::Loop { run, .. }
-            | Event::Rest { run, .. }
-            | Event::Failed { run, .. } => *run,
-        };
-        if of != self.run || self.scene_pending {
-            return;
-        }
-        match event {
-            Event::Ready { ready, .. } => self.ready = Some(ready),
-            Event::State { state, .. } => self.add_state(state),
-            Event::Jump { jump, .. } => {
-                self.hint = false;
-                self.curve.jump(&jump, &self.model.law);
-                self.record.jumps.push(jump);
-            }
-            Event::LoopStarted { .. } => self.archive(),
-            Event::Loop { summary, .. } => self.closed_loop = Some(ClosedLoop { summary, shade: Shade::of(&self.curve) }),
-            Event::Rest { mean_displacement, .. } => {
-                self.actual = mean_displacement;
-                if self.sweep.take().is_some() {
-                    self.target = mean_displacement;
-                }
-                // At rest elsewhere without a failure: a newer target is already on its way to the solver.
-                self.busy = self.failure.is_none() && mean_displacement != self.target;
-            }
-            Event::Failed { message, remedy, .. } => {
-                self.failure = Some(Failure { message, remedy });
-                self.sweep = None;
-                self.busy = false;
-            }
-        }
-    }
-
-    /// Takes a picture in; stale ones are dropped.
-    pub fn apply_frame(&mut self, run: RunId, frame: Arc<Frame>) {
-        if run != self.run || self.scene_pending {
-            return;
-        }
-        self.moved_to(frame.mean_displacement);
-        self.frame = Some(frame);
-    }
-
-    fn add_state(&mut self, state: StateRecord) {
-        self.moved_to(state.mean_displacement);
-        self.branch = state.branch;
-        self.curve.push(&state, &self.model.law);
-        if self.record.states.len() >= STATES_MAX {
-            self.record.states.drain(..STATES_MAX / 4);
-        }
-        self.record.states.push(state.clone());
-        self.state = Some(state);
-    }
-
-    /// A sweep takes the thumb along; otherwise the thumb stays where the hand left it.
-    fn moved_to(&mut self, u0: f64) {
-        self.actual = u0;
-        if self.sweep.is_some() {
-            self.target = u0;
-        }
-    }
-
-    /// A fresh loop begins: what there was becomes a ghost.
-    fn archive(&mut self) {
-        let old = std::mem::take(&mut self.curve);
-        if old.points().nth(2).is_some() {
-            self.ghosts.push_back(old);
-            if self.ghosts.len() > GHOSTS_MAX {
-                self.ghosts.pop_front();
-            }
-        }
-        self.record = LoopRecord::default();
-        self.closed_loop = None;
     }
 
     /// Back to rest at the start.
@@ -306,6 +254,8 @@ impl ViewState {
     fn restart(&mut self) {
         self.scene_pending = true;
         self.target_pending = self.target != self.limits.1;
+        // The session counts afresh from the rest at the start, which is motion 0.
+        self.motion = u64::from(self.target_pending);
         self.outbox.clear();
         if self.paused {
             self.pause(false);
@@ -318,7 +268,25 @@ impl ViewState {
         self.branch = Branch::Approach;
         self.record = LoopRecord::default();
         self.curve = Curve::default();
+        self.stiffness = Curve::default();
         self.closed_loop = None;
+        self.selection = None;
+        self.well = None;
+        self.time_steps = None;
+        self.measuring = false;
+    }
+
+    /// Begins the measurement of time steps, or drops it.
+    pub fn measure_time_steps(&mut self, begin: bool) {
+        self.measuring = begin;
+        self.outbox.push(match begin {
+            true => {
+                self.time_steps = None;
+                let errand = Errand::TimeSteps { scene: self.scene.clone(), turn: self.limits.0 };
+                Command::Measure { run: self.run, errand }
+            }
+            false => Command::StopMeasuring,
+        });
     }
 
     /// What the solver must hear, at most one scene and one target per frame, in the order that makes sense to it.
@@ -330,13 +298,18 @@ impl ViewState {
         }
         if std::mem::take(&mut self.target_pending) {
             self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
-            commands.push(Command::SetTarget { run: self.run, mean_displacement: self.target });
+            commands.push(Command::SetTarget { run: self.run, motion: self.motion, mean_displacement: self.target });
         }
         let run = self.run;
         commands.extend(self.outbox.drain(..).map(|command| match command {
-            Command::Sweep { sweep, .. } => Command::Sweep { run, sweep },
+            Command::Sweep { motion, sweep, .. } => Command::Sweep { run, motion, sweep },
+            Command::Stop { motion, .. } => Command::Stop { run, motion },
             other => other,
         }));
+        let watching = self.view.tab == Tab::EnergyWell;
+        if std::mem::replace(&mut self.watching, watching) != watching {
+            commands.push(Command::Watch { energy_well: watching });
+        }
         commands
     }
 

@@ -1,5 +1,7 @@
-//! Floor 4: the one solver thread and its channels. The caller passes `wake`, called whenever something new can be received.
+//! Floor 4: the solver thread, two that work beside it (measurements, the live loop), and their channels. The caller passes `wake`, called whenever something new can be received.
 
+mod live;
+mod measure;
 pub mod protocol;
 mod run_loop;
 pub mod session;

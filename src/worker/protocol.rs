@@ -1,13 +1,20 @@
 //! What the window says to the solver, and what it hears back.
 
+use crate::experiment::live_loop::{Fineness, LiveLoop};
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
+use crate::experiment::time_step_map::TimeStepMap;
+use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
 
 /// Identifies one run of one scene; events of an older run are stale and dropped by the receiver.
 pub type RunId = u64;
+
+/// Number of a motion within its run, counted by the sender from 1. A rest names the motion it ends, so that the end of an older one
+/// is not taken for the end of the newest.
+pub type Motion = u64;
 
 /// A continuous motion of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +25,18 @@ pub enum Sweep {
     Retract,
     /// A fresh closed loop: start, turn, start.
     Loop,
+}
+
+/// A measurement that takes its time, done beside the walk by a thread of its own.
+#[derive(Clone, Debug)]
+pub enum Errand {
+    /// Which time steps GFMD survives along the approach.
+    TimeSteps {
+        /// The scene.
+        scene: Arc<Scene>,
+        /// Where the approach ends (length).
+        turn: f64,
+    },
 }
 
 /// From the window to the solver.
@@ -36,6 +55,8 @@ pub enum Command {
     SetTarget {
         /// The run it is meant for.
         run: RunId,
+        /// Its number.
+        motion: Motion,
         /// u0 (length).
         mean_displacement: f64,
     },
@@ -43,6 +64,8 @@ pub enum Command {
     Sweep {
         /// The run it is meant for.
         run: RunId,
+        /// Its number.
+        motion: Motion,
         /// Which way.
         sweep: Sweep,
     },
@@ -52,7 +75,26 @@ pub enum Command {
         paused: bool,
     },
     /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
-    Stop,
+    Stop {
+        /// The run it is meant for.
+        run: RunId,
+        /// Its number.
+        motion: Motion,
+    },
+    /// Say (or stop saying) what the energy well of each state looks like.
+    Watch {
+        /// True while somebody looks at it.
+        energy_well: bool,
+    },
+    /// Measure something beside the walk; replaces a measurement under way.
+    Measure {
+        /// The run it is meant for.
+        run: RunId,
+        /// What.
+        errand: Errand,
+    },
+    /// Drop the measurement under way; what was measured stands.
+    StopMeasuring,
     /// End the thread.
     Quit,
 }
@@ -66,6 +108,8 @@ pub struct Frame {
     pub stress: f64,
     /// Gap field (length), shape (ny, nx).
     pub gap: Arc<Array2<f64>>,
+    /// Field of the mode that gives way first, mean square 1; `None` while relaxing or not measured.
+    pub soft_mode: Option<Arc<Array2<f64>>>,
     /// True while the surface is jumping: not an equilibrium.
     pub relaxing: bool,
     /// The equilibrium's record; `None` while relaxing.
@@ -96,6 +140,17 @@ pub struct LoopSummary {
     pub transforms: usize,
     /// Wall seconds spent.
     pub seconds: f64,
+}
+
+/// The newest live loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveState {
+    /// The loop, or why the atlas does not hold the scene.
+    pub found: Result<LiveLoop, String>,
+    /// On which mesh.
+    pub fineness: Fineness,
+    /// Wall milliseconds spent.
+    pub milliseconds: f64,
 }
 
 /// From the solver to the window. Every variant but `Failed` belongs to a run.
@@ -138,8 +193,39 @@ pub enum Event {
     Rest {
         /// Run.
         run: RunId,
+        /// The motion that ended; 0 before the first.
+        motion: Motion,
         /// u0 where it rests.
         mean_displacement: f64,
+    },
+    /// The energy around a state along its soft mode.
+    Well {
+        /// Run.
+        run: RunId,
+        /// The well.
+        well: Arc<EnergyWell>,
+    },
+    /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late: newer than the last one shown is
+    /// good enough.
+    Live {
+        /// Run.
+        run: RunId,
+        /// The loop.
+        live: Arc<LiveState>,
+    },
+    /// More of the time-step map.
+    TimeSteps {
+        /// Run.
+        run: RunId,
+        /// What is measured so far.
+        map: Arc<TimeStepMap>,
+    },
+    /// The measurement is over: done, dropped, or stuck for the reason given.
+    Measured {
+        /// Run.
+        run: RunId,
+        /// Why it could not be finished.
+        stuck: Option<String>,
     },
     /// Something went wrong; the last good state stays.
     Failed {

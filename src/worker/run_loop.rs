@@ -1,5 +1,7 @@
 //! The solver thread: commands in, events out, one picture in a mailbox.
 
+use super::live::Live;
+use super::measure::Bench;
 use super::protocol::{Command, Event, Frame, RunId};
 use super::session::Session;
 use crate::numerics::cancel::Cancel;
@@ -9,34 +11,55 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Handle of the solver thread. Dropping it cancels and joins.
+/// Handle of the solver thread and of those that work beside it. Dropping it cancels and joins.
 pub struct Worker {
     commands: Sender<Command>,
     events: Receiver<Event>,
     frames: Receiver<(RunId, Arc<Frame>)>,
     cancel: Cancel,
     thread: Option<JoinHandle<()>>,
+    bench: Bench,
+    live: Live,
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called (from that thread) whenever something new can be received.
+    /// Starts the threads. `wake` is called (from them) whenever something new can be received.
     pub fn spawn(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (commands, inbox) = unbounded();
         let (outbox, events) = unbounded();
         let (mailbox, frames) = bounded(1);
         let cancel = Cancel::default();
-        let post = Post { outbox, mailbox, stale: frames.clone(), wake: Box::new(wake) };
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
+        let aside = || {
+            let (outbox, wake) = (outbox.clone(), wake.clone());
+            move |event| {
+                let _ = outbox.send(event);
+                wake();
+            }
+        };
+        let (bench, live) = (Bench::spawn(aside()), Live::spawn(aside()));
+        let post = Post { outbox, mailbox, stale: frames.clone(), wake };
         let token = cancel.clone();
         let thread = std::thread::Builder::new()
             .name("solver".into())
             .spawn(move || run(&inbox, &post, &token))
             .expect("the system refuses to start a thread");
-        Self { commands, events, frames, cancel, thread: Some(thread) }
+        Self { commands, events, frames, cancel, thread: Some(thread), bench, live }
     }
 
     /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
     pub fn send(&self, command: Command) {
-        if matches!(command, Command::SetScene { .. } | Command::Stop | Command::Quit) {
+        match &command {
+            Command::Measure { run, errand } => self.bench.start(*run, errand.clone()),
+            Command::StopMeasuring => self.bench.stop(),
+            Command::SetScene { run, scene, .. } => {
+                // Another scene makes the measurement of this one pointless.
+                self.bench.stop();
+                self.live.ask(*run, scene.clone());
+            }
+            _ => {}
+        }
+        if matches!(command, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
             self.cancel.request();
         }
         // The thread lives as long as this handle, so the channel is open.
@@ -73,7 +96,7 @@ pub(super) struct Post {
     outbox: Sender<Event>,
     mailbox: Sender<(RunId, Arc<Frame>)>,
     stale: Receiver<(RunId, Arc<Frame>)>,
-    wake: Box<dyn Fn() + Send + Sync>,
+    wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Post {
@@ -176,11 +199,12 @@ mod tests {
     fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
         let (outbox, events) = unbounded();
         let (mailbox, stale) = bounded(1);
-        let post = Post { outbox, mailbox, stale, wake: Box::new(|| {}) };
+        let post = Post { outbox, mailbox, stale, wake: Arc::new(|| {}) };
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
-        let commands = [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, mean_displacement: 4.0 }];
+        let commands =
+            [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 }];
         for command in commands {
             guarded(&mut session, &post, |session, sink| session.command(command, sink));
         }
@@ -195,7 +219,9 @@ mod tests {
             matches!(&told[..], [Event::Failed { run: 3, message, .. }] if message.contains("a fault for the test")),
             "{told:?}"
         );
-        guarded(&mut session, &post, |session, sink| session.command(Command::SetTarget { run: 3, mean_displacement: 4.19 }, sink));
+        guarded(&mut session, &post, |session, sink| {
+            session.command(Command::SetTarget { run: 3, motion: 2, mean_displacement: 4.19 }, sink)
+        });
         work(&mut session, &post, &cancel);
         let next =
             events.try_iter().find_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None });

@@ -1,10 +1,10 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
-use super::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
+use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use super::run_loop::Output;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{Scene, Turn};
-use crate::experiment::walk::{Happening, Progress, Walk};
+use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
@@ -18,10 +18,18 @@ const PACE_STATE: Duration = Duration::from_millis(12);
 /// Shortest time between two pictures of a jump, so that it is seen as a short film.
 const PACE_FILM: Duration = Duration::from_millis(16);
 
+/// Shortest time between two energy wells on the move, and the largest share of the time they may take.
+const PACE_WELL: Duration = Duration::from_millis(100);
+const WELL_SHARE: f64 = 0.1;
+/// Energies of a well computed in one piece of work at rest, so that a command never waits for long.
+const WELL_PIECE: usize = 8;
+
 /// A scene being played.
 #[derive(Default)]
 pub struct Session {
     run: RunId,
+    /// The newest motion asked for.
+    motion: Motion,
     scene: Option<(Arc<Scene>, MethodKind)>,
     walk: Option<Walk>,
     /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be trusted.
@@ -33,6 +41,12 @@ pub struct Session {
     busy: bool,
     paused: bool,
     not_before: Option<Instant>,
+    /// Somebody looks at the energy well.
+    watched: bool,
+    /// The well at rest as far as it is computed.
+    well: Option<EnergyWell>,
+    /// When the last well on the move may be followed by another.
+    well_after: Option<Instant>,
 }
 
 /// Which part of a sweep is under way.
@@ -46,28 +60,45 @@ impl Session {
     /// How long the thread may sleep: `None` until a command comes, zero if there is work now.
     pub fn wait(&self, now: Instant) -> Option<Duration> {
         if !self.busy || self.paused || self.walk.is_none() {
-            return None;
+            return self.well.as_ref().map(|_| Duration::ZERO);
         }
         Some(self.not_before.map_or(Duration::ZERO, |t| t.saturating_duration_since(now)))
     }
 
-    /// Takes a command; those of another run are stale and dropped.
+    /// Takes a command; those of another run, and motions older than the newest, are stale and dropped.
     pub fn command(&mut self, command: Command, sink: &mut dyn FnMut(Output)) {
+        if let Command::SetTarget { run, motion, .. } | Command::Sweep { run, motion, .. } | Command::Stop { run, motion } = command
+        {
+            if run != self.run || motion < self.motion {
+                return;
+            }
+            self.motion = motion;
+        }
         match command {
             Command::SetScene { run, scene, method } => self.begin(run, scene, method, sink),
-            Command::SetTarget { run, mean_displacement } if run == self.run => {
+            Command::SetTarget { mean_displacement, .. } => {
                 self.sweep = None;
                 self.go(mean_displacement);
             }
-            Command::Sweep { run, sweep } if run == self.run => self.start_sweep(sweep, sink),
-            Command::Pause { paused } => self.paused = paused,
-            Command::Stop => self.rest(sink),
-            Command::SetTarget { .. } | Command::Sweep { .. } | Command::Quit => {}
+            Command::Sweep { sweep, .. } => self.start_sweep(sweep, sink),
+            Command::Pause { paused } => {
+                self.paused = paused;
+                self.look_into_the_well();
+            }
+            Command::Stop { .. } => self.rest(sink),
+            Command::Watch { energy_well } => {
+                self.watched = energy_well;
+                self.look_into_the_well();
+            }
+            Command::Measure { .. } | Command::StopMeasuring | Command::Quit => {}
         }
     }
 
     /// Does one bounded piece of work.
     pub fn step(&mut self, now: Instant, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
+        if !self.busy || self.paused {
+            return self.deepen_the_well(WELL_PIECE, sink);
+        }
         let Some(walk) = &mut self.walk else { return };
         let run = self.run;
         let mut happenings = Vec::new();
@@ -79,7 +110,10 @@ impl Session {
                     pace = PACE_FILM;
                     let mean_displacement = walk.displacement();
                     let gap = Arc::new(walk.gap());
-                    sink(Output::Frame(run, Frame { mean_displacement, stress, gap, relaxing: true, state: None }));
+                    sink(Output::Frame(
+                        run,
+                        Frame { mean_displacement, stress, gap, soft_mode: None, relaxing: true, state: None },
+                    ));
                 }
                 Happening::Jump(jump) => {
                     self.record.jumps.push(jump.clone());
@@ -98,12 +132,36 @@ impl Session {
         }
         self.not_before = Some(now + pace);
         self.follow_up(progress, now, sink);
+        if self.busy && self.watched && self.well_after.is_none_or(|t| now >= t) {
+            let began = Instant::now();
+            self.well = self.walk.as_mut().and_then(Walk::energy_well);
+            self.deepen_the_well(usize::MAX, sink);
+            self.well_after = Some(now + PACE_WELL.max(began.elapsed().div_f64(WELL_SHARE)));
+        }
+    }
+
+    /// At rest: begins to compute the well if somebody looks.
+    fn look_into_the_well(&mut self) {
+        self.well = None;
+        if self.watched && (!self.busy || self.paused) {
+            self.well = self.walk.as_mut().and_then(Walk::energy_well);
+        }
+    }
+
+    fn deepen_the_well(&mut self, count: usize, sink: &mut dyn FnMut(Output)) {
+        let (Some(walk), Some(mut well)) = (&mut self.walk, self.well.take()) else { return };
+        walk.deepen(&mut well, count);
+        if well.is_complete() {
+            sink(Output::Event(Event::Well { run: self.run, well: Arc::new(well) }));
+        } else {
+            self.well = Some(well);
+        }
     }
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none. Returns the run it belongs to.
     pub fn recover(&mut self) -> RunId {
-        let Self { run, scene, good, record, .. } = std::mem::take(self);
-        *self = Self { run, scene, record, ..Self::default() };
+        let Self { run, motion, scene, good, record, watched, .. } = std::mem::take(self);
+        *self = Self { run, motion, scene, record, watched, ..Self::default() };
         if let Some((scene, method)) = &self.scene {
             self.walk = match good {
                 Some((state, record)) => Walk::resume(scene, *method, state, record).ok(),
@@ -114,7 +172,7 @@ impl Session {
     }
 
     fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodKind, sink: &mut dyn FnMut(Output)) {
-        *self = Self { run, ..Self::default() };
+        *self = Self { run, watched: self.watched, ..Self::default() };
         match Walk::new(&scene, method) {
             Ok(mut walk) => {
                 let system = walk.system();
@@ -124,10 +182,11 @@ impl Session {
                 sink(Output::Event(Event::Ready { run, ready }));
                 sink(Output::Event(Event::State { run, state: walk.record().clone() }));
                 sink(Output::Frame(run, resting_frame(&mut walk)));
-                sink(Output::Event(Event::Rest { run, mean_displacement: walk.record().mean_displacement }));
+                sink(Output::Event(Event::Rest { run, motion: 0, mean_displacement: walk.record().mean_displacement }));
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
                 self.scene = Some((scene, method));
+                self.look_into_the_well();
             }
             Err(error) => sink(Output::Event(Event::Failed {
                 run,
@@ -140,6 +199,7 @@ impl Session {
     fn go(&mut self, target: f64) {
         if let Some(walk) = &mut self.walk {
             walk.set_target(target);
+            self.well = None;
             self.busy = true;
             self.not_before = None;
         }
@@ -226,8 +286,9 @@ impl Session {
         if let Some(walk) = &mut self.walk {
             let mean_displacement = walk.displacement();
             walk.set_target(mean_displacement);
-            sink(Output::Event(Event::Rest { run: self.run, mean_displacement }));
+            sink(Output::Event(Event::Rest { run: self.run, motion: self.motion, mean_displacement }));
         }
+        self.look_into_the_well();
     }
 }
 
@@ -237,6 +298,7 @@ fn resting_frame(walk: &mut Walk) -> Frame {
         mean_displacement: state.mean_displacement,
         stress: state.stress,
         gap: Arc::new(walk.gap()),
+        soft_mode: walk.soft_mode().map(Arc::new),
         relaxing: false,
         state: Some(state),
     }

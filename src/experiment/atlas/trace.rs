@@ -23,6 +23,8 @@ const SHORTEST: f64 = 2e-4;
 const AIM: f64 = 0.03;
 /// Distance (ranges) from which a fold is gone for directly.
 const NEAR_FOLD: f64 = 0.15;
+/// At a fold, breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
+const SOFT: f64 = 0.1;
 /// Accuracy of a symmetry-breaking point (ranges).
 const LOCATED: f64 = 3e-5;
 /// Most Newton steps towards it.
@@ -55,6 +57,9 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
             && wall.is_infinite()
         {
             if let Ok(mut end) = sector.fold(before, &here, up) {
+                if end.breaking < SOFT * sector.system().grid().q1() {
+                    sector.sharpen(&mut end);
+                }
                 let ahead = sign * (end.u0 - here.u0);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
                     if end.breaking >= 0.0 {
@@ -94,12 +99,13 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
         if wall.is_finite() {
             wall -= h;
         }
-        if node.breaking < 0.0 {
-            let end = cross(sector, &here, &node)?;
+        let broken = node.breaking < 0.0;
+        nodes.push(node);
+        if broken {
+            let end = cross(sector, first, &mut nodes)?;
             nodes.push(end);
             return Ok((nodes, End::Breaking));
         }
-        nodes.push(node);
     }
     Err(Lost::Gone)
 }
@@ -149,14 +155,27 @@ fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
         && norm(&to.z) > 1e-3 * range
 }
 
-/// The node between `inside` and `outside` where the breaking eigenvalue vanishes over all waves of the mesh.
+/// The node where the breaking eigenvalue vanishes over all waves of the mesh; `nodes` (after `first`, the last one unstable and
+/// just solved) lose those beyond it.
 ///
-/// The two know it from the longest waves only, which is too high by nearly the same amount everywhere: the first value over all
-/// waves corrects both.
-fn cross(sector: &mut Sector, inside: &Node, outside: &Node) -> Result<Node, Lost> {
+/// The nodes know the eigenvalue from the longest waves only, which is too high by nearly the same amount everywhere: the last one's
+/// value over all waves corrects them.
+fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Node, Lost> {
     let range = sector.system().law().range;
-    let (mut a, mut b) = (inside.clone(), outside.clone());
-    let mut corrected = false;
+    let mut b = nodes.pop().expect("the unstable node");
+    let of_block = b.breaking;
+    sector.sharpen(&mut b);
+    let offset = b.breaking - of_block;
+    let mut a = loop {
+        let mut last = nodes.last().unwrap_or(first).clone();
+        last.breaking += offset;
+        if last.breaking > 0.0 {
+            break last;
+        }
+        // Stable to the longest waves, but not to all.
+        b = last;
+        nodes.pop().ok_or(Lost::Gone)?;
+    };
     for round in 0..CROSSINGS {
         let rate = (a.breaking - b.breaking) / (a.u0 - b.u0);
         let secant = a.u0 - a.breaking / rate;
@@ -164,12 +183,7 @@ fn cross(sector: &mut Sector, inside: &Node, outside: &Node) -> Result<Node, Los
         // Where the eigenvalue falls off steeply towards one end, secants creep.
         let u0 = if enclosed && round % 4 != 3 { secant } else { 0.5 * (a.u0 + b.u0) };
         let mut node = sector.node(u0, between(&a, &b, u0), Some(&a), SHARP)?;
-        let of_block = node.breaking;
         sector.sharpen(&mut node);
-        if !std::mem::replace(&mut corrected, true) {
-            let offset = node.breaking - of_block;
-            (a.breaking, b.breaking) = (a.breaking + offset, b.breaking + offset);
-        }
         let nearer = if node.breaking > 0.0 { &mut a } else { &mut b };
         let rate = (node.breaking - nearer.breaking) / (node.u0 - nearer.u0);
         let correction = -node.breaking / rate;

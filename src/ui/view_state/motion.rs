@@ -15,6 +15,7 @@ impl ViewState {
             self.branch = if u0 < self.actual { Branch::Approach } else { Branch::Retraction };
         }
         self.target = u0;
+        self.motion += 1;
         self.target_pending = true;
         self.sweep = None;
         self.busy = true;
@@ -28,8 +29,9 @@ impl ViewState {
         self.busy = true;
         self.target_pending = false;
         self.resume();
+        self.motion += 1;
         // The run id is filled in when the command leaves: a scene edit of the same frame may still change it.
-        self.outbox.push(Command::Sweep { run: self.run, sweep });
+        self.outbox.push(Command::Sweep { run: self.run, motion: self.motion, sweep });
     }
 
     /// Space: pause, go on, or start.
@@ -59,7 +61,8 @@ impl ViewState {
     pub fn stop(&mut self) {
         self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
         self.resume();
-        self.outbox.push(Command::Stop);
+        self.motion += 1;
+        self.outbox.push(Command::Stop { run: self.run, motion: self.motion });
         self.sweep = None;
         self.busy = false;
         self.target_pending = false;

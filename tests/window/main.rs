@@ -1,223 +1,20 @@
 //! The real window, driven through its accessible labels by a solver that is stepped by hand. No display, no graphics, no time.
 #![cfg(feature = "gui")]
 
+mod bench;
+mod live;
+mod select;
+mod tabs;
+
+use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
-use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
-use ndarray::Array2;
-use std::cell::RefCell;
-use std::path::PathBuf;
-use std::rc::Rc;
+use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
-use tackscope::experiment::scene::{Model, Points, Scene};
-use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
-use tackscope::solver::Stop;
+use tackscope::experiment::record::Branch;
+use tackscope::experiment::scene::Points;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::ui::App;
-use tackscope::ui::handle::SolverHandle;
-use tackscope::ui::theme;
-use tackscope::ui::view_state::ViewState;
-use tackscope::worker::protocol::{Command, Event, Frame, LoopSummary, Ready, RunId, Sweep};
-
-/// What the window said, and what it will hear at its next frame.
-#[derive(Default)]
-struct Wire {
-    commands: Vec<Command>,
-    events: Vec<Event>,
-    frame: Option<(RunId, Arc<Frame>)>,
-}
-
-/// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
-#[derive(Clone, Default)]
-struct FakeSolver(Rc<RefCell<Wire>>);
-
-impl SolverHandle for FakeSolver {
-    fn send(&mut self, command: Command) {
-        self.0.borrow_mut().commands.push(command);
-    }
-
-    fn poll(&mut self) -> (Vec<Event>, Option<(RunId, Arc<Frame>)>) {
-        let mut wire = self.0.borrow_mut();
-        (std::mem::take(&mut wire.events), wire.frame.take())
-    }
-}
-
-/// The window under test.
-struct Bench {
-    window: Harness<'static, App>,
-    solver: FakeSolver,
-    model: Model,
-}
-
-fn fig2() -> Scene {
-    scene_file::parse(presets::find("fig2").expect("fig2 is built in").text, "fig2").expect("fig2 is allowed")
-}
-
-impl Bench {
-    /// At rest at the start of Fig. 2.
-    fn new() -> Self {
-        Self::sized(1280.0, 800.0)
-    }
-
-    fn sized(width: f32, height: f32) -> Self {
-        let solver = FakeSolver::default();
-        let scene = fig2();
-        let model = scene.model().expect("fig2 is allowed");
-        let state = ViewState::new(scene).expect("fig2 is allowed");
-        // A desktop without a file chooser: every question is answered by nothing.
-        let app = App::with_chooser(solver.clone(), state, |_| Box::pin(std::future::ready(None::<PathBuf>)));
-        let window = Harness::builder()
-            .with_size(vec2(width, height))
-            .with_context_setup(theme::install)
-            .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
-        let mut bench = Self { window, solver, model };
-        bench.window.run();
-        bench
-    }
-
-    /// Draws until nothing wants to be drawn any more.
-    fn settle(&mut self) {
-        self.window.run();
-    }
-
-    fn state(&self) -> &ViewState {
-        self.window.state().state()
-    }
-
-    /// The commands since the last call.
-    fn heard(&self) -> Vec<Command> {
-        std::mem::take(&mut self.solver.0.borrow_mut().commands)
-    }
-
-    fn targets(&self) -> Vec<f64> {
-        self.heard()
-            .into_iter()
-            .filter_map(|command| match command {
-                Command::SetTarget { mean_displacement, .. } => Some(mean_displacement),
-                _ => None,
-            })
-            .collect()
-    }
-
-    fn scenes(&self) -> Vec<Arc<Scene>> {
-        self.heard()
-            .into_iter()
-            .filter_map(|command| match command {
-                Command::SetScene { scene, .. } => Some(scene),
-                _ => None,
-            })
-            .collect()
-    }
-
-    fn say(&mut self, event: Event) {
-        self.solver.0.borrow_mut().events.push(event);
-        self.window.step();
-        self.settle();
-    }
-
-    /// The solver reaches the flat state at `u0`: its closed form.
-    fn reach(&mut self, u0: f64, branch: Branch) {
-        let run = self.state().run;
-        let law = self.model.law;
-        let stress = law.at(u0).traction;
-        let state = StateRecord {
-            branch,
-            mean_displacement: u0,
-            stress,
-            stress_over_max: stress / law.traction_max(),
-            contact_area: 0.0,
-            pattern: Pattern::Flat,
-            residual: 0.0,
-            stiffness_min: flat::stiffness_min(&law, self.model.grid.length, u0),
-            stiffness_error: 0.0,
-            energy: law.at(u0).energy,
-            model: "flat, closed form",
-            stop: Stop::Stable,
-            iterations: 0,
-            transforms: 0,
-            milliseconds: 0.01,
-        };
-        let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
-        let frame = Frame { mean_displacement: u0, stress, gap, relaxing: false, state: Some(state.clone()) };
-        self.solver.0.borrow_mut().frame = Some((run, Arc::new(frame)));
-        self.say(Event::State { run, state });
-    }
-
-    fn jump(&mut self, u0: f64) {
-        let jump = JumpRecord {
-            branch: Branch::Approach,
-            mean_displacement: u0,
-            from: Pattern::Flat,
-            to: Pattern::Ridge,
-            stress_before: 0.01,
-            stress_after: 0.03,
-            released_energy: 0.1234,
-            cause: Cause::FlatLimit,
-        };
-        let run = self.state().run;
-        self.say(Event::Jump { run, jump });
-    }
-
-    fn click(&mut self, label: &str) {
-        self.window.get_by_label(label).click();
-        self.settle();
-    }
-
-    fn press(&mut self, modifiers: Modifiers, key: Key) {
-        self.window.key_press_modifiers(modifiers, key);
-        self.settle();
-    }
-
-    /// Drags from the middle of the control with this label.
-    fn drag(&mut self, label: &str, by: &[egui::Vec2]) {
-        let from = self.window.get_by_label(label).rect().center();
-        self.window.hover_at(from);
-        self.window.step();
-        self.window.drag_at(from);
-        self.window.step();
-        for step in by {
-            self.window.hover_at(from + *step);
-            self.window.step();
-        }
-        self.window.drop_at(from + by.last().copied().unwrap_or_default());
-        self.settle();
-    }
-
-    /// Types into the field with this label.
-    fn enter(&mut self, label: &str, text: &str) {
-        let field = self.window.get_by_role_and_label(egui::Role::SpinButton, label);
-        field.click();
-        self.window.run();
-        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        self.window.run();
-        self.window.event(egui::Event::Text(text.to_owned()));
-        self.window.run();
-        self.window.key_press(Key::Enter);
-        self.settle();
-    }
-
-    fn names(&self) -> String {
-        fn walk(node: egui_kittest::Node<'_>, all: &mut String) {
-            if let Some(label) = node.accesskit_node().label() {
-                all.push_str(&label);
-                all.push('\n');
-            }
-            if let Some(value) = node.accesskit_node().value() {
-                all.push_str(&value);
-                all.push('\n');
-            }
-            for child in node.children() {
-                walk(child, all);
-            }
-        }
-        let mut all = String::new();
-        walk(self.window.root(), &mut all);
-        all
-    }
-}
+use tackscope::worker::protocol::{Command, Event, LoopSummary, Ready, Sweep};
 
 #[test]
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
@@ -310,14 +107,14 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
         bench.heard();
         bench.click(label);
         let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep }] if *sweep == wanted), "{heard:?}");
+        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep, .. }] if *sweep == wanted), "{heard:?}");
     }
     bench.click("Pause");
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
     bench.click("Go on");
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.click("Stop");
-    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     assert!(!bench.state().busy);
 }
 
@@ -327,8 +124,31 @@ fn a_sweep_takes_the_thumb_along() {
     bench.click("Play approach");
     bench.reach(3.7, Branch::Approach);
     assert_eq!((bench.state().target, bench.state().actual), (3.7, 3.7));
-    bench.say(Event::Rest { run: 1, mean_displacement: 3.7 });
+    bench.say(Event::Rest { run: 1, motion: 1, mean_displacement: 3.7 });
     assert!(bench.state().sweep.is_none() && !bench.state().busy);
+}
+
+#[test]
+fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
+    let mut bench = Bench::new();
+    let run = bench.state().run;
+    bench.press(Modifiers::NONE, Key::End);
+    bench.reach(3.9, Branch::Approach);
+    bench.click("Stop");
+    bench.click("Play retract");
+    // The target was reached in the moment of the stop: two rests are on their way while the sweep already runs.
+    let motion = |commands: &[Command]| {
+        commands.iter().filter_map(|c| if let Command::Sweep { motion, .. } = c { Some(*motion) } else { None }).next_back()
+    };
+    let sweep = motion(&bench.heard()).expect("a sweep was asked for");
+    for motion in [sweep - 2, sweep - 1] {
+        bench.say(Event::Rest { run, motion, mean_displacement: 3.9 });
+    }
+    bench.reach(3.92, Branch::Retraction);
+    assert!(bench.state().busy && bench.state().sweep == Some(Sweep::Retract));
+    assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
+    bench.say(Event::Rest { run, motion: sweep, mean_displacement: 3.92 });
+    assert!(!bench.state().busy && bench.state().sweep.is_none());
 }
 
 #[test]
@@ -418,9 +238,9 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     bench.press(Modifiers::NONE, Key::Space);
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.press(Modifiers::NONE, Key::Escape);
-    assert!(matches!(bench.heard()[..], [Command::Stop]));
+    assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     bench.reach(3.0, Branch::Approach);
-    bench.say(Event::Rest { run: 1, mean_displacement: 3.0 });
+    bench.say(Event::Rest { run: 1, motion: 2, mean_displacement: 3.0 });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
     bench.press(Modifiers::NONE, Key::Period);
@@ -488,7 +308,7 @@ fn stale_events_of_an_older_run_are_dropped() {
     bench.click("law cosine");
     let state = bench.state().clone();
     bench.say(Event::Failed { run: 1, message: "old".to_owned(), remedy: String::new() });
-    bench.say(Event::Rest { run: 1, mean_displacement: 1.0 });
+    bench.say(Event::Rest { run: 1, motion: 0, mean_displacement: 1.0 });
     assert_eq!(bench.state().failure, None);
     assert_eq!(bench.state().actual, state.actual);
 }

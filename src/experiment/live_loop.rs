@@ -1,0 +1,236 @@
+//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a parameter, and to say where the surface
+//! will stand before the walk has gone there.
+
+use super::atlas::{Atlas, Chart, Place, Unmapped};
+use super::record::{Branch, JumpRecord, StateRecord};
+use super::scene::{Model, Scene, Turn};
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::mesh_rule;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+use std::f64::consts::PI;
+
+/// States sampled along one branch.
+const SAMPLES: usize = 64;
+/// Most points along a side: beyond it a loop takes too long to be live.
+const POINTS_MAX: usize = 192;
+
+/// How fine the mesh of the atlas is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fineness {
+    /// While the hand moves.
+    Coarse,
+    /// When it rests.
+    Fine,
+}
+
+impl Fineness {
+    /// The mesh number mu_rho that its mesh keeps.
+    fn mu_rho(self) -> f64 {
+        match self {
+            Fineness::Coarse => 0.5,
+            Fineness::Fine => 0.36,
+        }
+    }
+}
+
+/// One state of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// u0 (length).
+    pub mean_displacement: f64,
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// Smallest eigenvalue (E*/L), interpolated between the nodes of the branch.
+    pub stiffness_min: f64,
+}
+
+/// A branch of stable states between its two ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Its pattern.
+    pub pattern: Pattern,
+    /// By growing u0.
+    pub samples: Vec<Sample>,
+    /// The stretch on which the surface lands when this one ends below, and above; `None` where the loop does not end it.
+    pub next: [Option<usize>; 2],
+}
+
+/// A piece of the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Direction of the drive.
+    pub direction: Branch,
+    /// Index of the stretch.
+    pub stretch: usize,
+    /// u0 where it begins (length).
+    pub from: f64,
+    /// u0 where it ends (length).
+    pub to: f64,
+}
+
+/// A closed loop with everything that is needed to draw it and to read it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveLoop {
+    /// The law it belongs to, for the scales.
+    pub law: Law,
+    /// The branches it visits.
+    pub stretches: Vec<Stretch>,
+    /// Its pieces in order.
+    pub legs: Vec<Leg>,
+    /// Its jumps in order.
+    pub jumps: Vec<JumpRecord>,
+    /// Sum of the released energies, in units of gamma.
+    pub dissipated_energy: f64,
+    /// Points along a side of the mesh it was computed on.
+    pub points: usize,
+}
+
+impl LiveLoop {
+    /// The loop of a scene's drive.
+    ///
+    /// # Errors
+    /// Why the atlas does not hold this scene; the walk does.
+    pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
+        let Turn::At(turn) = scene.drive.turn else { return Err(unmapped("the drive has no fixed turning point")) };
+        if model.indenter != Indenter::Flat || model.grid.is_line() {
+            return Err(unmapped("the atlas holds square cells on flat ground"));
+        }
+        let (length, law) = (model.grid.length, model.law);
+        let needed = mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho());
+        let points = (needed / 8.0).ceil().max(4.0) as usize * 8;
+        if points > POINTS_MAX {
+            return Err(unmapped(&format!("a live loop would need {points} points a side")));
+        }
+        let coarse = (points / 2).next_multiple_of(8);
+        let chart = Chart { length, law, square: points, line: points, coarse, seed: scene.seed };
+        let mut atlas = Atlas::new(chart);
+        let cycle = atlas.cycle(scene.drive.start, turn)?;
+        let mut this = Self {
+            law,
+            stretches: Vec::new(),
+            legs: Vec::new(),
+            jumps: cycle.jumps,
+            dissipated_energy: cycle.dissipated_energy,
+            points,
+        };
+        let mut known: Vec<(Place, bool)> = Vec::new();
+        for leg in &cycle.legs {
+            // The flat state is stable far away and pressed, and nothing in between.
+            let pressed = leg.place == Place::Flat && atlas.flat_limits().is_some_and(|(low, _)| leg.from.min(leg.to) <= low);
+            let key = (leg.place, pressed);
+            let stretch = known.iter().position(|k| *k == key).unwrap_or_else(|| {
+                known.push(key);
+                this.stretches.push(stretch(&atlas, leg.place, pressed, turn, scene.drive.start));
+                known.len() - 1
+            });
+            this.legs.push(Leg { direction: leg.direction, stretch, from: leg.from, to: leg.to });
+        }
+        for pair in this.legs.windows(2).filter(|pair| pair[0].stretch != pair[1].stretch) {
+            let side = usize::from(pair[0].direction == Branch::Retraction);
+            this.stretches[pair[0].stretch].next[side] = Some(pair[1].stretch);
+        }
+        Ok(this)
+    }
+
+    /// The points (u0, stress) of a piece, in the order they are passed.
+    pub fn points_of(&self, leg: &Leg) -> Vec<[f64; 2]> {
+        let stretch = &self.stretches[leg.stretch];
+        let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
+        let inner = stretch.samples.iter().filter(|s| s.mean_displacement > low && s.mean_displacement < high);
+        let at = |u0: f64| [u0, stretch.at(u0).stress];
+        let mut points: Vec<[f64; 2]> = inner.map(|s| [s.mean_displacement, s.stress]).collect();
+        points.insert(0, at(low));
+        points.push(at(high));
+        if leg.direction == Branch::Approach {
+            points.reverse();
+        }
+        points
+    }
+
+    /// Where the surface will stand at `target` if it goes there from `now`, with all jumps on the way. `None` if `now` is on none of
+    /// the loop's branches.
+    pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
+        let here = now.mean_displacement;
+        let off = |s: &Stretch| (s.at(here).stress - now.stress).abs();
+        let same = |s: &&Stretch| s.pattern == now.pattern && s.covers(here, 0.01 * self.law.range);
+        let start = self.stretches.iter().filter(same).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        if off(start) > 0.05 * self.law.traction_max() {
+            return None;
+        }
+        let side = usize::from(target > here);
+        let mut stretch = start;
+        // Every jump leads to a branch not yet passed.
+        for _ in 0..=self.stretches.len() {
+            let (low, high) = stretch.extent();
+            let beyond = if side == 1 { target > high } else { target < low };
+            match stretch.next[side].filter(|_| beyond) {
+                Some(next) => stretch = &self.stretches[next],
+                None => return Some((stretch.pattern, stretch.at(target))),
+            }
+        }
+        None
+    }
+}
+
+impl Stretch {
+    /// u0 of its lower and its upper end (length).
+    pub fn extent(&self) -> (f64, f64) {
+        (self.samples[0].mean_displacement, self.samples[self.samples.len() - 1].mean_displacement)
+    }
+
+    fn covers(&self, u0: f64, margin: f64) -> bool {
+        let (low, high) = self.extent();
+        (low - margin..=high + margin).contains(&u0)
+    }
+
+    /// Between its samples, or at its nearer end.
+    pub fn at(&self, u0: f64) -> Sample {
+        let i = self.samples.partition_point(|s| s.mean_displacement < u0).clamp(1, self.samples.len() - 1);
+        let (a, b) = (self.samples[i - 1], self.samples[i]);
+        let width = b.mean_displacement - a.mean_displacement;
+        let t = if width > 0.0 { ((u0 - a.mean_displacement) / width).clamp(0.0, 1.0) } else { 0.0 };
+        Sample {
+            mean_displacement: u0,
+            stress: a.stress + t * (b.stress - a.stress),
+            stiffness_min: a.stiffness_min + t * (b.stiffness_min - a.stiffness_min),
+        }
+    }
+}
+
+fn unmapped(why: &str) -> Unmapped {
+    Unmapped(why.to_owned())
+}
+
+/// Samples a place, densely towards both ends, where folds are steep.
+fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) -> Stretch {
+    let chart = *atlas.chart();
+    let (pattern, low, high) = match (place, atlas.flat_limits()) {
+        (Place::On(i), _) => {
+            let (low, high) = atlas.branches()[i].extent();
+            (atlas.branches()[i].pattern, low, high)
+        }
+        (Place::Flat, Some((low, _))) if pressed => (Pattern::Flat, turn, low),
+        (Place::Flat, Some((_, high))) => (Pattern::Flat, high, start),
+        (Place::Flat, None) => (Pattern::Flat, turn, start),
+    };
+    let stiffness = |u0: f64| match place {
+        Place::Flat => flat::stiffness_min(&chart.law, chart.length, u0),
+        Place::On(i) => {
+            let nodes = &atlas.branches()[i].nodes;
+            let k = nodes.partition_point(|n| n.u0 < u0).clamp(1, nodes.len() - 1);
+            let (a, b) = (&nodes[k - 1], &nodes[k]);
+            let t = ((u0 - a.u0) / (b.u0 - a.u0)).clamp(0.0, 1.0);
+            let softest = |n: &crate::solver::sector::Node| n.own.min(n.breaking) * chart.length;
+            softest(a) + t * (softest(b) - softest(a))
+        }
+    };
+    let samples = (0..=SAMPLES)
+        .map(|k| {
+            let u0 = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
+            Sample { mean_displacement: u0, stress: atlas.at(place, u0).stress, stiffness_min: stiffness(u0) }
+        })
+        .collect();
+    Stretch { pattern, samples, next: [None; 2] }
+}

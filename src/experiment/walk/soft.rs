@@ -1,0 +1,94 @@
+//! The mode that gives way first, and the energy well along it.
+
+use super::Walk;
+use crate::numerics::vector::{add, dot, scale};
+use ndarray::Array2;
+
+/// Offsets along the soft mode, in ranges, root mean square over the cell.
+const REACH: f64 = 0.5;
+/// Energies of a well; odd, so that the state itself is among them.
+const SAMPLES: usize = 41;
+
+/// The energy around a state along its soft mode phi, mean(phi^2) = 1: V(u0; u + a phi) - V.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyWell {
+    /// u0 of the state (length).
+    pub mean_displacement: f64,
+    /// Offsets a (length), ascending.
+    pub offsets: Vec<f64>,
+    /// Energies per area at the offsets (E* times length), as many as are computed yet.
+    pub energies: Vec<f64>,
+    /// Curvature at the state: its smallest eigenvalue (E* per length).
+    pub curvature: f64,
+    energy: f64,
+    mode: Vec<f64>,
+}
+
+impl EnergyWell {
+    /// True once every energy is known.
+    pub fn is_complete(&self) -> bool {
+        self.energies.len() == self.offsets.len()
+    }
+}
+
+impl Walk {
+    /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest eigenvalue, or of the flat state one of its
+    /// equal longest waves. `None` while jumping or not measured. One transform.
+    pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
+        let mode = self.soft_amplitudes()?;
+        let spent = self.ws.transforms;
+        let field = self.system.field(&mode, &mut self.ws).clone();
+        // A picture is no part of the solution's cost.
+        self.ws.transforms = spent;
+        Some(self.system.unfolded(&field))
+    }
+
+    /// The well around the present state, still empty: [`Walk::deepen`] fills it. `None` while jumping or without a soft mode.
+    pub fn energy_well(&mut self) -> Option<EnergyWell> {
+        let (mode, stiffness) = (self.soft_amplitudes()?, self.state.stiffness_min?);
+        let step = 2.0 * REACH * self.model.law.range / (SAMPLES - 1) as f64;
+        Some(EnergyWell {
+            mean_displacement: self.state.mean_displacement,
+            offsets: (0..SAMPLES).map(|i| (i as f64 - (SAMPLES / 2) as f64) * step).collect(),
+            energies: Vec::with_capacity(SAMPLES),
+            curvature: stiffness.value,
+            energy: self.state.energy,
+            mode,
+        })
+    }
+
+    /// Computes up to `count` more energies of a well around the present state.
+    pub fn deepen(&mut self, well: &mut EnergyWell, count: usize) {
+        let spent = self.ws.transforms;
+        let u0 = well.mean_displacement;
+        let mut gradient = vec![0.0; self.state.field.len()];
+        for _ in 0..count.min(well.offsets.len() - well.energies.len()) {
+            let mut z = self.state.field.clone();
+            add(&mut z, well.offsets[well.energies.len()], &well.mode);
+            let there = self.system.evaluate(&z, u0, &mut gradient, &mut self.ws).energy;
+            well.energies.push(there - well.energy);
+        }
+        // The next increment finds the workspace as it left it.
+        self.system.evaluate(&self.state.field, self.state.mean_displacement, &mut gradient, &mut self.ws);
+        self.ws.transforms = spent;
+    }
+
+    /// The mode with the sign of the last one asked for, so that pictures do not flicker.
+    fn soft_amplitudes(&mut self) -> Option<Vec<f64>> {
+        if self.jumping.is_some() {
+            return None;
+        }
+        let mut mode = self.state.soft_mode.clone();
+        if self.state.is_uniform() && self.system.is_flat() {
+            mode = vec![0.0; self.system.dimension()];
+            // The first wave along x: a pair of amplitudes, or one on the even part of the cell.
+            let row = self.system.shape().0;
+            mode[if self.system.is_even() { row } else { 2 * row }] = 1.0;
+        }
+        if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
+            scale(&mut mode, -1.0);
+        }
+        self.facing.clone_from(&mode);
+        (!mode.is_empty()).then_some(mode)
+    }
+}

@@ -1,0 +1,87 @@
+//! The energy well: the energy along the softest mode, with the state as a ball in it.
+
+use super::loop_plot::{line, small, ticks};
+use super::scene_edit;
+use super::theme;
+use super::view_state::ViewState;
+use crate::experiment::walk::EnergyWell;
+use egui::{RichText, Role, Stroke, Ui, WidgetInfo, vec2};
+use egui_plot::{HoverPosition, LineStyle, PlotBounds, PlotPoint};
+
+/// Radius of the ball, in screen points.
+const BALL: f32 = 7.0;
+
+/// The tab.
+pub fn show(ui: &mut Ui, state: &ViewState) {
+    let palette = theme::palette(ui.visuals().dark_mode);
+    let Some(well) = &state.well else {
+        ui.label(RichText::new("No well yet: it is measured where the surface rests.").weak());
+        return;
+    };
+    let (rho, gamma) = (state.rho(), state.model.law.surface_energy);
+    let jumping = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
+    let words = words(well, rho, gamma, jumping);
+    ui.label(RichText::new(&words).strong());
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.label(RichText::new("—").color(palette.approach).strong());
+        ui.label(RichText::new("energy").small());
+        ui.add_space(6.0);
+        ui.label(RichText::new("┄").color(palette.flat).strong());
+        ui.label(RichText::new("parabola of the smallest eigenvalue").small());
+    });
+    let reach = well.offsets.last().copied().unwrap_or(1.0) / rho;
+    let energies: Vec<[f64; 2]> = well.offsets.iter().zip(&well.energies).map(|(a, e)| [a / rho, e / gamma]).collect();
+    let parabola: Vec<[f64; 2]> = well.offsets.iter().map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma]).collect();
+    let top = state.well_scale;
+    let grid = ui.visuals().text_color().gamma_multiply(0.45);
+    let shown = small(ui, "well", "offset along the soft mode / ρ", "energy / γ")
+        .grid_color(grid)
+        .x_grid_spacer(|input| ticks(input, 8.0))
+        .y_grid_spacer(|input| ticks(input, 5.0))
+        .y_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
+        .label_formatter(|at| {
+            let p = match at {
+                HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
+            };
+            Some(format!("offset {:.3} ρ\nenergy {:.6} γ", p.x, p.y))
+        })
+        .show(ui, |plot| {
+            plot.set_plot_bounds(PlotBounds::from_min_max([-reach, -0.5 * top], [reach, top]));
+            plot.line(line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()).allow_hover(false));
+            plot.line(line("energy", &energies, palette.approach, 2.2));
+        });
+    let foot = shown.transform.position_from_point(&PlotPoint::new(0.0, 0.0));
+    let fill = if jumping { palette.ghost } else { palette.retraction };
+    let painter = ui.painter().with_clip_rect(shown.response.rect);
+    painter.circle(foot - vec2(0.0, BALL + 1.0), BALL, fill, Stroke::new(1.5, palette.now));
+    shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Energy well: {words}")));
+}
+
+/// What holds the ball, in one line.
+fn words(well: &EnergyWell, rho: f64, gamma: f64, jumping: bool) -> String {
+    let at = format!("u₀ = {:.3} ρ", well.mean_displacement / rho);
+    if jumping {
+        return format!("Jumping; this was the well at {at}.");
+    }
+    match lower_barrier(well) {
+        Some((offset, height)) => format!("At {at}: barrier of {:.1e} γ at offset {:.2} ρ", height / gamma, offset / rho),
+        None => {
+            let reach = well.offsets.last().copied().unwrap_or(0.0) / rho;
+            format!("At {at}: no barrier along it within {reach:.1} ρ")
+        }
+    }
+}
+
+/// Offset and height of the lower of the two barriers around the state, if there is one in sight.
+fn lower_barrier(well: &EnergyWell) -> Option<(f64, f64)> {
+    let middle = well.offsets.len() / 2;
+    let crest = |i: usize| {
+        let e = &well.energies;
+        i > 0 && i + 1 < e.len() && e[i] > e[i - 1] && e[i] >= e[i + 1]
+    };
+    let left = (0..middle).rev().find(|i| crest(*i));
+    let right = (middle + 1..well.energies.len()).find(|i| crest(*i));
+    let barriers = left.into_iter().chain(right).map(|i| (well.offsets[i], well.energies[i]));
+    barriers.min_by(|a, b| a.1.total_cmp(&b.1))
+}

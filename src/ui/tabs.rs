@@ -1,0 +1,33 @@
+//! What stands below the plot: one of several views behind a strip of tabs.
+
+use super::action::{Action, Tab};
+use super::view_state::ViewState;
+use super::{energy_well, event_list, stability};
+use egui::{Role, Ui, WidgetInfo};
+
+/// The tabs in order.
+const TABS: [(Tab, &str, &str); 3] = [
+    (Tab::Events, "Events", "every jump so far"),
+    (Tab::Stability, "Stability", "how far the next jump is, and which time steps GFMD survives"),
+    (Tab::EnergyWell, "Energy well", "the energy along the softest mode"),
+];
+
+/// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (tab, name, what) in TABS {
+            let chosen = state.view.tab == tab;
+            let response = ui.selectable_label(chosen, name).on_hover_text(what);
+            response.widget_info(|| WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab")));
+            if response.clicked() && !chosen {
+                actions.push(Action::SetView(super::action::ViewOptions { tab, ..state.view }));
+            }
+        }
+    });
+    match state.view.tab {
+        Tab::Events => event_list::show(ui, state, actions, announced),
+        Tab::Stability => stability::show(ui, state, actions),
+        Tab::EnergyWell => energy_well::show(ui, state),
+    }
+}

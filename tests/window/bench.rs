@@ -1,0 +1,234 @@
+//! The window under test, and the solver it talks to.
+
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use ndarray::Array2;
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::Arc;
+use tackscope::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
+use tackscope::experiment::scene::{Model, Scene};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::theory::flat;
+use tackscope::solver::Stop;
+use tackscope::storage::{presets, scene_file};
+use tackscope::ui::App;
+use tackscope::ui::handle::SolverHandle;
+use tackscope::ui::theme;
+use tackscope::ui::view_state::ViewState;
+use tackscope::worker::protocol::{Command, Event, Frame, RunId};
+
+/// What the window said, and what it will hear at its next frame.
+#[derive(Default)]
+struct Wire {
+    commands: Vec<Command>,
+    events: Vec<Event>,
+    frame: Option<(RunId, Arc<Frame>)>,
+}
+
+/// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
+#[derive(Clone, Default)]
+struct FakeSolver(Rc<RefCell<Wire>>);
+
+impl SolverHandle for FakeSolver {
+    fn send(&mut self, command: Command) {
+        self.0.borrow_mut().commands.push(command);
+    }
+
+    fn poll(&mut self) -> (Vec<Event>, Option<(RunId, Arc<Frame>)>) {
+        let mut wire = self.0.borrow_mut();
+        (std::mem::take(&mut wire.events), wire.frame.take())
+    }
+}
+
+/// The window under test.
+pub struct Bench {
+    pub window: Harness<'static, App>,
+    solver: FakeSolver,
+    pub model: Model,
+}
+
+/// The scene the window opens with.
+pub fn fig2() -> Scene {
+    scene_file::parse(presets::find("fig2").expect("fig2 is built in").text, "fig2").expect("fig2 is allowed")
+}
+
+impl Bench {
+    /// At rest at the start of Fig. 2.
+    pub fn new() -> Self {
+        Self::sized(1280.0, 800.0)
+    }
+
+    pub fn sized(width: f32, height: f32) -> Self {
+        let solver = FakeSolver::default();
+        let scene = fig2();
+        let model = scene.model().expect("fig2 is allowed");
+        let state = ViewState::new(scene).expect("fig2 is allowed");
+        // A desktop without a file chooser: every question is answered by nothing.
+        let app = App::with_chooser(solver.clone(), state, |_| Box::pin(std::future::ready(None::<PathBuf>)));
+        let window = Harness::builder()
+            .with_size(vec2(width, height))
+            .with_context_setup(theme::install)
+            .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
+        let mut bench = Self { window, solver, model };
+        bench.window.run();
+        bench
+    }
+
+    /// Draws until nothing wants to be drawn any more.
+    pub fn settle(&mut self) {
+        self.window.run();
+    }
+
+    pub fn state(&self) -> &ViewState {
+        self.window.state().state()
+    }
+
+    /// The commands since the last call.
+    pub fn heard(&self) -> Vec<Command> {
+        std::mem::take(&mut self.solver.0.borrow_mut().commands)
+    }
+
+    pub fn targets(&self) -> Vec<f64> {
+        self.heard()
+            .into_iter()
+            .filter_map(|command| match command {
+                Command::SetTarget { mean_displacement, .. } => Some(mean_displacement),
+                _ => None,
+            })
+            .collect()
+    }
+
+    pub fn scenes(&self) -> Vec<Arc<Scene>> {
+        self.heard()
+            .into_iter()
+            .filter_map(|command| match command {
+                Command::SetScene { scene, .. } => Some(scene),
+                _ => None,
+            })
+            .collect()
+    }
+
+    pub fn say(&mut self, event: Event) {
+        self.solver.0.borrow_mut().events.push(event);
+        self.window.step();
+        self.settle();
+    }
+
+    /// The solver reaches the flat state at `u0`: its closed form.
+    pub fn reach(&mut self, u0: f64, branch: Branch) {
+        let run = self.state().run;
+        let law = self.model.law;
+        let stress = law.at(u0).traction;
+        let state = StateRecord {
+            branch,
+            mean_displacement: u0,
+            stress,
+            stress_over_max: stress / law.traction_max(),
+            contact_area: 0.0,
+            pattern: Pattern::Flat,
+            residual: 0.0,
+            stiffness_min: flat::stiffness_min(&law, self.model.grid.length, u0),
+            stiffness_error: 0.0,
+            energy: law.at(u0).energy,
+            model: "flat, closed form",
+            stop: Stop::Stable,
+            iterations: 0,
+            transforms: 0,
+            milliseconds: 0.01,
+        };
+        let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
+        let frame = Frame { mean_displacement: u0, stress, gap, soft_mode: None, relaxing: false, state: Some(state.clone()) };
+        self.solver.0.borrow_mut().frame = Some((run, Arc::new(frame)));
+        self.say(Event::State { run, state });
+    }
+
+    pub fn jump(&mut self, u0: f64) {
+        let jump = JumpRecord {
+            branch: Branch::Approach,
+            mean_displacement: u0,
+            from: Pattern::Flat,
+            to: Pattern::Ridge,
+            stress_before: 0.01,
+            stress_after: 0.03,
+            released_energy: 0.1234,
+            cause: Cause::FlatLimit,
+        };
+        let run = self.state().run;
+        self.say(Event::Jump { run, jump });
+    }
+
+    pub fn click(&mut self, label: &str) {
+        self.window.get_by_label(label).click();
+        self.settle();
+    }
+
+    pub fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.window.key_press_modifiers(modifiers, key);
+        self.settle();
+    }
+
+    /// Drags from the middle of the control with this label.
+    pub fn drag(&mut self, label: &str, by: &[egui::Vec2]) {
+        let from = self.window.get_by_label(label).rect().center();
+        self.window.hover_at(from);
+        self.window.step();
+        self.window.drag_at(from);
+        self.window.step();
+        for step in by {
+            self.window.hover_at(from + *step);
+            self.window.step();
+        }
+        self.window.drop_at(from + by.last().copied().unwrap_or_default());
+        self.settle();
+    }
+
+    /// Types into the field with this label.
+    pub fn enter(&mut self, label: &str, text: &str) {
+        let field = self.window.get_by_role_and_label(egui::Role::SpinButton, label);
+        field.click();
+        self.window.run();
+        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.window.run();
+        self.window.event(egui::Event::Text(text.to_owned()));
+        self.window.run();
+        self.window.key_press(Key::Enter);
+        self.settle();
+    }
+
+    /// The accessible sentence of the plot.
+    pub fn plot_sentence(&self) -> String {
+        self.names().lines().find(|line| line.starts_with("Stress against u0:")).expect("the plot says a sentence").to_owned()
+    }
+
+    /// Clicks at a place.
+    pub fn click_at(&mut self, at: egui::Pos2) {
+        self.window.hover_at(at);
+        self.window.step();
+        self.window.drag_at(at);
+        self.window.step();
+        self.window.drop_at(at);
+        self.settle();
+    }
+
+    pub fn names(&self) -> String {
+        fn walk(node: egui_kittest::Node<'_>, all: &mut String) {
+            if let Some(label) = node.accesskit_node().label() {
+                all.push_str(&label);
+                all.push('\n');
+            }
+            if let Some(value) = node.accesskit_node().value() {
+                all.push_str(&value);
+                all.push('\n');
+            }
+            for child in node.children() {
+                walk(child, all);
+            }
+        }
+        let mut all = String::new();
+        walk(self.window.root(), &mut all);
+        all
+    }
+}

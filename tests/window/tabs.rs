@@ -1,0 +1,134 @@
+//! What stands below the plot: stability, forecast, energy well, time steps.
+
+use super::bench::Bench;
+use egui::Role;
+use egui_kittest::kittest::Queryable;
+use std::sync::Arc;
+use tackscope::experiment::record::Branch;
+use tackscope::experiment::time_step_map::{Progress, Survey};
+use tackscope::experiment::walk::{Progress as Walked, Walk};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::theory::flat;
+use tackscope::solver::method::MethodKind;
+use tackscope::worker::protocol::{Command, Errand, Event};
+
+fn tab(bench: &mut Bench, name: &str) {
+    bench.click(&format!("{name} tab"));
+}
+
+#[test]
+fn the_tabs_are_reached_and_chosen_by_the_keyboard() {
+    let mut bench = Bench::new();
+    bench.window.get_by_role_and_label(Role::Tab, "Stability tab").focus();
+    bench.settle();
+    bench.press(egui::Modifiers::NONE, egui::Key::Enter);
+    assert!(bench.window.query_by_label("soft mode on map").is_some());
+    assert!(bench.window.query_by_label("No jump yet.").is_none());
+}
+
+#[test]
+fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
+    let mut bench = Bench::new();
+    tab(&mut bench, "Stability");
+    let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    for u0 in [3.4, 3.38, 3.36] {
+        bench.reach(u0, Branch::Approach);
+    }
+    let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
+    let words = format!("now {eigenvalue:.4} E*/L; next jump at {upper:.4} going down (exact)");
+    assert!(bench.names().contains(&words), "{words} in {}", bench.names());
+    for u0 in [0.3, 0.32] {
+        bench.reach(u0, Branch::Retraction);
+    }
+    assert!(bench.names().contains(&format!("next jump at {lower:.4} going up (exact)")), "{}", bench.names());
+    for u0 in [3.36, 3.38] {
+        bench.reach(u0, Branch::Retraction);
+    }
+    assert!(bench.names().contains("no jump foreseen going up"), "{}", bench.names());
+}
+
+#[test]
+fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
+    let mut bench = Bench::new();
+    bench.reach(3.2, Branch::Approach);
+    bench.reach(3.12, Branch::Approach);
+    bench.jump(3.102);
+    bench.reach(3.102, Branch::Approach);
+    let pieces: Vec<usize> = bench.state().stiffness.pieces.iter().map(|piece| piece.points.len()).collect();
+    assert_eq!(pieces, [2, 1]);
+}
+
+#[test]
+fn the_energy_well_is_asked_for_while_it_is_looked_at_and_not_else() {
+    let mut bench = Bench::new();
+    bench.heard();
+    tab(&mut bench, "Energy well");
+    assert!(matches!(bench.heard()[..], [Command::Watch { energy_well: true }]));
+    tab(&mut bench, "Events");
+    assert!(matches!(bench.heard()[..], [Command::Watch { energy_well: false }]));
+}
+
+/// A walk of the window's scene at rest at the last of these u0.
+fn walked(bench: &Bench, path: &[f64]) -> Walk {
+    let mut walk = Walk::new(&bench.state().scene, MethodKind::NewtonKrylov).unwrap();
+    for u0 in path {
+        walk.set_target(*u0);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Walked::Working {}
+    }
+    walk
+}
+
+#[test]
+fn the_well_is_a_minimum_whose_curvature_is_the_eigenvalue_and_says_its_barrier() {
+    let mut bench = Bench::new();
+    tab(&mut bench, "Energy well");
+    let run = bench.state().run;
+    let mut barriers = Vec::new();
+    // Far away, and a hair before the first jump.
+    for path in [&[4.0][..], &[3.12]] {
+        let mut walk = walked(&bench, path);
+        let mut well = walk.energy_well().unwrap();
+        walk.deepen(&mut well, usize::MAX);
+        assert!(well.is_complete());
+        let middle = well.offsets.len() / 2;
+        let (e, step) = (&well.energies, well.offsets[middle + 1]);
+        assert!(e[middle].abs() < 1e-12 && e[middle - 1] > 0.0 && e[middle + 1] > 0.0, "{e:?}");
+        let curvature = (e[middle - 1] + e[middle + 1]) / (step * step);
+        assert!((curvature / well.curvature - 1.0).abs() < 0.1, "{curvature} {} after {path:?}", well.curvature);
+        bench.say(Event::Well { run, well: Arc::new(well) });
+        barriers.push(bench.names().lines().find(|line| line.starts_with("Energy well: At u₀")).unwrap().to_owned());
+    }
+    assert!(barriers[0].contains("no barrier along it within 0.5 ρ"), "{barriers:?}");
+    assert!(barriers[1].contains("barrier of 3.0e-5 γ at offset -0.3"), "{barriers:?}");
+}
+
+#[test]
+fn the_time_steps_are_measured_at_the_push_of_a_button_shown_as_they_come_and_cancelled() {
+    let mut bench = Bench::new();
+    tab(&mut bench, "Stability");
+    bench.click("time steps");
+    bench.heard();
+    bench.click("Measure");
+    let run = bench.state().run;
+    let heard = bench.heard();
+    let [Command::Measure { errand: Errand::TimeSteps { scene, turn }, .. }] = &heard[..] else { panic!("{heard:?}") };
+    assert_eq!((scene.title.as_str(), *turn), (bench.state().scene.title.as_str(), bench.state().limits.0));
+    let mut survey = Survey::new(scene, *turn).unwrap();
+    while survey.map().stable.len() < 7 {
+        assert_eq!(survey.step(&Cancel::default()), Progress::Working);
+    }
+    bench.say(Event::TimeSteps { run, map: Arc::new(survey.map().clone()) });
+    assert!(bench.names().contains("Time steps of GFMD against u0: 7 cells measured"), "{}", bench.names());
+    bench.click("Cancel");
+    assert!(matches!(bench.heard()[..], [Command::StopMeasuring]));
+    bench.say(Event::Measured { run, stuck: None });
+    assert!(bench.window.query_by_label("Measure").is_some() && bench.state().time_steps.is_some());
+}
+
+#[test]
+fn the_soft_mode_is_switched_onto_the_map() {
+    let mut bench = Bench::new();
+    tab(&mut bench, "Stability");
+    bench.click("soft mode on map");
+    assert!(bench.state().view.soft_mode);
+}
