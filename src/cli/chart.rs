@@ -51,7 +51,7 @@ fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
 
 fn tell(teller: &mut Teller, news: &News<'_>) {
     match news {
-        News::Begun { what, reference: true } => teller.now(&format!("reference: {what}")),
+        News::Begun { what, reference: true } => teller.note(&format!("reference: {what}")),
         News::Begun { what, reference: false } => teller.now(&what.to_string()),
         News::Fraction(fraction) => teller.fraction(*fraction),
         News::Measured(row) => {
