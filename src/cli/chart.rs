@@ -62,10 +62,7 @@ fn tell(teller: &mut Teller, news: &News<'_>) {
             };
             teller.note(&format!("{}: error {error:.1e}, {} transforms, {seconds:.2} s: {verdict}", row.point, row.transforms));
         }
-        News::Skipped(skipped) => teller.note(&format!(
-            "{}: skipped, it would take {:.0} s of processor time and {:.0} s are left for it",
-            skipped.point, skipped.predicted_seconds, skipped.allowed_seconds
-        )),
+        News::Skipped(skipped) => teller.note(&format!("{}: skipped, {skipped}", skipped.point)),
     }
 }
 

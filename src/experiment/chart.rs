@@ -19,6 +19,7 @@ pub use reference::Reference;
 use super::scene::{Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use points::Predictor;
+use std::fmt;
 
 /// Everything a chart shows.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +43,17 @@ pub struct Skipped {
     pub predicted_seconds: f64,
     /// What was left for it.
     pub allowed_seconds: f64,
+    /// True if it is finer than a reference within the budget, which cannot judge it.
+    pub beyond_reference: bool,
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.beyond_reference {
+            return f.write_str("a reference fine enough to judge it is beyond the budget");
+        }
+        write!(f, "it would take {:.1} processor seconds, and {:.1} are left for it", self.predicted_seconds, self.allowed_seconds)
+    }
 }
 
 /// What a chart reports while it is made.
@@ -93,13 +105,17 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     let reference = Reference::new(loops);
     for point in points::own(&scene)?.into_iter().filter(|own| matches!(effort, Effort::Full { .. }) && !list.contains(own)) {
         let allowed_seconds = effort.seconds() * points::SHARE;
-        skip(&mut chart, observe, Skipped { point, predicted_seconds: predictor.seconds(&point), allowed_seconds });
+        skip(
+            &mut chart,
+            observe,
+            Skipped { point, predicted_seconds: predictor.seconds(&point), allowed_seconds, beyond_reference: true },
+        );
     }
     for point in list {
         let predicted_seconds = predictor.seconds(&point);
         let allowed_seconds = (effort.seconds() - spent).clamp(0.0, effort.seconds() * points::SHARE);
         if predicted_seconds > allowed_seconds {
-            skip(&mut chart, observe, Skipped { point, predicted_seconds, allowed_seconds });
+            skip(&mut chart, observe, Skipped { point, predicted_seconds, allowed_seconds, beyond_reference: false });
             continue;
         }
         observe(News::Begun { what: point, reference: false });
