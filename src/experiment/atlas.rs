@@ -40,6 +40,10 @@ pub struct Chart {
     pub seed: u64,
 }
 
+/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges), and whether on the fine mesh. Beyond the
+/// edge a fall is quicker, and there a coarse mesh, whose edges lie elsewhere, does not hold what the fine one lets go.
+const ATTEMPTS: [(f64, bool); 4] = [(0.02, false), (0.1, false), (0.02, true), (0.0, true)];
+
 /// Why an atlas cannot answer: the walk can.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
@@ -107,20 +111,21 @@ impl Atlas {
             return Ok(known);
         }
         let (u0, energy) = self.end_point(place, up);
-        let mut fine = false;
-        let (rest, on) = loop {
+        let onwards = if up { 1.0 } else { -1.0 } * self.chart.law.range;
+        let mut refusal = Unmapped(format!("the surface at u0 = {u0:.4} falls nowhere"));
+        for (beyond, fine) in ATTEMPTS {
             let (z, mode, explorer) = self.kick(place, up, fine)?;
-            let (rest, lost) = explorer.release(&z, &mode, u0);
-            // A coarse mesh may still hold what the fine one lets go.
-            let went = lost > 1e-5 * self.chart.law.surface_energy && !matches!(rest, Rest::Other);
-            if went || fine || self.chart.coarse >= self.chart.square {
-                break (rest, fine);
+            let rest = explorer.release(&z, &mode, u0 + beyond * onwards);
+            match self.settle(u0, energy, rest, fine) {
+                Ok(next) if next != place => {
+                    self.landings[row][side] = Some(next);
+                    return Ok(next);
+                }
+                Ok(_) => {}
+                Err(error) => refusal = error,
             }
-            fine = true;
-        };
-        let next = self.settle(u0, energy, rest, on)?;
-        self.landings[row][side] = Some(next);
-        Ok(next)
+        }
+        Err(refusal)
     }
 
     /// u0 and energy where `place` ends.

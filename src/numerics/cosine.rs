@@ -61,24 +61,43 @@ impl Cosine {
         }
         self.fourier.forward(&scratch.field, &mut scratch.spectrum, &mut scratch.fourier);
         let spectrum = scratch.spectrum.as_slice().expect("standard layout");
-        for (k, v) in spectrum.chunks_exact(ny).enumerate() {
-            // Both halves of the wave numbers along x are written from one row of the spectrum; the second of k = 0 does not exist.
-            let mirror = (nx - k) % nx;
+        let (low, high) = z.split_at_mut((nx / 2 + 1) * ny);
+        for (k, (v, z)) in spectrum.chunks_exact(ny).zip(low.chunks_exact_mut(ny)).enumerate() {
+            // Both halves of the wave numbers along x come from one row of the spectrum: k, and nx - k where it is another.
             let turn = self.turn_x[k] * if k == 0 { 1.0 } else { SQRT_2 };
-            let mut put = |l: usize, y: Complex<f64>| {
-                let x = turn * y;
-                z[k * ny + l] = x.re;
-                if k > 0 && mirror != k {
-                    z[mirror * ny + l] = -x.im;
-                }
-            };
-            put(0, v[0]);
-            for l in 1..=ny / 2 {
-                let (a, b) = (self.turn_y[l] * v[l], self.turn_y[l].conj() * v[ny - l]);
-                put(l, FRAC_1_SQRT_2 * (a + b));
-                if 2 * l != ny {
-                    let d = FRAC_1_SQRT_2 * (a - b);
-                    put(ny - l, Complex::new(-d.im, d.re));
+            let mirror = if k == 0 || 2 * k == nx { None } else { Some(nx / 2 - 1 - k) };
+            let mut spare = [];
+            let other = mirror.map_or(&mut spare[..], |m| &mut high[m * ny..(m + 1) * ny]);
+            self.turn_row(v, turn, z, other);
+        }
+    }
+
+    /// Amplitudes of one row k of the spectrum along y, and of its mirror (if there is one).
+    #[inline]
+    fn turn_row(&self, v: &[Complex<f64>], turn: Complex<f64>, z: &mut [f64], other: &mut [f64]) {
+        let ny = v.len();
+        let first = turn * v[0];
+        z[0] = first.re;
+        let (v, z) = (&v[1..], &mut z[1..]);
+        let half = ny / 2;
+        let turns = &self.turn_y[1..];
+        let has_other = !other.is_empty();
+        if has_other {
+            other[0] = -first.im;
+        }
+        for l in 0..half {
+            // v[l] and v[m] are the wave numbers l + 1 and -(l + 1); they meet in the middle.
+            let m = ny - 2 - l;
+            let (a, b) = (turns[l] * v[l], turns[l].conj() * v[m]);
+            let (y, d) = (turn * (FRAC_1_SQRT_2 * (a + b)), turn * (FRAC_1_SQRT_2 * (a - b)));
+            z[l] = y.re;
+            if m != l {
+                z[m] = -d.im;
+            }
+            if has_other {
+                other[l + 1] = -y.im;
+                if m != l {
+                    other[m + 1] = -d.re;
                 }
             }
         }

@@ -172,7 +172,7 @@ impl LowBlock {
             x.iter_mut().for_each(|x| *x /= length);
             let before = value;
             value = self.quadratic(&x);
-            if (value - before).abs() < 1e-5 * value.abs() {
+            if (value - before).abs() < 1e-4 * value.abs() {
                 break;
             }
             self.solve(&mut x, false);

@@ -15,11 +15,13 @@ pub struct NewtonLimits {
     pub steps: usize,
     /// Most Hessian products in one step.
     pub products: usize,
+    /// Loosest linear solve of [`descend`], residual over right-hand side.
+    pub forcing: f64,
 }
 
 impl Default for NewtonLimits {
     fn default() -> Self {
-        Self { tolerance: 1e-6, steps: 10, products: 80 }
+        Self { tolerance: 1e-6, steps: 10, products: 80, forcing: 0.1 }
     }
 }
 
@@ -148,7 +150,7 @@ pub fn descend(
             return NewtonState { z, at, residual, steps: step, end };
         }
         let removed = sliding_basis(system, &z, problem.slides, ws);
-        let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, 0.1), products: limits.products };
+        let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, limits.forcing), products: limits.products };
         let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
         let found = conjugate_gradients(apply, &g, |r, out| problem.preconditioner.apply(r, out), &removed, cg, cancel);
         let mut dz = found.x;

@@ -26,6 +26,8 @@ pub const SHARP: f64 = 1e-5;
 const SETTLING: f64 = 0.2;
 /// Newton steps of one solve.
 const STEPS: usize = 9;
+/// A step of a bordered solve that leaves more than this share of the force asks for fresh derivatives.
+const SLOW: f64 = 0.1;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
 /// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can soften on a flat surface: pattern
@@ -55,8 +57,32 @@ pub struct Node {
     pub breaking: f64,
     /// True if that mode is odd, a ridge about to meander: beyond the reach of every even model.
     pub breaks_oddly: bool,
+    /// Soft modes as amplitudes, where they are needed, and as coefficients of the blocks.
     breaking_mode: Vec<f64>,
     own_mode: Vec<f64>,
+    breaking_waves: Vec<Vec<f64>>,
+    own_waves: Vec<f64>,
+}
+
+impl Node {
+    /// A node whose softness is not measured yet.
+    fn bare(u0: f64, z: Vec<f64>, energy: f64, stress: f64, slope: f64, tangent: Vec<f64>) -> Self {
+        Self {
+            u0,
+            z,
+            energy,
+            stress,
+            slope,
+            tangent,
+            own: f64::NAN,
+            breaking: f64::NAN,
+            breaks_oddly: false,
+            breaking_mode: Vec::new(),
+            own_mode: Vec::new(),
+            breaking_waves: Vec::new(),
+            own_waves: Vec::new(),
+        }
+    }
 }
 
 /// Solver of the equilibria of one symmetry.
@@ -127,9 +153,14 @@ impl Sector {
         self.system.law().traction_max()
     }
 
-    /// D(gamma'') at the last evaluated state: block, and derivatives along u0. One transform.
-    fn refresh(&mut self) {
+    /// The derivatives of forces and stress with u0 at the last evaluated state. One transform.
+    fn differentiate(&mut self) {
         self.mean_stiffness = self.system.stiffness_amplitudes(&mut self.stiffness, &mut self.ws);
+    }
+
+    /// These and the exact block.
+    fn refresh(&mut self) {
+        self.differentiate();
         let block = self.preconditioner.low_block_mut().expect("an even system has a block");
         block.assemble(&self.system, &self.stiffness, self.mean_stiffness);
     }
@@ -164,19 +195,7 @@ impl Sector {
         let mut tangent = self.solve(&b, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
         let slope = self.mean_stiffness + dot(&b, &tangent);
-        let mut node = Node {
-            u0,
-            z,
-            energy: at.energy,
-            stress: at.stress + dot(&tangent, &g),
-            slope,
-            tangent,
-            own: f64::NAN,
-            breaking: f64::NAN,
-            breaks_oddly: false,
-            breaking_mode: Vec::new(),
-            own_mode: Vec::new(),
-        };
+        let mut node = Node::bare(u0, z, at.energy, at.stress + dot(&tangent, &g), slope, tangent);
         self.soften(&mut node, before);
         Ok(node)
     }
@@ -188,7 +207,7 @@ impl Sector {
             let mut g = vec![0.0; z.len()];
             self.system.evaluate(&z, u0, &mut g, &mut self.ws);
             self.refresh();
-            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS };
+            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3 };
             let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
             let state = descend(&problem, z, u0, radius, limits, &mut self.ws, &Cancel::default());
             z = state.z;
@@ -233,21 +252,28 @@ impl Sector {
     /// whole Hessian, starting from the modes of the node before.
     fn soften(&mut self, node: &mut Node, before: Option<&Node>) {
         let block = self.preconditioner.low_block().expect("an even system has a block");
-        let (own, coefficients) = block.softest(None);
+        let known = before.map(|n| &n.own_waves[..]);
+        let own;
+        (own, node.own_waves) = block.softest(known);
         let all_positive = block.negative() == 0;
-        node.own_mode = block.mode(&coefficients, &self.system);
         node.own = if all_positive { own } else { own.min(-f64::MIN_POSITIVE) };
         node.breaking = f64::INFINITY;
         let is_ridge = self.is_ridge();
         for (i, block) in self.breaking.iter_mut().enumerate() {
             block.assemble(&self.system, &self.stiffness, self.mean_stiffness);
-            let (value, mode) = block.softest(None);
+            let known = before.map(|n| &n.breaking_waves[i][..]);
+            let (value, waves) = block.softest(known);
             if value < node.breaking {
                 (node.breaking, node.breaks_oddly) = (value, i == 1);
-                node.breaking_mode = if is_ridge { mode } else { block.mode(&mode, &self.system) };
             }
+            node.breaking_waves.push(waves);
+        }
+        if !is_ridge {
+            node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], &self.system);
         }
         if self.partial {
+            let block = self.preconditioner.low_block().expect("an even system has a block");
+            node.own_mode = block.mode(&node.own_waves, &self.system);
             let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system.grid().q1() };
             let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| known.into_iter().chain([mode]).cloned().collect();
             let own = self.refine(Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
@@ -291,7 +317,7 @@ impl Sector {
     /// mode of a square state carried over. Of a meandering ridge nothing is in it.
     pub fn breaking_mode(&self, node: &Node, to: &System) -> Vec<f64> {
         if self.is_ridge() {
-            self.breaking[0].mode(&node.breaking_mode, to)
+            self.breaking[0].mode(&node.breaking_waves[0], to)
         } else {
             carried(&node.breaking_mode, &self.system, to)
         }
@@ -306,8 +332,9 @@ impl Sector {
         let shift = a - dot(phi, &z);
         add(&mut z, shift, phi);
         let mut image = vec![0.0; z.len()];
-        // Found at the first step, and again, when it counts, at the last.
+        // Found at the first step, again where steps help little, and, when it counts, at the last.
         let mut along_u = Vec::new();
+        let mut before = 0.0;
         for step in 0..=STEPS {
             let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
             self.class.project(&self.system, &mut g);
@@ -315,10 +342,16 @@ impl Sector {
             if !force.is_finite() || step == STEPS {
                 break;
             }
-            self.refresh();
-            let b = self.stiffness.clone();
             let converged = force <= SHARP;
-            if along_u.is_empty() || converged {
+            let slow = force > SLOW * before;
+            before = force;
+            if slow || converged {
+                self.refresh();
+            } else {
+                self.differentiate();
+            }
+            let b = self.stiffness.clone();
+            if slow || converged {
                 along_u = self.solve(&b, &removed, 1e-2)?;
             }
             self.system.hessian(phi, &mut image, &mut self.ws);
@@ -333,19 +366,7 @@ impl Sector {
                 add(&mut tangent, -1.0, &along_a);
                 add(&mut tangent, -rate, &along_u);
                 let slope = self.mean_stiffness * rate + dot(&b, &tangent);
-                let mut node = Node {
-                    u0,
-                    z,
-                    energy: at.energy,
-                    stress: at.stress,
-                    slope,
-                    tangent,
-                    own: 0.0,
-                    breaking: f64::NAN,
-                    breaks_oddly: false,
-                    breaking_mode: Vec::new(),
-                    own_mode: Vec::new(),
-                };
+                let mut node = Node::bare(u0, z, at.energy, at.stress, slope, tangent);
                 self.soften(&mut node, None);
                 return Ok((node, rate));
             }

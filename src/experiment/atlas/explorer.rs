@@ -23,8 +23,8 @@ const FADED: f64 = 0.03;
 /// Longest step of a fall, root mean square in ranges: short enough to stay in the valley it started in.
 const REACH: f64 = 0.25;
 /// Steps of a fall between two looks, and most looks.
-const STRIDES: usize = 6;
-const ROUNDS: usize = 20;
+const STRIDES: usize = 4;
+const ROUNDS: usize = 30;
 /// Share of the amplitude below which a symmetry counts as kept.
 const TRACE: f64 = 2e-2;
 
@@ -86,10 +86,10 @@ impl Explorer {
         classify(self.system.unfolded(&self.ws.gap).view(), self.system.law(), true)
     }
 
-    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`. Returns where
-    /// it rests, and how much energy per area it lost.
-    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> (Rest, f64) {
+    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
+    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
         let range = self.system.law().range;
+
         let size = KICK * range / norm(mode);
         let mut g = vec![0.0; z.len()];
         let mut side = |sign: f64| {
@@ -97,21 +97,19 @@ impl Explorer {
             add(&mut moved, sign * size, mode);
             (self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy, moved)
         };
-        let before = side(0.0).0;
         let (one, other) = (side(1.0), side(-1.0));
         let start = if other.0 < one.0 { other.1 } else { one.1 };
         self.preconditioner.forget();
-        self.fall(start, u0).map_or((Rest::Other, 0.0), |state| {
-            let lost = before - state.at.energy;
-            (self.recognise(state.z, u0), lost)
-        })
+        self.fall(start, u0).map_or(Rest::Other, |state| self.recognise(state.z, u0))
     }
 
     /// Down to the next minimum at fixed `u0`, until its pattern is known; `None` if there is no way.
     pub fn fall(&mut self, mut z: Vec<f64>, u0: f64) -> Option<NewtonState> {
-        let limits = NewtonLimits { tolerance: TOLERANCE, steps: STRIDES, products: 40 };
         let mut largest = 0.0_f64;
         for _ in 0..ROUNDS {
+            // A small force alone may belong to the saddle just left: it must have grown before.
+            let tolerance = if FADED * largest > KNOWN { KNOWN } else { TOLERANCE };
+            let limits = NewtonLimits { tolerance, steps: STRIDES, products: 40, forcing: 0.3 };
             if largest > 0.0 {
                 self.preconditioner.refresh(&self.system, &mut self.ws);
             }
@@ -123,11 +121,10 @@ impl Explorer {
                     state.residual, state.at.energy, state.steps, state.end, self.ws.transforms
                 );
             }
-            largest = largest.max(state.residual);
-            // A small force alone may belong to the saddle just left: it must have grown before.
-            if state.end == NewtonEnd::Converged || state.residual < KNOWN && state.residual < FADED * largest {
+            if state.end == NewtonEnd::Converged {
                 return Some(state);
             }
+            largest = largest.max(state.residual);
             z = state.z;
         }
         None

@@ -169,6 +169,11 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
     let mut a = loop {
         let mut last = nodes.last().unwrap_or(first).clone();
         last.breaking += offset;
+        if last.breaking.abs() < 0.5 * offset.abs() && !nodes.is_empty() {
+            // Too near to call by the correction.
+            last = sector.node(last.u0, last.z.clone(), Some(&last), SHARP)?;
+            sector.sharpen(&mut last);
+        }
         if last.breaking > 0.0 {
             break last;
         }
@@ -184,8 +189,7 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
         let u0 = if enclosed && round % 4 != 3 { secant } else { 0.5 * (a.u0 + b.u0) };
         let mut node = sector.node(u0, between(&a, &b, u0), Some(&a), SHARP)?;
         sector.sharpen(&mut node);
-        let nearer = if node.breaking > 0.0 { &mut a } else { &mut b };
-        let rate = (node.breaking - nearer.breaking) / (node.u0 - nearer.u0);
+        // The two ends may be known less well than their distance to this node, but not than their own.
         let correction = -node.breaking / rate;
         if correction.abs() < LOCATED * range {
             node.u0 += correction;
@@ -194,7 +198,11 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
             add(&mut node.z, correction, &node.tangent.clone());
             return Ok(node);
         }
-        *nearer = node;
+        if node.breaking > 0.0 {
+            a = node;
+        } else {
+            b = node;
+        }
     }
     Err(Lost::Gone)
 }
