@@ -130,7 +130,7 @@ fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
     let bench = Bench::new();
     let spacing = bench.system.grid().spacing();
     let drifted = bench.system.moved(&state.field, 0.3 * spacing, 0.2 * spacing);
-    let tight = NewtonLimits { tolerance: 1e-10, steps: 12, products: 80 };
+    let tight = NewtonLimits { tolerance: 1e-10, steps: 12, ..NewtonLimits::default() };
     let cost = |z: Vec<f64>| {
         let mut ws = bench.system.workspace();
         let found = solve(&bench.problem(), z, state.mean_displacement, tight, &mut ws, &Cancel::default());
