@@ -51,7 +51,7 @@ fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
 
 fn tell(teller: &mut Teller, news: &News<'_>) {
     match news {
-        News::Begun { what, reference: true } => teller.now(&format!("reference: {what}")),
+        News::Begun { what, reference: true } => teller.note(&format!("reference: {what}")),
         News::Begun { what, reference: false } => teller.now(&what.to_string()),
         News::Fraction(fraction) => teller.fraction(*fraction),
         News::Measured(row) => {
@@ -62,10 +62,7 @@ fn tell(teller: &mut Teller, news: &News<'_>) {
             };
             teller.note(&format!("{}: error {error:.1e}, {} transforms, {seconds:.2} s: {verdict}", row.point, row.transforms));
         }
-        News::Skipped(skipped) => teller.note(&format!(
-            "{}: skipped, it would take {:.0} s of processor time and {:.0} s are left for it",
-            skipped.point, skipped.predicted_seconds, skipped.allowed_seconds
-        )),
+        News::Skipped(skipped) => teller.note(&format!("{}: skipped, {skipped}", skipped.point)),
     }
 }
 

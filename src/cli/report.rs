@@ -94,6 +94,7 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
         surface_energy: Number(model.law.surface_energy),
         range: Number(model.law.range),
         mu_rho: Number(model.mu_rho),
+        warning: model.warning(),
     }
 }
 

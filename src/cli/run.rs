@@ -72,6 +72,9 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
             summary::write_summary(&summary_path, &told)?;
         }
     }
+    if let (Some(warning), false) = (model.warning(), arguments.quiet) {
+        eprintln!("tackscope: {warning}");
+    }
     if !arguments.quiet {
         say(&closing_words(arguments, &model, &main.run, told.yardstick.as_ref()));
     }

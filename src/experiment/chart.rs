@@ -19,6 +19,7 @@ pub use reference::Reference;
 use super::scene::{Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use points::Predictor;
+use std::fmt;
 
 /// Everything a chart shows.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +43,17 @@ pub struct Skipped {
     pub predicted_seconds: f64,
     /// What was left for it.
     pub allowed_seconds: f64,
+    /// True if it is finer than a reference within the budget, which cannot judge it.
+    pub beyond_reference: bool,
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.beyond_reference {
+            return f.write_str("a reference fine enough to judge it is beyond the budget");
+        }
+        write!(f, "it would take {:.1} processor seconds, and {:.1} are left for it", self.predicted_seconds, self.allowed_seconds)
+    }
 }
 
 /// What a chart reports while it is made.
@@ -69,7 +81,7 @@ pub enum News<'a> {
 pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnMut(News<'_>)) -> Result<Chart, SceneError> {
     let scene = points::with_fixed_law(scene)?;
     let (list, finest) = points::points(&scene, effort)?;
-    let mut predictor = Predictor::new(&scene);
+    let mut predictor = Predictor::new(&scene)?;
     let total: f64 = list.iter().chain(&finest).map(|p| predictor.seconds(p)).sum();
     let (mut done, mut spent) = (0.0, 0.0);
     let mut chart = Chart::default();
@@ -77,8 +89,9 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     for point in &finest {
         observe(News::Begun { what: *point, reference: true });
         let expected = predictor.seconds(point);
-        let loop_ =
-            measure(&scene, point, effort.seconds(), cancel, &mut |f| observe(News::Fraction((done + f * expected) / total)))?;
+        let loop_ = measure(&scene, point, points::REFERENCE * effort.seconds() - spent, cancel, &mut |f| {
+            observe(News::Fraction((done + f * expected) / total))
+        })?;
         done += expected;
         spent += loop_.processor_seconds;
         predictor.learn(&loop_);
@@ -90,13 +103,19 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     }
     let Ok(loops) = <[Measured; 3]>::try_from(loops) else { unreachable!("a loop for each of three") };
     let reference = Reference::new(loops);
+    for point in points::own(&scene)?.into_iter().filter(|own| matches!(effort, Effort::Full { .. }) && !list.contains(own)) {
+        let allowed_seconds = effort.seconds() * points::SHARE;
+        skip(
+            &mut chart,
+            observe,
+            Skipped { point, predicted_seconds: predictor.seconds(&point), allowed_seconds, beyond_reference: true },
+        );
+    }
     for point in list {
         let predicted_seconds = predictor.seconds(&point);
         let allowed_seconds = (effort.seconds() - spent).clamp(0.0, effort.seconds() * points::SHARE);
         if predicted_seconds > allowed_seconds {
-            let skipped = Skipped { point, predicted_seconds, allowed_seconds };
-            observe(News::Skipped(&skipped));
-            chart.skipped.push(skipped);
+            skip(&mut chart, observe, Skipped { point, predicted_seconds, allowed_seconds, beyond_reference: false });
             continue;
         }
         observe(News::Begun { what: point, reference: false });
@@ -116,4 +135,9 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     front::mark(&mut chart.rows, reference.errors.dissipated_energy);
     chart.reference = Some(reference);
     Ok(chart)
+}
+
+fn skip(chart: &mut Chart, observe: &mut dyn FnMut(News<'_>), skipped: Skipped) {
+    observe(News::Skipped(&skipped));
+    chart.skipped.push(skipped);
 }

@@ -30,7 +30,12 @@ impl FlatBranch {
             energy: response.energy,
             stiffness_min: Some(Stiffness { value, error: 0.0 }),
             soft_mode: Vec::new(),
-            stop: if value >= 0.0 { Stop::Stable } else { Stop::Unstable },
+            stop: match value >= 0.0 {
+                // So deep in the wall that the law overflows.
+                _ if !response.energy.is_finite() || !value.is_finite() => Stop::NotConverged,
+                true => Stop::Stable,
+                false => Stop::Unstable,
+            },
             cost: Cost::default(),
         }
     }

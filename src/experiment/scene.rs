@@ -102,6 +102,20 @@ pub struct Model {
     pub reason: String,
 }
 
+impl Model {
+    /// What a reader of the results must know, in words: jumps that belong to the mesh.
+    pub fn warning(&self) -> Option<String> {
+        (self.mu_rho > 1.001 * mesh_rule::SAFE).then(|| {
+            format!(
+                "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the jumps may belong to the mesh and not \
+                 to the physics",
+                self.mu_rho,
+                mesh_rule::SAFE
+            )
+        })
+    }
+}
+
 /// A value of the scene that is not allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} = {value}: {allowed}")]
@@ -170,6 +184,12 @@ impl Scene {
         };
         let law = Law { range, ..unit };
         let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
+        if let Turn::At(turn) = self.drive.turn
+            && self.indenter == Indenter::Flat
+            && !law.at(turn).energy.is_finite()
+        {
+            return Err(refuse("drive.turn", turn, "a gap at which the law is finite: so deep in its wall it overflows"));
+        }
         Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
     }
 

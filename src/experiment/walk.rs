@@ -3,6 +3,7 @@
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment, or a slice of a release) and hands
 //! out what happened. It works on any scene and is the reference for every faster road.
 
+mod accept;
 mod advance;
 pub(super) mod guard;
 mod landing;
@@ -15,9 +16,7 @@ use super::plan::Reduction;
 use super::record::{Branch, Cause, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::norm;
 use crate::physics::indenter::Indenter;
-use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
@@ -142,6 +141,14 @@ impl Walk {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn reduced(scene: &Scene, method: MethodKind, reduction: Reduction) -> Result<Self, SceneError> {
+        Self::with_method(scene, method.build(scene.seed), reduction)
+    }
+
+    /// A walk by any method, also one that is not in the list.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn with_method(scene: &Scene, method: Box<dyn Method>, reduction: Reduction) -> Result<Self, SceneError> {
         let model = scene.model()?;
         let even = reduction == Reduction::Quarter;
         if even && !model.grid.nx.is_multiple_of(4) {
@@ -154,7 +161,6 @@ impl Walk {
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let guard = even.then(|| Guard::new(&model, constant, slides, tracker(0x9a4d)));
-        let method = method.build(scene.seed);
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
         let state = Equilibrium {
@@ -342,62 +348,6 @@ impl Walk {
             }
         }
         self.accept(&mut |_| {});
-    }
-
-    fn pattern(&mut self) -> Pattern {
-        if self.state.is_uniform() && self.system.is_flat() {
-            return Pattern::Flat;
-        }
-        let thermal = if self.method.locates() { 0.0 } else { 0.02 * self.model.law.range };
-        if self.system.is_flat() && norm(&self.state.field) < thermal {
-            return Pattern::Flat;
-        }
-        classify(self.system.unfolded(&self.ws.gap).view(), &self.model.law, self.system.is_flat())
-    }
-
-    /// Writes the record of the present state and hands it out. The workspace must hold the state's gap, unless it is uniform.
-    fn accept(&mut self, observe: &mut dyn FnMut(Happening)) {
-        let law = self.model.law;
-        let uniform = self.state.is_uniform() && self.system.is_flat();
-        let pattern = self.pattern();
-        let contact_area = match uniform {
-            true => f64::from(u8::from(self.state.mean_displacement < law.contact_gap())),
-            false => contact_area(self.ws.gap.view(), &law),
-        };
-        if pattern != Pattern::Flat {
-            self.counts.patterned_increments += 1;
-        }
-        self.pause_clock();
-        let stiffness = self.state.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
-        let length = self.model.grid.length;
-        self.record = StateRecord {
-            branch: self.direction,
-            mean_displacement: self.state.mean_displacement,
-            stress: self.state.stress,
-            stress_over_max: self.state.stress / law.traction_max(),
-            contact_area,
-            pattern,
-            residual: self.state.residual,
-            stiffness_min: stiffness.value * length,
-            stiffness_error: stiffness.error * length,
-            energy: self.state.energy,
-            model: if uniform && self.flat.is_some() {
-                "flat, closed form"
-            } else {
-                match (self.model.grid.is_line(), self.system.is_even()) {
-                    (true, false) => "line cell",
-                    (true, true) => "half line cell",
-                    (false, false) => "whole cell",
-                    (false, true) => "quarter cell",
-                }
-            },
-            stop: self.state.stop,
-            iterations: self.counts.iterations - self.seen.iterations,
-            transforms: self.transforms() - self.seen.transforms,
-            milliseconds: std::mem::take(&mut self.worked).as_secs_f64() * 1e3,
-        };
-        self.seen = Cost { iterations: self.counts.iterations, transforms: self.transforms() };
-        observe(Happening::State(self.record.clone()));
     }
 }
 

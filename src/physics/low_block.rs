@@ -152,6 +152,11 @@ impl LowBlock {
         }
     }
 
+    /// Number of waves.
+    pub fn size(&self) -> usize {
+        self.waves.len()
+    }
+
     /// Number of negative eigenvalues of the block.
     pub fn negative(&self) -> usize {
         self.negative

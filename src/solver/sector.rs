@@ -3,13 +3,15 @@
 //! With the symmetry imposed there is no sliding and little left to compute: an exact block of the longest waves leaves a Newton
 //! step two to four products. Every node carries its tangent along u0, and how soft it is in each way its branch can end.
 
+mod fold;
+
 use super::equilibrium::Stiffness;
 use super::method::{Lost, Problem, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
-use crate::numerics::vector::{add, dot, norm, scale};
+use crate::numerics::vector::{add, dot, norm};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -25,10 +27,10 @@ pub const NODE: f64 = 2e-4;
 pub const SHARP: f64 = 1e-5;
 /// Longest step while settling, root mean square in ranges.
 const SETTLING: f64 = 0.2;
+/// Descents of six steps while settling.
+const DESCENTS: usize = 12;
 /// Newton steps of one solve.
 const STEPS: usize = 9;
-/// A step of a bordered solve that leaves more than this share of the force asks for fresh derivatives.
-const SLOW: f64 = 0.1;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
 /// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can soften on a flat surface: pattern
@@ -220,7 +222,7 @@ impl Sector {
     /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses too far for [`Sector::node`].
     pub fn settle(&mut self, u0: f64, mut z: Vec<f64>) -> Option<Vec<f64>> {
         let radius = SETTLING * self.system.law().range;
-        for _ in 0..ROUNDS {
+        for _ in 0..DESCENTS {
             let mut g = vec![0.0; z.len()];
             self.system.evaluate(&z, u0, &mut g, &mut self.ws);
             self.refresh();
@@ -374,194 +376,4 @@ impl Sector {
         }
         Ok(Measured { node, residual, stiffness, transforms: self.ws.transforms - spent })
     }
-
-    /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit vector `phi`, u0 free. Passes
-    /// through folds. Returns the node (its tangent is dz/da) and du0/da.
-    fn arc(&mut self, phi: &[f64], a: f64, mut u0: f64, mut z: Vec<f64>) -> Result<(Node, f64), Lost> {
-        let strongest = self.scale();
-        let removed = [phi.to_vec()];
-        let mut g = vec![0.0; z.len()];
-        let shift = a - dot(phi, &z);
-        add(&mut z, shift, phi);
-        let mut image = vec![0.0; z.len()];
-        // Found at the first step, again where steps help little, and, when it counts, at the last.
-        let mut along_u = Vec::new();
-        let mut before = 0.0;
-        for step in 0..=STEPS {
-            let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
-            self.class.project(&self.system, &mut g);
-            let force = norm(&g) / strongest;
-            if !force.is_finite() || step == STEPS {
-                break;
-            }
-            let converged = force <= SHARP;
-            let slow = force > SLOW * before;
-            before = force;
-            if slow || converged {
-                self.refresh();
-            } else {
-                self.differentiate();
-            }
-            let b = self.stiffness.clone();
-            if slow || converged {
-                along_u = self.solve(&b, &removed, 1e-2)?;
-            }
-            self.system.hessian(phi, &mut image, &mut self.ws);
-            let border = dot(phi, &b) - dot(&image, &along_u);
-            if converged {
-                // What is left of the force along phi is a matter of u0.
-                u0 -= dot(phi, &g) / border;
-                let w = image.clone();
-                let along_a = self.solve(&w, &removed, 1e-2)?;
-                let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
-                let mut tangent = phi.to_vec();
-                add(&mut tangent, -1.0, &along_a);
-                add(&mut tangent, -rate, &along_u);
-                let slope = self.mean_stiffness * rate + dot(&b, &tangent);
-                let mut node = Node::bare(u0, z, at.energy, at.stress, slope, tangent);
-                self.soften(&mut node, None);
-                return Ok((node, rate));
-            }
-            let along_g = self.solve(&g, &removed, (0.3 * SHARP / force).clamp(1e-3, 0.1))?;
-            let du = -(dot(phi, &g) - dot(&image, &along_g)) / border;
-            add(&mut z, -1.0, &along_g);
-            add(&mut z, -du, &along_u);
-            u0 += du;
-        }
-        Err(Lost::Gone)
-    }
-
-    /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before it. The node returned has the
-    /// null vector as tangent, pointing onwards, and an infinite slope.
-    ///
-    /// # Errors
-    /// The branch was lost on the way.
-    pub fn fold(&mut self, before: &Node, here: &Node, up: bool) -> Result<Node, Lost> {
-        let range = self.system.law().range;
-        let sign = if up { 1.0 } else { -1.0 };
-        let length = norm(&here.tangent);
-        let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
-        let (mut behind, mut last) = (Arc::of(before, &phi), Arc::of(here, &phi));
-        for _ in 0..ROUNDS {
-            let a = Arc::extremum(&behind, &last, up).0;
-            if !a.is_finite() {
-                break;
-            }
-            let a = a.clamp(last.a - STRIDE * range, last.a + STRIDE * range);
-            let (guess, u0) = Arc::between(&behind, &last, a);
-            let (mut found, rate) = self.arc(&phi, a, u0, guess)?;
-            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
-            let top = Arc::extremum(&last, &arc, up);
-            if (top.1 - found.u0).abs() < LOCATED * range {
-                found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
-                return Ok(found);
-            }
-            (behind, last) = (last, arc);
-        }
-        Err(Lost::Gone)
-    }
-
-    /// The fold next to `near`, a fold of a slightly different law or cell.
-    ///
-    /// # Errors
-    /// It was not found.
-    pub fn refold(&mut self, near: &Node, up: bool) -> Result<Node, Lost> {
-        let range = self.system.law().range;
-        let length = norm(&near.tangent);
-        let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
-        let mut a = dot(&phi, &near.z);
-        let (mut u0, mut z, mut bend) = (near.u0, near.z.clone(), near.bend);
-        let mut last: Option<Arc> = None;
-        for _ in 0..ROUNDS {
-            let (mut found, rate) = self.arc(&phi, a, u0, z)?;
-            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
-            if let Some(last) = &last {
-                bend = (arc.rate - last.rate) / (arc.a - last.a);
-            }
-            if !(if up { bend < 0.0 } else { bend > 0.0 }) {
-                break;
-            }
-            let shift = -rate / bend;
-            let top = (a + shift, arc.u0 + 0.5 * shift * rate);
-            if (top.1 - arc.u0).abs() < LOCATED * range {
-                found.shift_to(&arc, top, bend);
-                return Ok(found);
-            }
-            let shift = shift.clamp(-STRIDE * range, STRIDE * range);
-            z = arc.z.clone();
-            add(&mut z, shift, &arc.dz);
-            (a, u0) = (a + shift, arc.u0 + shift * (rate + 0.5 * bend * shift));
-            last = Some(arc);
-        }
-        Err(Lost::Gone)
-    }
 }
-
-impl Node {
-    /// Moves the node found at `arc` to the fold `top` (a, u0) close by; `bend` is d2u0/da2 there.
-    fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
-        let shift = top.0 - arc.a;
-        add(&mut self.z, shift, &arc.dz);
-        self.energy += self.stress * (top.1 - self.u0);
-        self.stress += shift * self.slope;
-        self.u0 = top.1;
-        // Per unit of the null vector instead of phi.
-        let length = norm(&self.tangent);
-        self.bend = bend / (length * length);
-        scale(&mut self.tangent, 1.0 / length);
-        self.slope = f64::INFINITY;
-    }
-}
-
-/// A point of a branch with its component `a` along a fixed direction as parameter.
-struct Arc {
-    a: f64,
-    u0: f64,
-    /// du0/da.
-    rate: f64,
-    z: Vec<f64>,
-    /// dz/da.
-    dz: Vec<f64>,
-}
-
-impl Arc {
-    fn of(node: &Node, phi: &[f64]) -> Self {
-        let rate = 1.0 / dot(phi, &node.tangent);
-        let mut dz = node.tangent.clone();
-        scale(&mut dz, rate);
-        Self { a: dot(phi, &node.z), u0: node.u0, rate, z: node.z.clone(), dz }
-    }
-
-    /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum if `up`.
-    fn extremum(a: &Self, b: &Self, up: bool) -> (f64, f64) {
-        let h = b.a - a.a;
-        let slope = (b.u0 - a.u0) / h;
-        // u0 = a.u0 + a.rate s + c s^2 + d s^3 with s measured from a.
-        let c = (3.0 * slope - 2.0 * a.rate - b.rate) / h;
-        let d = (a.rate + b.rate - 2.0 * slope) / (h * h);
-        let root = (c * c - 3.0 * d * a.rate).max(0.0).sqrt();
-        // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right sign.
-        let s = if up { -a.rate / (c - root) } else { -a.rate / (c + root) };
-        (a.a + s, a.u0 + s * (a.rate + s * (c + s * d)))
-    }
-
-    /// Cubic Hermite of amplitudes and u0 through two points, at any `at`.
-    fn between(a: &Self, b: &Self, at: f64) -> (Vec<f64>, f64) {
-        let h = b.a - a.a;
-        let t = (at - a.a) / h;
-        let (t2, t3) = (t * t, t * t * t);
-        let weights = [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * h, 3.0 * t2 - 2.0 * t3, (t3 - t2) * h];
-        let mut z = vec![0.0; a.z.len()];
-        for (w, part) in weights.iter().zip([&a.z, &a.dz, &b.z, &b.dz]) {
-            add(&mut z, *w, part);
-        }
-        (z, weights[0] * a.u0 + weights[1] * a.rate + weights[2] * b.u0 + weights[3] * b.rate)
-    }
-}
-
-/// Longest step along the branch towards a fold, root mean square, in ranges.
-const STRIDE: f64 = 0.5;
-/// Rounds of the search for a fold.
-const ROUNDS: usize = 12;
-/// Accuracy of the mean displacement of a fold, in ranges: the parabola through it is trusted that far.
-const LOCATED: f64 = 2e-5;

@@ -105,6 +105,8 @@ pub struct PlanSummary {
     pub range: Number,
     /// mu_rho of Eq. 10.
     pub mu_rho: Number,
+    /// What a reader must know of this mesh.
+    pub warning: Option<String>,
 }
 
 /// What was counted.

@@ -9,7 +9,7 @@ use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
 
 /// Most nodes of an adapted branch between its ends.
-const INNER: usize = 3;
+const INNER: usize = 2;
 
 impl Atlas {
     /// The same branches for `chart`, whose law and cell should differ by a few percent at most. Landings are taken over as they are:

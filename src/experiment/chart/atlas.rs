@@ -10,8 +10,10 @@ use crate::solver::Stop;
 
 /// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged, and says why.
 pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
+    // As the live loop does.
     let n = model.grid.nx;
-    let chart = Chart { length: model.grid.length, law: model.law, square: n, line: 2 * n, coarse: n.min(48), seed: scene.seed };
+    let coarse = (n / 2).next_multiple_of(8);
+    let chart = Chart { length: model.grid.length, law: model.law, square: n, line: n, coarse, seed: scene.seed };
     let mut atlas = Atlas::new(chart);
     let start = scene.drive.start;
     let cycle = match scene.drive.turn {

@@ -4,10 +4,14 @@ use super::Measured;
 use crate::experiment::plan::{Reduction, next_fast};
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
 use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::mesh_rule::{SAFE, mu_rho};
 use crate::solver::method::MethodKind;
 use std::collections::HashMap;
 use std::fmt;
 
+/// The share of the budget that the reference may take; by prediction it takes two thirds of it.
+pub(super) const REFERENCE: f64 = 0.6;
 /// The share of the budget that one loop may take.
 pub(super) const SHARE: f64 = 0.3;
 /// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
@@ -128,7 +132,7 @@ pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
 /// # Errors
 /// The first value of the scene that is not allowed.
 pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
-    let predictor = Predictor::new(scene);
+    let predictor = Predictor::new(scene)?;
     let grid = scene.model()?.grid;
     let mesh = |share: f64| if share < 1.0 { next_fast((share * grid.nx as f64).ceil().max(16.0) as usize) } else { grid.nx };
     let line = grid.is_line();
@@ -138,16 +142,20 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
         [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
             .map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
     };
-    let (mut meshes, step) = match effort {
+    let (mut meshes, mut step) = match effort {
         Effort::Full { .. } => (vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)], scene.drive.step),
         Effort::Quick => (vec![mesh(0.75), mesh(1.0)], 4.0 * scene.drive.step),
     };
     meshes.dedup();
     let most = |meshes: &[usize]| meshes.last().copied().unwrap_or(grid.nx);
-    // Where even the reference is beyond the means the finest mesh goes.
-    while meshes.len() > 1 && finest(most(&meshes), step).iter().map(|p| predictor.seconds(p)).sum::<f64>() > 0.4 * effort.seconds()
-    {
-        meshes.pop();
+    // Where even the reference is beyond the means the finest mesh goes, unless the next one traps patterns; then steps get longer.
+    let safe = |n: usize| predictor.mu_rho(n) <= SAFE;
+    while finest(most(&meshes), step).iter().map(|p| predictor.seconds(p)).sum::<f64>() > REFERENCE / 1.5 * effort.seconds() {
+        match meshes.len() {
+            2.. if safe(meshes[meshes.len() - 2]) || step > 8.0 * scene.drive.step => drop(meshes.pop()),
+            _ if step <= 8.0 * scene.drive.step => step *= 2.0,
+            _ => break,
+        }
     }
     let finest = finest(most(&meshes), step);
     let mut list = Vec::new();
@@ -171,16 +179,22 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     Ok((list, finest))
 }
 
+/// The points that `tackscope run` and the paper would choose.
+pub(super) fn own(scene: &Scene) -> Result<[Point; 2], SceneError> {
+    let grid = scene.model()?.grid;
+    let (line, points, step) = (grid.is_line(), grid.nx, scene.drive.step);
+    let own = |method| Point { method, model: WHOLE, line, points, precision: Precision::Double, step };
+    Ok([own(MethodKind::default()), own(MethodKind::Gfmd)])
+}
+
 /// What `tackscope run` would do.
 pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == WHOLE;
-    Ok(own && point.method == MethodKind::default())
+    Ok(*point == own(scene)?[0])
 }
 
 /// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
 pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
-    let own = point.points == scene.model()?.grid.nx && point.step == scene.drive.step && point.model == WHOLE;
-    Ok(own && point.method == MethodKind::Gfmd)
+    Ok(*point == own(scene)?[1])
 }
 
 /// Predicts processor time: typical transforms per increment, corrected by what the method needed last.
@@ -188,18 +202,25 @@ pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Scen
 pub(super) struct Predictor {
     /// Length of the loop in u0.
     way: f64,
+    law: Law,
+    length: f64,
     /// Measured over predicted, by method.
     correction: HashMap<(MethodKind, Model), f64>,
 }
 
 impl Predictor {
-    pub(super) fn new(scene: &Scene) -> Self {
+    pub(super) fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let model = scene.model()?;
         let depth = match scene.drive.turn {
             Turn::At(turn) => scene.drive.start - turn,
             // A tip is drawn in by about as much as it is lifted.
             Turn::ZeroLoad => 1.5 * scene.drive.start.abs(),
         };
-        Self { way: 2.0 * depth, correction: HashMap::new() }
+        Ok(Self { way: 2.0 * depth, law: model.law, length: model.grid.length, correction: HashMap::new() })
+    }
+
+    fn mu_rho(&self, points: usize) -> f64 {
+        mu_rho(&self.law, self.length / points as f64)
     }
 
     /// Processor seconds of a loop.
@@ -234,6 +255,8 @@ impl Predictor {
             // As many equilibria whatever the step.
             Model::Atlas => (all / 4.0, 40.0 * point.step),
         };
-        SECONDS * per_increment * (way / point.step) * all * all.log2()
+        // Many small jumps, each a release.
+        let trapped = if self.mu_rho(point.points) > SAFE && point.method.build(0).locates() { 8.0 } else { 1.0 };
+        SECONDS * trapped * per_increment * (way / point.step) * all * all.log2()
     }
 }

@@ -14,6 +14,9 @@ use crate::solver::stability::random_smooth;
 /// Width, in ranges, to which the end of a branch is bracketed.
 const LOCATED: f64 = 1e-4;
 
+/// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
+const GAIN_MAX: f64 = 1e-2;
+
 impl Walk {
     /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
     pub(super) fn next_displacement(&self) -> f64 {
@@ -100,9 +103,9 @@ impl Walk {
                 };
                 state.measured(stiffness, mode);
                 if state.stop != Stop::Unstable || !locates {
-                    self.take(state, observe);
+                    let progress = self.take(state, observe);
                     self.watch_bracket();
-                    return Progress::Working;
+                    return progress;
                 }
                 barrier.cause = Cause::SymmetryBreaking;
                 barrier.stiffness = Some(stiffness.value);
@@ -132,11 +135,19 @@ impl Walk {
     }
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
-    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) {
+    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let (before, energy, stress) = (self.record.clone(), self.state.energy, self.state.stress);
         let du = state.mean_displacement - self.state.mean_displacement;
         let work = 0.5 * (stress + state.stress) * du;
         let released = (energy + work - state.energy) / self.model.law.surface_energy;
+        if !self.method.locates() && !(released > -GAIN_MAX) {
+            return Progress::Stuck(format!(
+                "energy gained: too hot a thermostat, or a run into the wall of the law ({:.1e} gamma, {} at u0 = {:.6})",
+                -released,
+                self.method.name(),
+                state.mean_displacement
+            ));
+        }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.system, &self.state, state.mean_displacement, state.energy, state.stress);
         self.state = state;
@@ -162,5 +173,6 @@ impl Walk {
             }));
         }
         self.accept(observe);
+        Progress::Working
     }
 }

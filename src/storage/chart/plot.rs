@@ -95,7 +95,7 @@ impl<'a> Plot<'a> {
             }
         }
         // Room above for what has no error to show.
-        Self { chart, title, floor, errors: least / 2.5..most * 2.0 * STRIP, failures, scale }
+        Self { chart, title, floor, errors: least / 4.0..most * 2.0 * STRIP, failures, scale }
     }
 
     pub(super) fn px(&self, units: f64) -> i32 {
@@ -138,7 +138,7 @@ impl<'a> Plot<'a> {
             .margin_right(self.px(18.0))
             .x_label_area_size(self.px(52.0))
             .y_label_area_size(self.px(70.0))
-            .build_cartesian_2d((least / 2.5..most * 3.0).log_scale(), self.errors.clone().log_scale())?;
+            .build_cartesian_2d((least / 4.0..most * 3.0).log_scale(), self.errors.clone().log_scale())?;
         panel
             .configure_mesh()
             .x_desc(cost.0)
@@ -154,9 +154,9 @@ impl<'a> Plot<'a> {
             .light_line_style(TRANSPARENT)
             .set_all_tick_mark_size(self.px(4.0))
             .draw()?;
-        self.strip(&mut panel, least / 2.5, most * 3.0)?;
+        self.strip(&mut panel, least / 4.0, most * 3.0)?;
         if self.floor > 1e-12 {
-            panel.draw_series([self.dashed(vec![(least / 2.5, self.floor), (most * 3.0, self.floor)])])?;
+            panel.draw_series([self.dashed(vec![(least / 4.0, self.floor), (most * 3.0, self.floor)])])?;
         }
         self.front(&mut panel, cost, most * 3.0)?;
         for row in &self.chart.rows {

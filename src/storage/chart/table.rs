@@ -21,14 +21,10 @@ pub fn write_chart_csv(path: &Path, chart: &Chart) -> Result<(), Failure> {
         let _ = writeln!(text, "{}", judged(row, row.point.method.word(), pareto(row)).join(","));
     }
     for skipped in &chart.skipped {
-        let message = format!(
-            "predicted {:.0} processor seconds, {:.0} were left for it",
-            skipped.predicted_seconds, skipped.allowed_seconds
-        );
         let mut cells = settings(skipped.point.method.word(), &skipped.point);
         cells.extend(std::iter::repeat_n("NaN".to_owned(), 8));
         cells.extend(["none", "false", "false", "skipped"].map(str::to_owned));
-        cells.push(quoted(&message));
+        cells.push(quoted(&skipped.to_string()));
         let _ = writeln!(text, "{}", cells.join(","));
     }
     if let Some(reference) = &chart.reference {

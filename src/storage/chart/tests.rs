@@ -36,7 +36,7 @@ fn invented() -> Chart {
         row(MethodKind::Gfmd, 100, f64::NAN, failed("NaN: time step beyond its limit")),
         row(MethodKind::Lbfgs, 0, f64::NAN, Verdict::Cancelled),
     ];
-    let skipped = vec![Skipped { point: rows[0].point, predicted_seconds: 99.0, allowed_seconds: 7.0 }];
+    let skipped = vec![Skipped { point: rows[0].point, predicted_seconds: 99.0, allowed_seconds: 7.0, beyond_reference: false }];
     Chart { rows, skipped, ..Chart::default() }
 }
 
@@ -58,7 +58,7 @@ fn failures_and_points_left_out_are_rows_with_every_column() {
         "{}",
         lines[4]
     );
-    assert!(lines[6].contains("skipped,\"predicted 99 processor seconds, 7 were left for it\""), "{}", lines[6]);
+    assert!(lines[6].contains("skipped,\"it would take 99.0 processor seconds, and 7.0 are left for it\""), "{}", lines[6]);
     let commas = |line: &str| line.split('"').step_by(2).map(|plain| plain.matches(',').count()).sum::<usize>();
     assert!(lines.iter().all(|line| commas(line) == commas(CHART_COLUMNS)), "{text}");
 }

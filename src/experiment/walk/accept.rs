@@ -1,0 +1,65 @@
+//! From a state to its record.
+
+use super::{Happening, Walk};
+use crate::experiment::record::StateRecord;
+use crate::numerics::vector::norm;
+use crate::physics::pattern::{Pattern, classify, contact_area};
+use crate::solver::equilibrium::{Cost, Stiffness};
+
+impl Walk {
+    pub(super) fn pattern(&mut self) -> Pattern {
+        if self.state.is_uniform() && self.system.is_flat() {
+            return Pattern::Flat;
+        }
+        let thermal = if self.method.locates() { 0.0 } else { 0.02 * self.model.law.range };
+        if self.system.is_flat() && norm(&self.state.field) < thermal {
+            return Pattern::Flat;
+        }
+        classify(self.system.unfolded(&self.ws.gap).view(), &self.model.law, self.system.is_flat())
+    }
+
+    /// Writes the record of the present state and hands it out. The workspace must hold the state's gap, unless it is uniform.
+    pub(super) fn accept(&mut self, observe: &mut dyn FnMut(Happening)) {
+        let law = self.model.law;
+        let uniform = self.state.is_uniform() && self.system.is_flat();
+        let pattern = self.pattern();
+        let contact_area = match uniform {
+            true => f64::from(u8::from(self.state.mean_displacement < law.contact_gap())),
+            false => contact_area(self.ws.gap.view(), &law),
+        };
+        if pattern != Pattern::Flat {
+            self.counts.patterned_increments += 1;
+        }
+        self.pause_clock();
+        let stiffness = self.state.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
+        let length = self.model.grid.length;
+        self.record = StateRecord {
+            branch: self.direction,
+            mean_displacement: self.state.mean_displacement,
+            stress: self.state.stress,
+            stress_over_max: self.state.stress / law.traction_max(),
+            contact_area,
+            pattern,
+            residual: self.state.residual,
+            stiffness_min: stiffness.value * length,
+            stiffness_error: stiffness.error * length,
+            energy: self.state.energy,
+            model: if uniform && self.flat.is_some() {
+                "flat, closed form"
+            } else {
+                match (self.model.grid.is_line(), self.system.is_even()) {
+                    (true, false) => "line cell",
+                    (true, true) => "half line cell",
+                    (false, false) => "whole cell",
+                    (false, true) => "quarter cell",
+                }
+            },
+            stop: self.state.stop,
+            iterations: self.counts.iterations - self.seen.iterations,
+            transforms: self.transforms() - self.seen.transforms,
+            milliseconds: std::mem::take(&mut self.worked).as_secs_f64() * 1e3,
+        };
+        self.seen = Cost { iterations: self.counts.iterations, transforms: self.transforms() };
+        observe(Happening::State(self.record.clone()));
+    }
+}

@@ -1,0 +1,184 @@
+//! Fig. 2 and its patterns, for all the cases.
+
+use std::sync::OnceLock;
+use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::record::{Branch, JumpRecord, StateRecord};
+use tackscope::experiment::run::{LoopRun, run_loop};
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::preconditioner::Preconditioner;
+use tackscope::physics::system::{System, Workspace};
+use tackscope::solver::branch::History;
+use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::solver::method::{Lost, Method, MethodKind, Problem, Slides};
+use tackscope::storage::{presets, scene_file};
+
+/// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
+pub const N: usize = 48;
+
+/// Fig. 2 on n x n points.
+pub fn fig2(n: usize, step: f64) -> Scene {
+    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    scene.cell.points = Points::Square(n);
+    scene.drive.step = step;
+    scene
+}
+
+/// Its law, all lengths in ranges.
+pub fn law() -> Law {
+    Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+}
+
+/// Mechanics without a walk around it.
+pub struct Bench {
+    pub system: System,
+    pub preconditioner: Preconditioner,
+    pub slides: Slides,
+    pub ws: Workspace,
+}
+
+impl Bench {
+    /// Fig. 2.
+    pub fn new() -> Self {
+        Self::of(law(), N)
+    }
+
+    pub fn of(law: Law, n: usize) -> Self {
+        let system = System::new(Grid::square(256.0, n), law, &Indenter::Flat);
+        let well = law.at(law.equilibrium_gap()).stiffness;
+        Self { preconditioner: Preconditioner::new(&system, 0.25 * well), slides: Slides::Freely, ws: system.workspace(), system }
+    }
+
+    pub fn problem(&self) -> Problem<'_> {
+        Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides }
+    }
+
+    /// One increment of `method` from the newest state of `branch`.
+    pub fn follow(&mut self, method: &mut dyn Method, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides };
+        method.follow(&problem, branch, from, u0, &mut self.ws, &Cancel::default())
+    }
+
+    /// The same without a past.
+    pub fn relax(&mut self, method: &mut dyn Method, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        self.follow(method, &History::starting(from.mean_displacement, from.field.clone()), from, u0)
+    }
+
+    /// Whatever the amplitudes `z` are at `u0`, as a state to start from.
+    pub fn state(&mut self, z: Vec<f64>, u0: f64) -> Equilibrium {
+        let mut g = vec![0.0; z.len()];
+        let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
+        let residual = self.system.residual(&g, &mut self.ws);
+        Equilibrium {
+            mean_displacement: u0,
+            field: z,
+            residual,
+            stress: at.stress,
+            energy: at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: tackscope::solver::Stop::NotConverged,
+            cost: Default::default(),
+        }
+    }
+
+    /// Checks its stability and labels it, as the walk does.
+    pub fn label(&mut self, state: &mut Equilibrium) {
+        use rand::SeedableRng;
+        let mut g = vec![0.0; state.field.len()];
+        self.system.evaluate(&state.field, state.mean_displacement, &mut g, &mut self.ws);
+        let mut tracker = tackscope::solver::stability::Tracker::new(rand_pcg::Pcg64::seed_from_u64(7));
+        let (stiffness, mode) =
+            tracker.check(&self.system, &state.field, self.slides, &self.preconditioner, &mut self.ws, &Cancel::default());
+        state.measured(stiffness, mode);
+    }
+
+    /// The pattern that a state shows.
+    pub fn pattern(&mut self, state: &Equilibrium) -> Pattern {
+        self.system.gap(&state.field, state.mean_displacement, &mut self.ws);
+        tackscope::physics::pattern::classify(self.ws.gap.view(), self.system.law(), true)
+    }
+}
+
+/// What a walk brought on its way to a target.
+pub struct Way {
+    pub states: Vec<StateRecord>,
+    pub jumps: Vec<JumpRecord>,
+    pub end: Progress,
+}
+
+/// Walks to `target`, or until it cannot go on.
+pub fn go(walk: &mut Walk, target: f64) -> Way {
+    walk.set_target(target);
+    let (mut states, mut jumps) = (Vec::new(), Vec::new());
+    loop {
+        let end = walk.step(&Cancel::default(), &mut |happening| match happening {
+            Happening::State(state) => states.push(state),
+            Happening::Jump(jump) => jumps.push(jump),
+            Happening::Moving { .. } => {}
+        });
+        if end != Progress::Working {
+            return Way { states, jumps, end };
+        }
+    }
+}
+
+/// A walk on the whole cell by a method of one's own.
+pub fn walk_by(scene: &Scene, method: impl Method + 'static) -> Walk {
+    Walk::with_method(scene, Box::new(method), Reduction::Whole).unwrap()
+}
+
+pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
+    run_loop(scene, method, &Cancel::default(), &mut |_| {}).unwrap()
+}
+
+/// Patterns visited on one direction.
+pub fn visited(run: &LoopRun, branch: Branch) -> Vec<Pattern> {
+    run.record.jumps.iter().filter(|j| j.branch == branch).map(|j| j.to).collect()
+}
+
+/// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target` by way of `turn`.
+fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
+    let mut walk = Walk::new(&fig2(N, 0.05), MethodKind::NewtonKrylov).unwrap();
+    go(&mut walk, turn);
+    let mut states = Vec::new();
+    for back in [0.1, 0.05, 0.0] {
+        let u0 = if turn < target { target - back } else { target + back };
+        assert_eq!(go(&mut walk, u0).end, Progress::Resting);
+        states.push(walk.state().clone());
+    }
+    assert_eq!(walk.record().pattern, pattern);
+    states
+}
+
+/// A dimple on retraction, short of its limit at 2.228.
+pub fn dimple() -> &'static [Equilibrium] {
+    static STATES: OnceLock<Vec<Equilibrium>> = OnceLock::new();
+    STATES.get_or_init(|| reached(0.3, 2.2, Pattern::Dimple))
+}
+
+/// A bulge on retraction, short of its fold at 3.974.
+pub fn bulge() -> &'static [Equilibrium] {
+    static STATES: OnceLock<Vec<Equilibrium>> = OnceLock::new();
+    STATES.get_or_init(|| reached(3.0, 3.95, Pattern::Bulge))
+}
+
+/// A ridge on approach.
+pub fn ridge() -> &'static [Equilibrium] {
+    static STATES: OnceLock<Vec<Equilibrium>> = OnceLock::new();
+    STATES.get_or_init(|| reached(4.2, 2.4, Pattern::Ridge))
+}
+
+/// The branch of those states.
+pub fn history(states: &[Equilibrium]) -> History {
+    let mut history = History::default();
+    for state in states {
+        history.push(state.mean_displacement, state.field.clone());
+    }
+    history
+}

@@ -1,0 +1,144 @@
+//! Jumps that pass unnoticed, and what is carried over them.
+
+use super::common::{Bench, N, bulge, fig2, go, history, ridge, walk_by};
+use tackscope::experiment::walk::Progress;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::vector::norm;
+use tackscope::physics::system::Workspace;
+use tackscope::solver::branch::{History, distance};
+use tackscope::solver::descent::Descent;
+use tackscope::solver::equilibrium::{Cost, Equilibrium};
+use tackscope::solver::method::{Lost, Method, MethodKind, Problem};
+use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
+use tackscope::solver::{Stop, branch};
+
+/// A method that climbs: each state is rougher than the one before, and said to be converged.
+struct Climber;
+
+impl Method for Climber {
+    fn name(&self) -> &'static str {
+        "climber"
+    }
+
+    fn locates(&self) -> bool {
+        false
+    }
+
+    fn follow(
+        &mut self,
+        problem: &Problem<'_>,
+        _branch: &branch::History,
+        from: &Equilibrium,
+        u0: f64,
+        ws: &mut Workspace,
+        _cancel: &Cancel,
+    ) -> Result<Equilibrium, Lost> {
+        let mut field = from.field.clone();
+        field[2 * problem.system.grid().ny] += 1.0;
+        let mut g = vec![0.0; field.len()];
+        let at = problem.system.evaluate(&field, u0, &mut g, ws);
+        Ok(Equilibrium {
+            mean_displacement: u0,
+            field,
+            residual: 0.0,
+            stress: at.stress,
+            energy: at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop: Stop::Stable,
+            cost: Cost::default(),
+        })
+    }
+}
+
+#[test]
+fn a_negative_release_is_a_failure_and_not_a_jump() {
+    let way = go(&mut walk_by(&fig2(24, 0.1), Climber), 0.2);
+    let Progress::Stuck(reason) = &way.end else { panic!("{:?}", way.end) };
+    assert!(reason.contains("energy gained") && reason.contains("climber"), "{reason}");
+    assert!(way.jumps.iter().all(|jump| jump.released_energy > -1e-2));
+}
+
+#[test]
+fn a_step_over_a_fold_that_converges_to_the_flat_state_is_refused() {
+    let (from, u0) = (bulge().last().unwrap(), 4.02);
+    let mut bench = Bench::new();
+    let guess = history(bulge()).predict(u0).unwrap();
+    // Beyond the bulge's fold at 3.974 the only minimum near is flat, and a descent that only minds its residual ends there.
+    let mut ws = bench.system.workspace();
+    let limits = NewtonLimits { steps: 400, ..NewtonLimits::default() };
+    let fallen = descend(&bench.problem(), guess, u0, 1.0, limits, &mut ws, &Cancel::default());
+    assert!(fallen.end == NewtonEnd::Converged && norm(&fallen.z) < 1e-2 * norm(&from.field), "{:?}", fallen.end);
+    for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
+        let lost = bench.follow(&mut *kind.build(1), &history(bulge()), from, u0).err();
+        assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
+    }
+}
+
+/// A history with a jump in it: two bulges and a ridge.
+fn torn() -> History {
+    let mut torn = History::default();
+    for (i, state) in [&bulge()[0], &bulge()[1]].into_iter().enumerate() {
+        torn.push(2.5 - 0.05 * i as f64, state.field.clone());
+    }
+    torn.push(ridge()[2].mean_displacement, ridge()[2].field.clone());
+    torn
+}
+
+#[test]
+fn an_extrapolation_over_a_jump_is_of_neither_branch_and_nothing_found_from_it_is_accepted() {
+    let from = ridge().last().unwrap();
+    let u0 = from.mean_displacement - 0.05;
+    let mut bench = Bench::new();
+    let clean = bench.follow(&mut *MethodKind::NewtonKrylov.build(1), &history(ridge()), from, u0).unwrap();
+    let (good, bad) = (history(ridge()).predict(u0).unwrap(), torn().predict(u0).unwrap());
+    assert!(distance(&bad, &clean.field) > 100.0 * distance(&good, &clean.field));
+    for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
+        let lost = bench.follow(&mut *kind.build(1), &torn(), from, u0).err();
+        assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
+    }
+}
+
+#[test]
+fn after_a_jump_that_an_increment_hid_the_extrapolation_starts_afresh() {
+    // Steps so long that tuned GFMD jumps within an increment: with the old history it would jump back and forth.
+    let scene = fig2(N, 0.1);
+    let mut walk = tackscope::experiment::walk::Walk::new(&scene, MethodKind::GfmdTuned).unwrap();
+    let way = go(&mut walk, 1.5);
+    let patterns: Vec<_> = way.jumps.iter().map(|j| j.to).collect();
+    let again = (1..patterns.len()).any(|i| patterns[..i].contains(&patterns[i]));
+    assert!(way.end == Progress::Resting && patterns.len() >= 2 && !again, "{patterns:?}");
+}
+
+#[test]
+fn lbfgs_drops_its_memory_where_it_did_not_end_itself() {
+    let from = ridge().last().unwrap();
+    let u0 = from.mean_displacement - 0.05;
+    let mut bench = Bench::new();
+    let mut used = Descent::lbfgs();
+    let previous = &bulge()[1];
+    bench.follow(&mut used, &history(&bulge()[..2]), previous, previous.mean_displacement + 0.01).unwrap();
+    let after_a_jump = bench.follow(&mut used, &history(ridge()), from, u0).unwrap();
+    let fresh = bench.follow(&mut Descent::lbfgs(), &history(ridge()), from, u0).unwrap();
+    assert_eq!(after_a_jump.field, fresh.field, "to the last bit");
+    assert_eq!(after_a_jump.cost, fresh.cost);
+}
+
+#[test]
+fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
+    let state = &bulge()[0];
+    let bench = Bench::new();
+    let spacing = bench.system.grid().spacing();
+    let drifted = bench.system.moved(&state.field, 0.3 * spacing, 0.2 * spacing);
+    let tight = NewtonLimits { tolerance: 1e-10, steps: 12, ..NewtonLimits::default() };
+    let cost = |z: Vec<f64>| {
+        let mut ws = bench.system.workspace();
+        let found = solve(&bench.problem(), z, state.mean_displacement, tight, &mut ws, &Cancel::default());
+        (found.end, ws.transforms)
+    };
+    let (end, transforms) = cost(drifted.clone());
+    assert!(end != NewtonEnd::Converged, "the mesh pulls along the sliding modes, which no step may use: {end:?}");
+    let (good_end, good) = cost(centred(&bench.system, &drifted));
+    assert_eq!(good_end, NewtonEnd::Converged);
+    assert!(good < transforms, "{good} {transforms}");
+}
