@@ -237,12 +237,15 @@ impl Atlas {
         }
     }
 
-    /// The pattern at an end of a branch, which may no longer show the contact it had in its middle.
-    fn pattern_at(&mut self, place: Place, end: Option<bool>) -> Pattern {
-        match (place, end) {
-            (Place::Flat, _) => Pattern::Flat,
-            (Place::On(i), _) => self.branches[i].pattern,
+    /// The pattern of `place` at `u0`, by its topology on the mesh for releases: a dimple that grows ends as a bulge.
+    fn pattern_at(&mut self, place: Place, u0: f64) -> Pattern {
+        let Place::On(i) = place else { return Pattern::Flat };
+        let branch = &self.branches[i];
+        if branch.is_ridge {
+            return Pattern::Ridge;
         }
+        let z = carried(&branch.guess(u0), self.square.system(), self.explorer.system());
+        self.explorer.pattern(&z, u0)
     }
 
     fn sector_of(&self, branch: &Branch) -> &Sector {

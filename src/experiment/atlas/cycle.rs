@@ -125,8 +125,8 @@ impl Atlas {
                 cycle.jumps.push(JumpRecord {
                     branch: direction,
                     mean_displacement: at,
-                    from: self.pattern_at(place, Some(up)),
-                    to: self.pattern_at(next, None),
+                    from: self.pattern_at(place, at),
+                    to: self.pattern_at(next, at),
                     stress_before: before.stress,
                     stress_after: after.stress,
                     released_energy,
