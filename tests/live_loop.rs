@@ -1,10 +1,10 @@
 //! The live loop against the walk: the same curve, the same jumps, and the right answer before the walk has got there.
 
-use std::time::Instant;
-use tackscope::experiment::live_loop::{Fineness, LiveLoop};
+use std::time::{Duration, Instant};
+use tackscope::experiment::live_loop::{Fineness, LiveLoop, LiveLoops};
 use tackscope::experiment::record::Branch;
 use tackscope::experiment::run::{Outcome, run_loop};
-use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::scene::{Points, Range, Scene};
 use tackscope::experiment::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::solver::method::MethodKind;
@@ -87,4 +87,29 @@ fn what_the_atlas_does_not_hold_is_refused_in_words() {
     scene.cell.points = Points::Line(64);
     let words = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).unwrap_err().to_string();
     assert!(words.contains("square cells on flat ground"), "{words}");
+}
+
+#[test]
+fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
+    let mut loops = LiveLoops::default();
+    let (mut taken_over, mut afresh) = (Duration::ZERO, Duration::ZERO);
+    for i in 0..=12 {
+        let mut scene = fig2();
+        scene.law.range = Range::Length(if i < 12 { 1.0 + 0.002 * f64::from(i) } else { 1.1 });
+        let model = scene.model().unwrap();
+        let began = Instant::now();
+        let quick = loops.next(&scene, &model, Fineness::Coarse).unwrap();
+        taken_over += if i > 0 { began.elapsed() } else { Duration::ZERO };
+        let began = Instant::now();
+        let slow = LiveLoop::of(&scene, &model, Fineness::Coarse).unwrap();
+        afresh += if i > 0 { began.elapsed() } else { Duration::ZERO };
+        let off = (quick.dissipated_energy / slow.dissipated_energy - 1.0).abs();
+        assert!(off < 2e-3, "{off} at {i}");
+        assert_eq!(quick.jumps.len(), slow.jumps.len());
+        for (a, b) in quick.jumps.iter().zip(&slow.jumps) {
+            assert_eq!((a.branch, a.from, a.to), (b.branch, b.from, b.to));
+            assert!((a.mean_displacement - b.mean_displacement).abs() < 5e-3, "{a:?} {b:?}");
+        }
+    }
+    println!("a loop taken over: {:?}, afresh: {:?}", taken_over / 12, afresh / 12);
 }

@@ -1,7 +1,8 @@
 //! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a parameter, and to say where the surface
 //! will stand before the walk has gone there.
 
-use super::atlas::{Atlas, Chart, Place, Unmapped};
+use super::atlas::{Atlas, Chart, Cycle, Place, Unmapped};
+use super::plan;
 use super::record::{Branch, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, Turn};
 use crate::physics::indenter::Indenter;
@@ -87,33 +88,84 @@ pub struct LiveLoop {
     pub points: usize,
 }
 
+/// Live loops one after the other: where law and cell are only a little different the last atlas is taken over.
+#[derive(Debug, Default)]
+pub struct LiveLoops {
+    last: Option<(Atlas, Vec<Place>)>,
+}
+
+impl LiveLoops {
+    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over are then learnt again.
+    ///
+    /// # Errors
+    /// Why the atlas does not hold this scene; the walk does.
+    pub fn next(&mut self, scene: &Scene, model: &Model, fineness: Fineness) -> Result<LiveLoop, Unmapped> {
+        let (chart, turn) = chart_of(scene, model, fineness)?;
+        let start = scene.drive.start;
+        let last = self.last.take().filter(|(atlas, _)| fineness == Fineness::Coarse && is_near(atlas.chart(), &chart));
+        let adapted = last.and_then(|(atlas, order)| {
+            let mut atlas = atlas.adapted(chart).ok()?;
+            let cycle = atlas.cycle(start, turn).ok()?;
+            (places(&cycle) == order).then_some((atlas, cycle))
+        });
+        let (atlas, cycle) = match adapted {
+            Some(found) => found,
+            None => {
+                let mut atlas = Atlas::new(chart);
+                let cycle = atlas.cycle(start, turn)?;
+                (atlas, cycle)
+            }
+        };
+        let found = LiveLoop::read(&atlas, &cycle, start, turn);
+        self.last = Some((atlas, places(&cycle)));
+        Ok(found)
+    }
+}
+
+/// Largest change of law or cell, as a ratio, over which an atlas is taken over; over larger ones its branches are mostly not found again.
+const NEAR: f64 = 1.006;
+
+fn is_near(a: &Chart, b: &Chart) -> bool {
+    let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;
+    let same = a.law.shape == b.law.shape && a.seed == b.seed;
+    same && close(a.law.range, b.law.range) && close(a.law.surface_energy, b.law.surface_energy) && close(a.length, b.length)
+}
+
+fn places(cycle: &Cycle) -> Vec<Place> {
+    cycle.legs.iter().map(|leg| leg.place).collect()
+}
+
+/// The atlas that a scene asks for, and where its drive turns.
+fn chart_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Chart, f64), Unmapped> {
+    let Turn::At(turn) = scene.drive.turn else { return Err(unmapped("the drive has no fixed turning point")) };
+    if model.indenter != Indenter::Flat || model.grid.is_line() {
+        return Err(unmapped("the atlas holds square cells on flat ground"));
+    }
+    let (length, law) = (model.grid.length, model.law);
+    let points = plan::next_fast((mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32));
+    if points > POINTS_MAX {
+        return Err(unmapped(&format!("a live loop would need {points} points a side")));
+    }
+    Ok((plan::chart(&law, length, points, scene.seed), turn))
+}
+
 impl LiveLoop {
     /// The loop of a scene's drive.
     ///
     /// # Errors
     /// Why the atlas does not hold this scene; the walk does.
     pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
-        let Turn::At(turn) = scene.drive.turn else { return Err(unmapped("the drive has no fixed turning point")) };
-        if model.indenter != Indenter::Flat || model.grid.is_line() {
-            return Err(unmapped("the atlas holds square cells on flat ground"));
-        }
-        let (length, law) = (model.grid.length, model.law);
-        let needed = mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho());
-        let points = (needed / 8.0).ceil().max(4.0) as usize * 8;
-        if points > POINTS_MAX {
-            return Err(unmapped(&format!("a live loop would need {points} points a side")));
-        }
-        let coarse = (points / 2).next_multiple_of(8);
-        let chart = Chart { length, law, square: points, line: points, coarse, seed: scene.seed };
-        let mut atlas = Atlas::new(chart);
-        let cycle = atlas.cycle(scene.drive.start, turn)?;
+        LiveLoops::default().next(scene, model, fineness)
+    }
+
+    fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
         let mut this = Self {
-            law,
+            law: atlas.chart().law,
             stretches: Vec::new(),
             legs: Vec::new(),
-            jumps: cycle.jumps,
+            jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
-            points,
+            points: atlas.chart().square,
         };
         let mut known: Vec<(Place, bool)> = Vec::new();
         for leg in &cycle.legs {
@@ -122,7 +174,7 @@ impl LiveLoop {
             let key = (leg.place, pressed);
             let stretch = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
-                this.stretches.push(stretch(&atlas, leg.place, pressed, turn, scene.drive.start));
+                this.stretches.push(stretch(atlas, leg.place, pressed, turn, start));
                 known.len() - 1
             });
             this.legs.push(Leg { direction: leg.direction, stretch, from: leg.from, to: leg.to });
@@ -131,7 +183,7 @@ impl LiveLoop {
             let side = usize::from(pair[0].direction == Branch::Retraction);
             this.stretches[pair[0].stretch].next[side] = Some(pair[1].stretch);
         }
-        Ok(this)
+        this
     }
 
     /// The points (u0, stress) of a piece, in the order they are passed.

@@ -1,7 +1,7 @@
 //! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the hand rests.
 
 use super::protocol::{Event, LiveState, RunId};
-use crate::experiment::live_loop::{Fineness, LiveLoop};
+use crate::experiment::live_loop::{Fineness, LiveLoops};
 use crate::experiment::scene::{Drive, Model, Scene};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -58,6 +58,7 @@ impl Drop for Live {
 
 fn run(wishes: &Receiver<Wish>, tell: &dyn Fn(Event)) {
     let mut known: Option<(Model, Drive, u64, Arc<LiveState>)> = None;
+    let mut loops = LiveLoops::default();
     let mut next = wishes.recv().ok();
     while let Some(wish) = next.take() {
         let Ok(model) = wish.scene.model() else {
@@ -67,14 +68,14 @@ fn run(wishes: &Receiver<Wish>, tell: &dyn Fn(Event)) {
         let (drive, seed) = (wish.scene.drive, wish.scene.seed);
         // A reset, another method: the loop stays what it was.
         let same = known.take().filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
-        let mut state = same.map_or_else(|| computed(&wish.scene, &model, Fineness::Coarse), |(.., state)| state);
+        let mut state = same.map_or_else(|| computed(&mut loops, &wish.scene, &model, Fineness::Coarse), |(.., state)| state);
         tell(Event::Live { run: wish.run, live: state.clone() });
         if state.fineness == Fineness::Coarse {
             match wishes.recv_timeout(REST) {
                 Ok(newer) => next = Some(newer),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    state = computed(&wish.scene, &model, Fineness::Fine);
+                    state = computed(&mut loops, &wish.scene, &model, Fineness::Fine);
                     tell(Event::Live { run: wish.run, live: state.clone() });
                 }
             }
@@ -86,11 +87,12 @@ fn run(wishes: &Receiver<Wish>, tell: &dyn Fn(Event)) {
     }
 }
 
-fn computed(scene: &Scene, model: &Model, fineness: Fineness) -> Arc<LiveState> {
+fn computed(loops: &mut LiveLoops, scene: &Scene, model: &Model, fineness: Fineness) -> Arc<LiveState> {
     let began = Instant::now();
-    let found = catch_unwind(AssertUnwindSafe(|| LiveLoop::of(scene, model, fineness)));
+    let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
     let found = match found {
         Ok(found) => found.map_err(|error| error.to_string()),
+        // What it holds after a panic is not to be trusted; `next` has taken it out.
         Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
     };
     Arc::new(LiveState { found, fineness, milliseconds: began.elapsed().as_secs_f64() * 1e3 })
