@@ -224,7 +224,7 @@ impl Atlas {
 
     /// Makes `u0`, whose energy enters a jump, a node of branch `i`, unless there is one close by.
     fn pin(&mut self, i: usize, u0: f64) {
-        let near = 0.02 * self.chart.law.range;
+        let near = 1e-3 * self.chart.law.range;
         let branch = &self.branches[i];
         if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.u0 - u0).abs() < near) {
             return;

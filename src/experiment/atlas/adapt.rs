@@ -3,7 +3,7 @@
 use super::curve::Branch;
 use super::trace::{End, recross};
 use super::{Atlas, Chart, Place};
-use crate::numerics::vector::{add, scale};
+use crate::numerics::vector::add;
 use crate::physics::system::carried;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
@@ -19,11 +19,10 @@ impl Atlas {
     /// A branch that was not found again; then a new atlas must be made.
     pub fn adapted(&self, chart: Chart) -> Result<Self, Lost> {
         let mut new = Self::new(chart);
-        let stretch = chart.law.range / self.chart.law.range;
         for old in &self.branches {
             let from = self.sector_of(old);
             let to = if old.is_ridge { &mut new.ridge } else { &mut new.square };
-            new.branches.push(adapt(old, from, to, stretch)?);
+            new.branches.push(adapt(old, from, to)?);
         }
         new.landings.clone_from(&self.landings);
         for (row, sides) in self.landings.iter().enumerate() {
@@ -41,10 +40,10 @@ impl Atlas {
     }
 }
 
-fn adapt(old: &Branch, from: &Sector, to: &mut Sector, stretch: f64) -> Result<Branch, Lost> {
+fn adapt(old: &Branch, from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
     let last = old.nodes.len() - 1;
     let mut end = |upper: bool| {
-        let node = stretched(old.end(upper), from, to, stretch);
+        let node = moved(old.end(upper), from, to);
         match old.ends[usize::from(upper)] {
             End::Fold => to.refold(&node, upper),
             End::Breaking => recross(to, &node),
@@ -54,7 +53,7 @@ fn adapt(old: &Branch, from: &Sector, to: &mut Sector, stretch: f64) -> Result<B
     let (a, b) = (old.nodes[0].u0, old.nodes[last].u0);
     let changed = |new: &Node, old: &Node| {
         let mut change = new.z.clone();
-        add(&mut change, -1.0, &stretched(old, from, to, stretch).z);
+        add(&mut change, -1.0, &carried(&old.z, from.system(), to.system()));
         change
     };
     let (change_low, change_high) = (changed(&low, &old.nodes[0]), changed(&high, &old.nodes[last]));
@@ -64,7 +63,7 @@ fn adapt(old: &Branch, from: &Sector, to: &mut Sector, stretch: f64) -> Result<B
     // Counted from the middle of the first stride, so that both ends are served alike.
     for k in (1..last).skip(((last - 1) % stride) / 2).step_by(stride) {
         let share = (old.nodes[k].u0 - a) / (b - a);
-        let mut z = stretched(&old.nodes[k], from, to, stretch).z;
+        let mut z = carried(&old.nodes[k].z, from.system(), to.system());
         // What changed at the ends changed a part of that in between.
         add(&mut z, 1.0 - share, &change_low);
         add(&mut z, share, &change_high);
@@ -80,12 +79,11 @@ fn adapt(old: &Branch, from: &Sector, to: &mut Sector, stretch: f64) -> Result<B
     Ok(Branch { pattern: old.pattern, is_ridge: old.is_ridge, nodes, ends: old.ends })
 }
 
-/// A node of another mesh and range as a first guess: amplitudes and u0 in proportion to the range.
-fn stretched(node: &Node, from: &Sector, to: &Sector, stretch: f64) -> Node {
-    let mut z = carried(&node.z, from.system(), to.system());
-    scale(&mut z, stretch);
-    let tangent = carried(&node.tangent, from.system(), to.system());
+/// A node as a first guess on another mesh. Displacements hardly scale with the range: what elasticity and surface energy balance
+/// has a length of its own, sqrt(gamma L/E*).
+fn moved(node: &Node, from: &Sector, to: &Sector) -> Node {
     let mut guess = node.clone();
-    (guess.u0, guess.z, guess.tangent) = (stretch * node.u0, z, tangent);
+    guess.z = carried(&node.z, from.system(), to.system());
+    guess.tangent = carried(&node.tangent, from.system(), to.system());
     guess
 }

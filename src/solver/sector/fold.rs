@@ -48,7 +48,8 @@ impl Sector {
             let border = dot(phi, &b) - dot(&image, &along_u);
             if converged {
                 // What is left of the force along phi is a matter of u0.
-                u0 -= dot(phi, &g) / border;
+                let du = -dot(phi, &g) / border;
+                u0 += du;
                 let w = image.clone();
                 let along_a = self.solve(&w, &removed, 1e-2)?;
                 let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
@@ -56,7 +57,7 @@ impl Sector {
                 add(&mut tangent, -1.0, &along_a);
                 add(&mut tangent, -rate, &along_u);
                 let slope = self.mean_stiffness * rate + dot(&b, &tangent);
-                let mut node = Node::bare(u0, z, at.energy, at.stress, slope, tangent);
+                let mut node = Node::bare(u0, z, at.energy + du * at.stress, at.stress, slope, tangent);
                 self.soften(&mut node, None);
                 return Ok((node, rate));
             }
