@@ -16,6 +16,7 @@ pub use curve::{Branch, Point};
 pub use cycle::{Cycle, Leg, Place};
 pub use trace::End;
 
+use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::carried;
@@ -61,6 +62,7 @@ pub struct Atlas {
     /// For releases that the coarse mesh does not show.
     fine: Option<Explorer>,
     flat_limits: Option<(f64, f64)>,
+    cancel: Cancel,
     branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
     landings: Vec<[Option<Place>; 2]>,
@@ -77,9 +79,19 @@ impl Atlas {
             explorer: Explorer::new(length, coarse, law, seed),
             fine: None,
             flat_limits: flat::limits(&law, length),
+            cancel: Cancel::default(),
             branches: Vec::new(),
             landings: vec![[None; 2]],
         }
+    }
+
+    /// Lets `cancel` interrupt every solve from now on; what is under way is then lost.
+    pub fn obey(&mut self, cancel: &Cancel) {
+        for sector in [&mut self.ridge, &mut self.square] {
+            sector.cancel = cancel.clone();
+        }
+        self.explorer.cancel = cancel.clone();
+        self.cancel = cancel.clone();
     }
 
     /// What it was made for.
@@ -116,6 +128,9 @@ impl Atlas {
         let onwards = if up { 1.0 } else { -1.0 } * self.chart.law.range;
         let mut refusal = Unmapped(format!("the surface at u0 = {u0:.4} falls nowhere"));
         for (beyond, fine) in ATTEMPTS {
+            if self.cancel.requested() {
+                break;
+            }
             let (z, mode, explorer) = self.kick(place, up, fine)?;
             let rest = explorer.release(&z, &mode, u0 + beyond * onwards);
             match self.settle(u0, energy, rest, fine) {
@@ -148,7 +163,7 @@ impl Atlas {
 
     /// The state at the end of `place` and the mode along which it gives way, on the mesh for releases.
     fn kick(&mut self, place: Place, up: bool, fine: bool) -> Result<(Vec<f64>, Vec<f64>, &mut Explorer), Unmapped> {
-        let explorer = if fine { Self::fine(&mut self.fine, &self.chart) } else { &mut self.explorer };
+        let explorer = if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer };
         let Place::On(i) = place else {
             return Ok((vec![0.0; explorer.system().dimension()], explorer.flat_mode(), explorer));
         };
@@ -166,8 +181,10 @@ impl Atlas {
         Ok((carried(&node.z, own, explorer.system()), mode, explorer))
     }
 
-    fn fine<'e>(fine: &'e mut Option<Explorer>, chart: &Chart) -> &'e mut Explorer {
-        fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law, chart.seed))
+    fn fine<'e>(fine: &'e mut Option<Explorer>, chart: &Chart, cancel: &Cancel) -> &'e mut Explorer {
+        let explorer = fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law, chart.seed));
+        explorer.cancel = cancel.clone();
+        explorer
     }
 
     /// The place of a state at rest: a known branch, or a new one traced from it both ways.

@@ -123,7 +123,7 @@ impl LiveLoops {
 }
 
 /// Largest change of law or cell, as a ratio, over which an atlas is taken over; over larger ones its branches are mostly not found again.
-const NEAR: f64 = 1.006;
+const NEAR: f64 = 1.03;
 
 fn is_near(a: &Chart, b: &Chart) -> bool {
     let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;

@@ -73,8 +73,8 @@ pub struct Plan {
     pub road: Road,
     /// In one sentence: which models, on which meshes, and why.
     pub words: String,
-    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger; NaN where nothing is known (uneven
-    /// ground, laws whose stiffness jumps).
+    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger; 1 where nothing can be promised (a
+    /// coarse mesh, a law whose stiffness jumps), NaN where nothing is known (uneven ground).
     pub predicted_error: f64,
     /// Expected seconds for the loop, to a factor of two or three, on one core.
     pub predicted_seconds: f64,
@@ -97,15 +97,15 @@ pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
     LOCATED + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
 }
 
-/// Relative accuracy to which jumps and energies are located on any mesh.
-const LOCATED: f64 = 2e-5;
+/// Relative accuracy to which jumps and energies are located on any mesh, by either road.
+const LOCATED: f64 = 5e-5;
 
 /// The fewest points along a side, a multiple of 8 with small factors, that keep [`mesh_error`] below `accuracy`.
 pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
     let mut n = 16;
     loop {
         let mu_rho = mesh_rule::mu_rho(law, length / n as f64);
-        if n >= 1 << 13 || mu_rho <= 0.5 && mesh_error(law, length, mu_rho) <= accuracy.max(2.0 * LOCATED) {
+        if n >= 1 << 13 || mu_rho <= CONTINUUM && mesh_error(law, length, mu_rho) <= accuracy.max(1.5 * LOCATED) {
             return n;
         }
         n = next_fast(n + 8);
@@ -142,7 +142,12 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
     let obstacle = obstacle(scene, model);
     let known = flat && model.law.is_smooth() && model.mu_rho <= CONTINUUM;
-    let mesh = if known { mesh_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
+    let mesh = match known {
+        true => mesh_error(&model.law, model.grid.length, model.mu_rho),
+        // Which jumps happen depends on the mesh itself: nothing is promised.
+        false if flat => 1.0,
+        false => f64::NAN,
+    };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
@@ -186,6 +191,9 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
 fn expected(error: f64) -> String {
     if !error.is_finite() {
         return String::new();
+    }
+    if error >= 1.0 {
+        return "; no accuracy is promised".to_owned();
     }
     // One significant digit.
     let percent = 100.0 * error;

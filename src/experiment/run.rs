@@ -95,10 +95,10 @@ pub fn run_planned(
         Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe).map(|run| (run, None)),
         Road::Atlas(chart) => chart,
     };
-    let (model, start) = (scene.model()?, scene.drive.start);
+    let model = scene.model()?;
     let mut atlas = Atlas::new(chart);
     let toured = match scene.drive.turn {
-        Turn::At(turn) => atlas.cycle(start, turn).and_then(|cycle| atlas.tour(scene, &model, &cycle, cancel, observe)),
+        Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
         Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for a tip".to_owned())),
     };
     match toured {

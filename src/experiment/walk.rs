@@ -89,6 +89,9 @@ struct Jumping {
     release: Release,
     cause: Cause,
     kicks: usize,
+    /// The mode along which the state before gave way, and the size of the kick along it (ranges).
+    soft_mode: Vec<f64>,
+    kick: f64,
     /// Energy of the state before, carried to the u0 of the jump.
     energy_before: f64,
 }

@@ -117,6 +117,8 @@ pub struct Sector {
     /// Amplitudes and mean of gamma'' at the last refresh: the derivative of forces and stress with u0.
     stiffness: Vec<f64>,
     mean_stiffness: f64,
+    /// Interrupts a solve, which is then lost.
+    pub cancel: Cancel,
 }
 
 impl Sector {
@@ -149,6 +151,7 @@ impl Sector {
             ws: system.workspace(),
             stiffness: vec![0.0; system.dimension()],
             mean_stiffness: 0.0,
+            cancel: Cancel::default(),
             system,
         }
     }
@@ -186,17 +189,19 @@ impl Sector {
 
     /// Solves P H P x = P b, P removing the unit vectors `removed`.
     fn solve(&mut self, b: &[f64], removed: &[Vec<f64>], tolerance: f64) -> Result<Vec<f64>, Lost> {
-        let Self { system, preconditioner, ws, class, .. } = self;
+        let Self { system, preconditioner, ws, class, cancel, .. } = self;
         let found = conjugate_gradients(
             |v, out| system.hessian(v, out, ws),
             b,
             |r, out| preconditioner.apply(r, out),
             removed,
             CgLimits { tolerance, products: PRODUCTS },
-            &Cancel::default(),
+            cancel,
         );
-        if found.end == CgEnd::NegativeCurvature {
-            return Err(Lost::Unstable);
+        match found.end {
+            CgEnd::NegativeCurvature => return Err(Lost::Unstable),
+            CgEnd::Cancelled => return Err(Lost::Cancelled),
+            CgEnd::Converged | CgEnd::Budget => {}
         }
         let mut x = found.x;
         class.project(system, &mut x);
@@ -228,7 +233,7 @@ impl Sector {
             self.refresh();
             let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3 };
             let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
-            let state = descend(&problem, z, u0, radius, limits, &mut self.ws, &Cancel::default());
+            let state = descend(&problem, z, u0, radius, limits, &mut self.ws, &self.cancel);
             z = state.z;
             self.class.project(&self.system, &mut z);
             match state.end {

@@ -91,54 +91,97 @@ impl Atlas {
     /// # Errors
     /// What no sector holds; the walk must be asked then.
     pub fn cycle(&mut self, start: f64, turn: f64) -> Result<Cycle, Unmapped> {
-        if flat::stiffness_min(&self.chart.law, self.chart.length, start) < 0.0 {
-            return Err(Unmapped(format!("the flat state is not stable at the start, u0 = {start}")));
-        }
         let mut cycle = Cycle { legs: Vec::new(), jumps: Vec::new(), dissipated_energy: 0.0 };
-        let (mut place, mut here, mut begins) = (Place::Flat, start, true);
-        for (direction, goal) in [(Direction::Approach, turn), (Direction::Retraction, start)] {
-            let up = direction == Direction::Retraction;
-            loop {
-                let end = self.end(place, here, up).filter(|(at, _)| if up { *at < goal } else { *at > goal });
-                let to = end.map_or(goal, |(at, _)| at);
-                cycle.legs.push(Leg { direction, place, from: here, to, begins });
-                begins = true;
-                here = to;
-                let Some((at, cause)) = end else {
-                    begins = false;
-                    break;
-                };
-                if cycle.jumps.len() == JUMPS {
-                    return Err(Unmapped(format!("more than {JUMPS} jumps")));
-                }
-                let next = self.landing(place, up)?;
-                let (before, after) = (self.at(place, at), self.at(next, at));
-                let released_energy = (before.energy - after.energy) / self.chart.law.surface_energy;
-                if !(released_energy >= 0.0) || next == place {
-                    return Err(Unmapped(format!("the jump at u0 = {at:.4} would release {released_energy:.2e} gamma")));
-                }
-                if let Place::On(i) = next
-                    && !self.branches[i].covers(at)
-                {
-                    return Err(Unmapped(format!("the jump at u0 = {at:.4} lands beside its branch")));
-                }
-                cycle.jumps.push(JumpRecord {
-                    branch: direction,
-                    mean_displacement: at,
-                    from: self.pattern_at(place, at),
-                    to: self.pattern_at(next, at),
-                    stress_before: before.stress,
-                    stress_after: after.stress,
-                    released_energy,
-                    cause,
-                });
-                cycle.dissipated_energy += released_energy;
-                place = next;
+        let mut journey = Journey::new(self, start, turn)?;
+        while let Some(leg) = journey.leg(self) {
+            cycle.legs.push(leg);
+            if let Some(jump) = journey.jump(self)? {
+                cycle.dissipated_energy += jump.released_energy;
+                cycle.jumps.push(jump);
             }
         }
-        if place != Place::Flat {
-            return Err(Unmapped("the loop does not close: drive.start is below the last jump of the retraction".to_owned()));
-        }
+        journey.closed()?;
         Ok(cycle)
+    }
+}
+
+/// A loop under way: asked in turns for the next leg and for the jump at its end.
+pub(super) struct Journey {
+    /// Goals still ahead: the turn, then the start.
+    goals: Vec<(Direction, f64)>,
+    place: Place,
+    here: f64,
+    begins: bool,
+    /// Where and why the leg last given ends, if it does not end at a goal.
+    end: Option<(f64, Cause)>,
+    jumps: usize,
+}
+
+impl Journey {
+    pub(super) fn new(atlas: &Atlas, start: f64, turn: f64) -> Result<Self, Unmapped> {
+        if flat::stiffness_min(&atlas.chart.law, atlas.chart.length, start) < 0.0 {
+            return Err(Unmapped(format!("the flat state is not stable at the start, u0 = {start}")));
+        }
+        let goals = vec![(Direction::Retraction, start), (Direction::Approach, turn)];
+        Ok(Self { goals, place: Place::Flat, here: start, begins: true, end: None, jumps: 0 })
+    }
+
+    /// The next stretch of a branch; `None` when the loop is at its end.
+    pub(super) fn leg(&mut self, atlas: &Atlas) -> Option<Leg> {
+        let &(direction, goal) = self.goals.last()?;
+        let up = direction == Direction::Retraction;
+        self.end = atlas.end(self.place, self.here, up).filter(|(at, _)| if up { *at < goal } else { *at > goal });
+        let to = self.end.map_or(goal, |(at, _)| at);
+        let leg = Leg { direction, place: self.place, from: self.here, to, begins: self.begins };
+        self.here = to;
+        self.begins = self.end.is_some();
+        Some(leg)
+    }
+
+    /// The jump at the end of the last leg; `None` if it ended at a goal.
+    pub(super) fn jump(&mut self, atlas: &mut Atlas) -> Result<Option<JumpRecord>, Unmapped> {
+        let Some((at, cause)) = self.end.take() else {
+            self.goals.pop();
+            return Ok(None);
+        };
+        self.jumps += 1;
+        if self.jumps > JUMPS {
+            return Err(Unmapped(format!("more than {JUMPS} jumps")));
+        }
+        let &(direction, _) = self.goals.last().expect("a leg was given");
+        let next = atlas.landing(self.place, direction == Direction::Retraction)?;
+        if let Place::On(i) = next
+            && !atlas.branches[i].covers(at)
+        {
+            return Err(Unmapped(format!("the jump at u0 = {at:.4} lands beside its branch")));
+        }
+        let (before, after) = (atlas.at(self.place, at), atlas.at(next, at));
+        let released_energy = (before.energy - after.energy) / atlas.chart.law.surface_energy;
+        if !(released_energy >= 0.0) || next == self.place {
+            return Err(Unmapped(format!("the jump at u0 = {at:.4} would release {released_energy:.2e} gamma")));
+        }
+        let jump = JumpRecord {
+            branch: direction,
+            mean_displacement: at,
+            from: atlas.pattern_at(self.place, at),
+            to: atlas.pattern_at(next, at),
+            stress_before: before.stress,
+            stress_after: after.stress,
+            released_energy,
+            cause,
+        };
+        self.place = next;
+        Ok(Some(jump))
+    }
+
+    /// # Errors
+    /// The loop has come back to its start on another branch than it left.
+    pub(super) fn closed(&self) -> Result<(), Unmapped> {
+        match self.place {
+            Place::Flat => Ok(()),
+            Place::On(_) => {
+                Err(Unmapped("the loop does not close: drive.start is below the last jump of the retraction".to_owned()))
+            }
+        }
     }
 }

@@ -48,6 +48,8 @@ pub struct Explorer {
     preconditioner: Preconditioner,
     ws: Workspace,
     seed: u64,
+    /// Interrupts a fall.
+    pub cancel: Cancel,
 }
 
 impl Explorer {
@@ -55,7 +57,7 @@ impl Explorer {
     pub fn new(length: f64, n: usize, law: Law, seed: u64) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
         let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
-        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, seed }
+        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, seed, cancel: Cancel::default() }
     }
 
     /// The coarse mechanics.
@@ -114,15 +116,12 @@ impl Explorer {
                 self.preconditioner.refresh(&self.system, &mut self.ws);
             }
             let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
-            let state = descend(&problem, z, u0, REACH * self.system.law().range, limits, &mut self.ws, &Cancel::default());
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "fall residual {:.2e} energy {:.6} steps {} {:?} t {}",
-                    state.residual, state.at.energy, state.steps, state.end, self.ws.transforms
-                );
-            }
+            let state = descend(&problem, z, u0, REACH * self.system.law().range, limits, &mut self.ws, &self.cancel);
             if state.end == NewtonEnd::Converged {
                 return Some(state);
+            }
+            if state.end == NewtonEnd::Cancelled {
+                return None;
             }
             largest = largest.max(state.residual);
             z = state.z;

@@ -1,8 +1,9 @@
 //! A loop of the atlas as a record: every increment a state solved, measured and watched, like the walk's.
 
-use super::{Atlas, Cycle, End, Leg, Place, Unmapped};
+use super::cycle::Journey;
+use super::{Atlas, End, Leg, Place, Unmapped};
 use crate::experiment::flat_branch::FlatBranch;
-use crate::experiment::record::{JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::record::{Branch, LoopRecord, StateRecord};
 use crate::experiment::run::{Landing, LoopRun, Outcome, Report};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::walk::guard::Guard;
@@ -26,21 +27,24 @@ const HAIR: f64 = 1e-3;
 const TOLERANCE: f64 = 1e-6;
 
 impl Atlas {
-    /// Walks along the legs of `cycle` in the scene's steps, solving each state and handing it out.
+    /// The closed loop of `scene` from its start to `turn` and back in the scene's steps, every state solved and handed out.
     ///
     /// # Errors
     /// A state that is not stable against all modes of the whole cell, or not found: the walk must be asked.
     pub fn tour(
         &mut self,
         scene: &Scene,
+        turn: f64,
         model: &Model,
-        cycle: &Cycle,
         cancel: &Cancel,
         observe: &mut dyn FnMut(Report<'_>),
     ) -> Result<LoopRun, Unmapped> {
         let law = model.law;
         let well = law.at(law.equilibrium_gap()).stiffness;
         let tracker = Tracker::new(Pcg64::seed_from_u64(scene.seed));
+        let start = scene.drive.start;
+        let mut journey = Journey::new(self, start, turn)?;
+        self.obey(cancel);
         let mut tour = Tour {
             atlas: self,
             model,
@@ -51,34 +55,36 @@ impl Atlas {
         };
         let mut run =
             LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
-        let travel = cycle.legs.iter().map(|leg| (leg.to - leg.from).abs()).sum::<f64>();
-        let mut gone = 0.0;
-        let mut jumps = cycle.jumps.iter().peekable();
-        for leg in &cycle.legs {
-            let mut before = leg.from;
-            let fold = tour.fold(leg);
-            for (i, u0) in stations(leg, scene.drive.start, scene.drive.step, fold).enumerate() {
+        while let Some(leg) = journey.leg(tour.atlas) {
+            let fold = tour.fold(&leg);
+            for (i, u0) in stations(&leg, start, scene.drive.step, fold).enumerate() {
+                let told = tour.state(&leg, u0, cancel);
                 if cancel.requested() {
-                    run.outcome = Outcome::Cancelled;
-                    run.counts.transforms = tour.transforms();
-                    return Ok(run);
+                    break;
                 }
-                let (state, gap) = tour.state(leg, u0, cancel)?;
-                gone += (u0 - before).abs();
-                before = u0;
-                observe(Report::State { record: &state, fraction: gone / travel });
+                let (state, gap) = told?;
+                let half = (start - u0) / (start - turn);
+                let fraction = 0.5 * if leg.direction == Branch::Approach { half } else { 2.0 - half };
+                observe(Report::State { record: &state, fraction });
                 run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
-                if i == 0 {
+                if i == 0 && leg.begins {
                     let (branch, pattern) = (state.branch, state.pattern);
                     run.landings.push(Landing { branch, mean_displacement: u0, pattern, gap });
                 }
                 run.record.states.push(state);
             }
-            let ends_here = |jump: &JumpRecord| jump.branch == leg.direction && jump.mean_displacement == leg.to;
-            if let Some(jump) = jumps.next_if(|jump| ends_here(jump)) {
-                observe(Report::Jump(jump));
-                run.record.jumps.push(jump.clone());
+            let jump = journey.jump(tour.atlas);
+            if cancel.requested() {
+                run.outcome = Outcome::Cancelled;
+                break;
             }
+            if let Some(jump) = jump? {
+                observe(Report::Jump(&jump));
+                run.record.jumps.push(jump);
+            }
+        }
+        if run.outcome == Outcome::Completed {
+            journey.closed()?;
         }
         run.counts.transforms = tour.transforms();
         Ok(run)

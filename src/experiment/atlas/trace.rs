@@ -89,6 +89,7 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
         let strayed = |n: &Node| distance(&guess, &n.z) > STRAY * predicted + 1e-3 * range || !audit(&here, n, range, sector);
         let node = match node {
             Ok(node) if !strayed(&node) && node.own > 0.0 => node,
+            Err(Lost::Cancelled) => return Err(Lost::Cancelled),
             _ => {
                 step = 0.35 * h;
                 continue;

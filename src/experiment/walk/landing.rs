@@ -14,6 +14,8 @@ use rand::Rng;
 
 /// Root mean square kick along the soft mode, in ranges.
 const KICK: f64 = 0.1;
+/// The smallest one tried, where a larger one ended higher than it began.
+const LEAST_KICK: f64 = 1e-4;
 /// Released energy, in gamma, below which a landing on the same pattern is no jump.
 const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
@@ -26,14 +28,15 @@ impl Walk {
     pub(super) fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
         let du = barrier.at - self.state.mean_displacement;
         let energy_before = self.state.energy + self.state.stress * du;
-        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, choose);
-        self.jumping = Some(Jumping { release: Release::new(z, barrier.at), cause: barrier.cause, kicks: 1, energy_before });
+        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, KICK, choose);
+        let Barrier { at, cause, soft_mode, .. } = barrier;
+        self.jumping = Some(Jumping { release: Release::new(z, at), cause, kicks: 1, soft_mode, kick: KICK, energy_before });
         Progress::Working
     }
 
-    /// `z` moved by the kick along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
-    pub(super) fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], choose: bool) -> Vec<f64> {
-        let size = KICK * self.model.law.range;
+    /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
+    pub(super) fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], kick: f64, choose: bool) -> Vec<f64> {
+        let size = kick * self.model.law.range;
         let random = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();
@@ -103,7 +106,7 @@ impl Walk {
                 return Progress::Stuck(format!("after the jump at u0 = {u0:.6} every resting place found was unstable"));
             }
             jumping.kicks += 1;
-            let z = self.kicked(&landed.field, u0, &landed.soft_mode, true);
+            let z = self.kicked(&landed.field, u0, &landed.soft_mode, KICK, true);
             // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
             let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10);
             jumping.release = Release::new(z, u0).with_tolerance(tolerance);
@@ -160,11 +163,20 @@ impl Walk {
         Ok(state)
     }
 
-    pub(super) fn land(&mut self, jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn land(&mut self, mut jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let law = self.model.law;
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
         let (from, stress_before) = (self.record.pattern, self.state.stress);
         self.counts.iterations += landed.cost.iterations;
+        if released < -EVENT && jumping.kick > LEAST_KICK {
+            // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
+            jumping.kick *= 0.1;
+            let u0 = landed.mean_displacement;
+            let z = self.kicked(&self.state.field.clone(), u0, &jumping.soft_mode.clone(), jumping.kick, true);
+            jumping.release = Release::new(z, u0);
+            self.jumping = Some(jumping);
+            return Progress::Working;
+        }
         if released < -EVENT {
             return Progress::Stuck(format!(
                 "the release at u0 = {:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver",
