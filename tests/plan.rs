@@ -76,7 +76,11 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
             }
             // Near L_c landings fall beside their branches: said in words, and the walk takes over.
             [a, b] => {
-                println!("{row}  {shape:?} {ratio} {} {}", a.err().map_or(String::new(), |e| e.to_string()), b.err().map_or(String::new(), |e| e.to_string()));
+                println!(
+                    "{row}  {shape:?} {ratio} {} {}",
+                    a.err().map_or(String::new(), |e| e.to_string()),
+                    b.err().map_or(String::new(), |e| e.to_string())
+                );
                 assert!(ratio < 1.35, "{row}");
                 kept += 1;
             }

@@ -45,7 +45,7 @@ pub struct Chart {
 
 /// How a surface is helped over an edge to see where it falls: how far beyond it (ranges), and whether on the fine mesh. Beyond the
 /// edge a fall is quicker, and there a coarse mesh, whose edges lie elsewhere, does not hold what the fine one lets go.
-const ATTEMPTS: [(f64, bool); 4] = [(0.02, false), (0.1, false), (0.02, true), (0.0, true)];
+const ATTEMPTS: [(f64, bool); 5] = [(0.002, false), (0.02, false), (0.1, false), (0.002, true), (0.0, true)];
 
 /// Why an atlas cannot answer: the walk can.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -229,9 +229,19 @@ impl Atlas {
         if first.breaking < 0.0 {
             return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is unstable")));
         }
-        let (mut nodes, below) = trace(sector, &first, false).map_err(lost)?;
+        let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
+        let ((mut nodes, below), (after, above)) = match trace(sector, &first, None, false) {
+            Ok(down) => {
+                let up = trace(sector, &first, regular(&down.0).as_ref(), true).map_err(lost)?;
+                (down, up)
+            }
+            // Right above a fold only the way up is open, and tells where the fold is.
+            Err(_) => {
+                let up = trace(sector, &first, None, true).map_err(lost)?;
+                (trace(sector, &first, regular(&up.0).as_ref(), false).map_err(lost)?, up)
+            }
+        };
         nodes.reverse();
-        let (after, above) = trace(sector, &first, true).map_err(lost)?;
         nodes.push(first);
         nodes.extend(after);
         self.branches.push(Branch { pattern, is_ridge, nodes, ends: [below, above] });

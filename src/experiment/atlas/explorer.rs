@@ -8,8 +8,9 @@ use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
-use crate::solver::method::{Problem, Slides};
-use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
+use crate::solver::method::Slides;
+use crate::solver::newton::NewtonState;
+use crate::solver::release::{Release, Slice};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -17,14 +18,6 @@ use rand_pcg::Pcg64;
 const KICK: f64 = 0.1;
 /// Residual at which a fall ends in any case.
 const TOLERANCE: f64 = 1e-6;
-/// Residual at which a pattern is known, if it was larger before by as much.
-const KNOWN: f64 = 2e-3;
-const FADED: f64 = 0.03;
-/// Longest step of a fall, root mean square in ranges: short enough to stay in the valley it started in.
-const REACH: f64 = 0.25;
-/// Steps of a fall between two looks, and most looks.
-const STRIDES: usize = 4;
-const ROUNDS: usize = 30;
 /// Share of the amplitude below which a symmetry counts as kept.
 const TRACE: f64 = 2e-2;
 
@@ -57,7 +50,13 @@ impl Explorer {
     pub fn new(length: f64, n: usize, law: Law, seed: u64) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
         let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
-        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, seed, cancel: Cancel::default() }
+        Self {
+            preconditioner: Preconditioner::new(&system, constant),
+            ws: system.workspace(),
+            system,
+            seed,
+            cancel: Cancel::default(),
+        }
     }
 
     /// The coarse mechanics.
@@ -105,28 +104,16 @@ impl Explorer {
         self.fall(start, u0).map_or(Rest::Other, |state| self.recognise(state.z, u0))
     }
 
-    /// Down to the next minimum at fixed `u0`, until its pattern is known; `None` if there is no way.
-    pub fn fall(&mut self, mut z: Vec<f64>, u0: f64) -> Option<NewtonState> {
-        let mut largest = 0.0_f64;
-        for _ in 0..ROUNDS {
-            // A small force alone may belong to the saddle just left: it must have grown before.
-            let tolerance = if FADED * largest > KNOWN { KNOWN } else { TOLERANCE };
-            let limits = NewtonLimits { tolerance, steps: STRIDES, products: 40, forcing: 0.3 };
-            if largest > 0.0 {
-                self.preconditioner.refresh(&self.system, &mut self.ws);
+    /// Down to the next minimum at fixed `u0` by the walk's own damped dynamics; `None` if there is no way.
+    pub fn fall(&mut self, z: Vec<f64>, u0: f64) -> Option<NewtonState> {
+        let mut release = Release::new(z, u0).with_tolerance(TOLERANCE);
+        loop {
+            match release.advance(&self.system, 500, &mut self.preconditioner, Slides::Never, &mut self.ws, &self.cancel) {
+                Slice::Moving => {}
+                Slice::Settled(state) => return Some(state),
+                Slice::Stuck | Slice::Cancelled => return None,
             }
-            let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
-            let state = descend(&problem, z, u0, REACH * self.system.law().range, limits, &mut self.ws, &self.cancel);
-            if state.end == NewtonEnd::Converged {
-                return Some(state);
-            }
-            if state.end == NewtonEnd::Cancelled {
-                return None;
-            }
-            largest = largest.max(state.residual);
-            z = state.z;
         }
-        None
     }
 
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.

@@ -34,11 +34,12 @@ const NODES: usize = 60;
 /// Largest deviation from the prediction in units of the predicted change: beyond it another branch was found.
 const STRAY: f64 = 0.6;
 
-/// Follows the branch of `first` towards growing u0 if `up`. Nodes in order, without `first`; the last is the end.
+/// Follows the branch of `first` towards growing u0 if `up`. Nodes in order, without `first`; the last is the end. A node `behind`
+/// the first one, if there is one, tells where the branch comes from.
 ///
 /// # Errors
 /// The branch was lost before an end was found.
-pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, End), Lost> {
+pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool) -> Result<(Vec<Node>, End), Lost> {
     let range = sector.system().law().range;
     let sign = if up { 1.0 } else { -1.0 };
     let mut nodes: Vec<Node> = Vec::new();
@@ -47,7 +48,7 @@ pub fn trace(sector: &mut Sector, first: &Node, up: bool) -> Result<(Vec<Node>, 
     let mut wall = f64::INFINITY;
     while nodes.len() < NODES {
         let (before, here) = match nodes.len() {
-            0 => (None, first.clone()),
+            0 => (behind, first.clone()),
             1 => (Some(first), nodes[0].clone()),
             n => (Some(&nodes[n - 2]), nodes[n - 1].clone()),
         };
