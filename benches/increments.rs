@@ -1,4 +1,5 @@
-//! What one increment of the walk takes on finer and finer meshes, as a table: `cargo bench --no-default-features --bench increments`.
+//! What one increment of the walk takes on finer and finer meshes, as a table: `cargo bench --no-default-features --bench increments`,
+//! on some of the meshes only with `-- 64 512` behind it.
 //!
 //! All start from one dimple of Fig. 2, found on the coarsest mesh and carried to the finer ones.
 
@@ -117,7 +118,8 @@ fn main() {
     let start = (walk.state().clone(), walk.record().clone());
     println!("a {}", walk.record().pattern);
     println!("method      n  transforms  iterations  wall ms  processor ms");
-    for n in [64, 128, 256, 512, 1024] {
+    let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    for n in [64, 128, 256, 512, 1024].into_iter().filter(|n| asked.is_empty() || asked.contains(n)) {
         let newton = shown(n, increment(n, &start));
         if [64, 512].contains(&n) {
             let paper = shown(n, papers_increment(n, &start));

@@ -11,7 +11,7 @@ use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
 use tackscope::numerics::real::Real;
 use tackscope::numerics::threads::{POINTS_MIN, each, lanes, piece};
-use tackscope::numerics::vector::{dot, max_abs, norm};
+use tackscope::numerics::vector::{add, add_all, dot, max_abs, norm, products};
 
 fn naive(field: &Array2<f64>) -> Array2<Complex<f64>> {
     let (ny, nx) = field.dim();
@@ -203,4 +203,21 @@ fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
 fn the_largest_value_of_a_field_with_nan_is_nan() {
     assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
     assert_eq!(max_abs(&[1.0, -3.0, 2.0]), 3.0);
+}
+
+#[test]
+fn many_inner_products_and_sums_at_once_are_those_one_by_one_to_the_last_bit() {
+    for length in [0, 5, 8, 256, 1000, 1031] {
+        let vectors = |count: u64, salt: u64| -> Vec<Vec<f64>> {
+            (0..count).map(|i| noise(1, length, salt + i).into_raw_vec_and_offset().0).collect()
+        };
+        let (a, b) = (vectors(3, 1), vectors(4, 10));
+        let one_by_one: Vec<Vec<f64>> = a.iter().map(|a| b.iter().map(|b| dot(a, b)).collect()).collect();
+        assert_eq!(products(&a, &b), one_by_one);
+        let (coefficients, mut y) = ([0.3, -1.2, 2.0, 0.7], a[0].clone());
+        let mut wanted = y.clone();
+        coefficients.iter().zip(&b).for_each(|(c, b)| add(&mut wanted, *c, b));
+        add_all(&mut y, &coefficients, &b);
+        assert_eq!(y, wanted);
+    }
 }
