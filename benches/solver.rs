@@ -1,68 +1,65 @@
-//! Benchmarks of the transform, one force evaluation, and one increment by each method: `cargo bench --no-default-features`.
+//! Benchmarks of the transform and of one force evaluation: `cargo bench --no-default-features --bench solver`.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ndarray::Array2;
+use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
-use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Progress, Walk};
-use tackscope::numerics::cancel::Cancel;
+use std::time::{Duration, Instant};
 use tackscope::numerics::fourier::Fourier;
+use tackscope::numerics::threads::POINTS_MIN;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::system::System;
-use tackscope::solver::method::MethodKind;
-use tackscope::storage::{presets, scene_file};
 
-fn transforms(c: &mut Criterion) {
-    let mut group = c.benchmark_group("transform pair");
-    for n in [64, 128, 256, 512] {
-        let plan = Fourier::new(n, n);
-        let mut field = Array2::from_shape_fn((n, n), |(j, i)| (i * 7 + j * 3) as f64 % 11.0);
-        let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
-        group.bench_function(BenchmarkId::from_parameter(n), |b| {
-            b.iter(|| {
-                plan.forward(&field, &mut spectrum, &mut scratch);
-                plan.inverse(&mut spectrum, &mut field, &mut scratch);
-            });
+const SIDES: [usize; 5] = [64, 128, 256, 512, 1024];
+
+/// Benchmarks what `prepare` makes for n points a side, on one thread and, for fields that are shared, on all.
+fn on_threads<W: FnMut() + Send>(c: &mut Criterion, name: &str, prepare: impl Fn(usize) -> W + Sync) {
+    let mut group = c.benchmark_group(name);
+    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    let alone = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    for n in SIDES {
+        let mut work = alone.install(|| prepare(n));
+        group.bench_function(BenchmarkId::new("one thread", n), |b| {
+            b.iter_custom(|times| alone.install(|| timed(times, &mut work)))
         });
+        if n * n >= POINTS_MIN && rayon::current_num_threads() > 1 {
+            let mut work = prepare(n);
+            group.bench_function(BenchmarkId::new("all threads", n), |b| b.iter_custom(|times| timed(times, &mut work)));
+        }
     }
 }
 
+fn timed(times: u64, work: &mut impl FnMut()) -> Duration {
+    let begun = Instant::now();
+    (0..times).for_each(|_| work());
+    begun.elapsed()
+}
+
+fn transforms(c: &mut Criterion) {
+    on_threads(c, "transform pair", |n| {
+        let plan = Fourier::new(n, n);
+        let mut field = Array2::from_shape_fn((n, n), |(j, i)| (i * 7 + j * 3) as f64 % 11.0);
+        let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
+        move || {
+            plan.forward(&field, &mut spectrum, &mut scratch);
+            plan.inverse(&mut spectrum, &mut field, &mut scratch);
+        }
+    });
+}
+
 fn forces(c: &mut Criterion) {
-    let mut group = c.benchmark_group("force evaluation");
-    for n in [64, 128, 256, 512] {
+    on_threads(c, "force evaluation", |n| {
         let law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
         let system = System::new(Grid::square(256.0, n), law, &Indenter::Flat);
         let mut ws = system.workspace();
         let (z, mut g) = (vec![1e-3; system.dimension()], vec![0.0; system.dimension()]);
-        group.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| black_box(system.evaluate(&z, 1.0, &mut g, &mut ws))));
-    }
+        move || {
+            black_box(system.evaluate(&z, 1.0, &mut g, &mut ws));
+        }
+    });
 }
 
-/// Walks until the target is reached.
-fn walk_to(walk: &mut Walk, u0: f64) {
-    walk.set_target(u0);
-    while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-}
-
-fn increments(c: &mut Criterion) {
-    let mut group = c.benchmark_group("increment of a ridge, 0.02 range");
-    for method in [MethodKind::NewtonKrylov, MethodKind::Gfmd] {
-        let mut scene: Scene = scene_file::parse(presets::find("fig2").expect("built in").text, "fig2").expect("valid");
-        scene.cell.points = Points::Square(64);
-        let mut walk = Walk::new(&scene, method).expect("valid");
-        walk_to(&mut walk, 2.6);
-        let mut down = false;
-        group.bench_function(method.word(), |b| {
-            b.iter(|| {
-                // To and fro over one step of the same branch.
-                down = !down;
-                walk_to(&mut walk, if down { 2.5 } else { 2.52 });
-            });
-        });
-    }
-}
-
-criterion_group!(benches, transforms, forces, increments);
+criterion_group!(benches, transforms, forces);
 criterion_main!(benches);

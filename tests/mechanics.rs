@@ -271,3 +271,24 @@ fn a_mie_law_across_zero_gap_has_no_finite_energy() {
     let mut g = vec![0.0; z.len()];
     assert!(!system.evaluate(&z, 0.5, &mut g, &mut system.workspace()).energy.is_finite());
 }
+
+#[test]
+fn threads_do_not_change_energy_force_or_hessian_by_a_single_bit() {
+    let grid = Grid::square(256.0, 256);
+    for make in [System::new, System::even] {
+        // A quarter cell is shared from 512 points a side on.
+        let grid = if make(grid, LAW, &Indenter::Flat).is_even() { Grid::square(256.0, 512) } else { grid };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let system = make(grid, LAW, &Indenter::Flat);
+                let (z, v) = (surface(&system, 3, 0.4), surface(&system, 4, 1.0));
+                let (mut ws, mut g, mut hv) = (system.workspace(), vec![0.0; z.len()], vec![0.0; z.len()]);
+                let at = system.evaluate(&z, 1.5, &mut g, &mut ws);
+                system.hessian(&v, &mut hv, &mut ws);
+                (at.energy, at.stress, g, hv)
+            })
+        };
+        assert_eq!(on(1), on(3));
+    }
+}

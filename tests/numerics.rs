@@ -2,13 +2,16 @@
 
 use ndarray::Array2;
 use proptest::prelude::*;
+use rayon::ThreadPoolBuilder;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::eigen::{EigenLimits, smallest, symmetric_eigen};
 use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
-use tackscope::numerics::vector::{dot, max_abs, norm};
+use tackscope::numerics::real::Real;
+use tackscope::numerics::threads::{POINTS_MIN, each, lanes, piece};
+use tackscope::numerics::vector::{add, add_all, dot, max_abs, norm, products};
 
 fn naive(field: &Array2<f64>) -> Array2<Complex<f64>> {
     let (ny, nx) = field.dim();
@@ -56,6 +59,72 @@ proptest! {
         plan.inverse(&mut spectrum, &mut back, &mut scratch);
         prop_assert!(max_abs((&back - &field).as_slice().unwrap()) < 1e-14);
     }
+}
+
+/// Spectrum of `field` by `plan`, and the field that it gives back.
+fn there_and_back<T: Real>(plan: &Fourier<T>, field: &Array2<T>) -> (Array2<Complex<T>>, Array2<T>) {
+    let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
+    plan.forward(field, &mut spectrum, &mut scratch);
+    let mut back = Array2::zeros(field.dim());
+    plan.inverse(&mut spectrum.clone(), &mut back, &mut scratch);
+    (spectrum, back)
+}
+
+#[test]
+fn threads_do_not_change_a_transform_by_a_single_bit() {
+    let threads = ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    for (ny, nx) in [(256, 256), (270, 300), (256, 320)] {
+        assert!(ny * nx >= POINTS_MIN);
+        let field = noise(ny, nx, 11);
+        let single = field.mapv(|x| x as f32);
+        let alone = there_and_back(&Fourier::with_lanes(ny, nx, 1), &field);
+        let alone_single = there_and_back(&Fourier::with_lanes(ny, nx, 1), &single);
+        // Also more lanes than there is work for.
+        for lanes in [2, 5, 12, 400] {
+            threads.install(|| {
+                assert_eq!(there_and_back(&Fourier::with_lanes(ny, nx, lanes), &field), alone);
+                assert_eq!(there_and_back(&Fourier::with_lanes(ny, nx, lanes), &single), alone_single);
+            });
+        }
+        assert_eq!(threads.install(|| there_and_back(&Fourier::new(ny, nx), &field)), alone);
+    }
+}
+
+#[test]
+fn a_transform_of_256_points_a_side_finds_the_waves_a_field_was_made_of() {
+    let n = 256;
+    let waves = [(0, 0, 0.7, 0.0), (1, 0, 1.0, 0.3), (3, 250, 0.2, -1.0), (100, 77, 0.5, 2.0), (127, 129, 0.1, 1.5)];
+    let angle = |k: usize, l: usize, j: usize, i: usize| TAU * ((k * i + l * j) % n) as f64 / n as f64;
+    let field: Array2<f64> =
+        Array2::from_shape_fn((n, n), |(j, i)| waves.iter().map(|&(k, l, a, phase)| a * (angle(k, l, j, i) + phase).cos()).sum());
+    let (spectrum, back) = there_and_back(&Fourier::new(n, n), &field);
+    for ((k, l), u) in spectrum.indexed_iter() {
+        let wanted = |&(wk, wl, a, phase): &(usize, usize, f64, f64)| match (wk, wl) {
+            (0, 0) => {
+                if (k, l) == (0, 0) {
+                    Complex::from(a)
+                } else {
+                    Complex::from(0.0)
+                }
+            }
+            _ if (k, l) == (wk, wl) => Complex::from_polar(a / 2.0, phase),
+            // Both halves are stored in the row k = 0 alone, where no wave but the mean is.
+            _ => Complex::from(0.0),
+        };
+        let wanted: Complex<f64> = waves.iter().map(wanted).sum();
+        assert!((u - wanted).norm() < 1e-15, "{k} {l}: {u} {wanted}");
+    }
+    assert!(max_abs((&back - &field).as_slice().unwrap()) < 1e-14);
+}
+
+#[test]
+fn tasks_on_threads_are_all_done_once() {
+    let threads = ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let mut done = vec![0; 1000];
+    threads.install(|| each(done.chunks_mut(7).enumerate(), |(i, part)| part.iter_mut().for_each(|x| *x += i + 1)));
+    assert!(done.iter().enumerate().all(|(i, x)| *x == i / 7 + 1));
+    assert_eq!((lanes(POINTS_MIN - 1), piece(100)), (1, 100));
+    assert!(threads.install(|| lanes(POINTS_MIN)) > 1 && piece(POINTS_MIN) < POINTS_MIN);
 }
 
 /// A symmetric matrix with the given eigenvalues, by Householder reflections of the diagonal.
@@ -134,4 +203,21 @@ fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
 fn the_largest_value_of_a_field_with_nan_is_nan() {
     assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
     assert_eq!(max_abs(&[1.0, -3.0, 2.0]), 3.0);
+}
+
+#[test]
+fn many_inner_products_and_sums_at_once_are_those_one_by_one_to_the_last_bit() {
+    for length in [0, 5, 8, 256, 1000, 1031] {
+        let vectors = |count: u64, salt: u64| -> Vec<Vec<f64>> {
+            (0..count).map(|i| noise(1, length, salt + i).into_raw_vec_and_offset().0).collect()
+        };
+        let (a, b) = (vectors(3, 1), vectors(4, 10));
+        let one_by_one: Vec<Vec<f64>> = a.iter().map(|a| b.iter().map(|b| dot(a, b)).collect()).collect();
+        assert_eq!(products(&a, &b), one_by_one);
+        let (coefficients, mut y) = ([0.3, -1.2, 2.0, 0.7], a[0].clone());
+        let mut wanted = y.clone();
+        coefficients.iter().zip(&b).for_each(|(c, b)| add(&mut wanted, *c, b));
+        add_all(&mut y, &coefficients, &b);
+        assert_eq!(y, wanted);
+    }
 }

@@ -5,19 +5,20 @@
 //! Fourier transform of the field in another order, even points first and odd points backwards, followed by a rotation.
 
 use super::fourier::{Fourier, Scratch};
+use super::real::Real;
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 
 /// Plans for fields of one shape (ny, nx).
 #[derive(Clone, Debug)]
-pub struct Cosine {
+pub struct Cosine<T: Real = f64> {
     nx: usize,
     ny: usize,
-    fourier: Fourier,
+    fourier: Fourier<T>,
     /// e^{-i pi k/(2 nx)} for k <= nx/2, and the same along y.
-    turn_x: Vec<Complex<f64>>,
-    turn_y: Vec<Complex<f64>>,
+    turn_x: Vec<Complex<T>>,
+    turn_y: Vec<Complex<T>>,
     /// Where the points of the reordered axes come from.
     from_x: Vec<usize>,
     from_y: Vec<usize>,
@@ -25,22 +26,22 @@ pub struct Cosine {
 
 /// Working memory of one transform at a time.
 #[derive(Clone, Debug)]
-pub struct CosineScratch {
-    field: Array2<f64>,
-    spectrum: Array2<Complex<f64>>,
-    fourier: Scratch,
+pub struct CosineScratch<T: Real = f64> {
+    field: Array2<T>,
+    spectrum: Array2<Complex<T>>,
+    fourier: Scratch<T>,
 }
 
-impl Cosine {
+impl<T: Real> Cosine<T> {
     /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1.
     pub fn new(ny: usize, nx: usize) -> Self {
-        let turns = |m: usize| (0..=m / 2).map(|k| Complex::cis(-PI * k as f64 / (2 * m) as f64)).collect();
+        let turns = |m: usize| (0..=m / 2).map(|k| rounded(Complex::cis(-PI * k as f64 / (2 * m) as f64))).collect();
         let order = |m: usize| (0..m).step_by(2).chain((1..m).step_by(2).rev()).collect();
         Self { nx, ny, fourier: Fourier::new(ny, nx), turn_x: turns(nx), turn_y: turns(ny), from_x: order(nx), from_y: order(ny) }
     }
 
     /// Scratch that fits these plans.
-    pub fn scratch(&self) -> CosineScratch {
+    pub fn scratch(&self) -> CosineScratch<T> {
         CosineScratch {
             field: Array2::zeros((self.ny, self.nx)),
             spectrum: self.fourier.spectrum(),
@@ -50,7 +51,7 @@ impl Cosine {
 
     /// Orthonormal amplitudes z of `field` (ny rows): z.z = mean(field^2). Entry k ny + l belongs to wave numbers k along x and l
     /// along y, in units of half a turn per quarter cell.
-    pub fn analyse(&self, field: &[f64], z: &mut [f64], scratch: &mut CosineScratch) {
+    pub fn analyse(&self, field: &[T], z: &mut [f64], scratch: &mut CosineScratch<T>) {
         let (nx, ny) = (self.nx, self.ny);
         let ordered = scratch.field.as_slice_mut().expect("standard layout");
         for (to, &j) in ordered.chunks_exact_mut(nx).zip(&self.from_y) {
@@ -64,7 +65,7 @@ impl Cosine {
         let (low, high) = z.split_at_mut((nx / 2 + 1) * ny);
         for (k, (v, z)) in spectrum.chunks_exact(ny).zip(low.chunks_exact_mut(ny)).enumerate() {
             // Both halves of the wave numbers along x come from one row of the spectrum: k, and nx - k where it is another.
-            let turn = self.turn_x[k] * if k == 0 { 1.0 } else { SQRT_2 };
+            let turn = self.turn_x[k] * T::rounded(if k == 0 { 1.0 } else { SQRT_2 });
             let mirror = if k == 0 || 2 * k == nx { None } else { Some(nx / 2 - 1 - k) };
             let mut spare = [];
             let other = mirror.map_or(&mut spare[..], |m| &mut high[m * ny..(m + 1) * ny]);
@@ -74,52 +75,54 @@ impl Cosine {
 
     /// Amplitudes of one row k of the spectrum along y, and of its mirror (if there is one).
     #[inline]
-    fn turn_row(&self, v: &[Complex<f64>], turn: Complex<f64>, z: &mut [f64], other: &mut [f64]) {
+    fn turn_row(&self, v: &[Complex<T>], turn: Complex<T>, z: &mut [f64], other: &mut [f64]) {
         let ny = v.len();
+        let half_root = T::rounded(FRAC_1_SQRT_2);
         let first = turn * v[0];
-        z[0] = first.re;
+        z[0] = first.re.widened();
         let (v, z) = (&v[1..], &mut z[1..]);
         let half = ny / 2;
         let turns = &self.turn_y[1..];
         let has_other = !other.is_empty();
         if has_other {
-            other[0] = -first.im;
+            other[0] = -first.im.widened();
         }
         for l in 0..half {
             // v[l] and v[m] are the wave numbers l + 1 and -(l + 1); they meet in the middle.
             let m = ny - 2 - l;
             let (a, b) = (turns[l] * v[l], turns[l].conj() * v[m]);
-            let (y, d) = (turn * (FRAC_1_SQRT_2 * (a + b)), turn * (FRAC_1_SQRT_2 * (a - b)));
-            z[l] = y.re;
+            let (y, d) = (turn * ((a + b) * half_root), turn * ((a - b) * half_root));
+            z[l] = y.re.widened();
             if m != l {
-                z[m] = -d.im;
+                z[m] = -d.im.widened();
             }
             if has_other {
-                other[l + 1] = -y.im;
+                other[l + 1] = -y.im.widened();
                 if m != l {
-                    other[m + 1] = -d.re;
+                    other[m + 1] = -d.re.widened();
                 }
             }
         }
     }
 
     /// The field of orthonormal amplitudes `z`, whose first entry is ignored in favour of `mean`; inverse of [`Cosine::analyse`].
-    pub fn synthesise(&self, z: &[f64], mean: f64, field: &mut [f64], scratch: &mut CosineScratch) {
+    pub fn synthesise(&self, z: &[f64], mean: f64, field: &mut [T], scratch: &mut CosineScratch<T>) {
         let (nx, ny) = (self.nx, self.ny);
         let spectrum = scratch.spectrum.as_slice_mut().expect("standard layout");
+        let half_root = T::rounded(FRAC_1_SQRT_2);
         for (k, v) in spectrum.chunks_exact_mut(ny).enumerate() {
             let mirror = (nx - k) % nx;
-            let turn = self.turn_x[k].conj() * if k == 0 { 1.0 } else { FRAC_1_SQRT_2 };
-            let get = |l: usize| turn * Complex::new(z[k * ny + l], if k == 0 { 0.0 } else { -z[mirror * ny + l] });
+            let turn = self.turn_x[k].conj() * if k == 0 { T::one() } else { half_root };
+            let get = |l: usize| turn * rounded(Complex::new(z[k * ny + l], if k == 0 { 0.0 } else { -z[mirror * ny + l] }));
             v[0] = get(0);
             for l in 1..=ny / 2 {
-                let (y, m) = (FRAC_1_SQRT_2 * get(l), FRAC_1_SQRT_2 * get(ny - l));
+                let (y, m) = (get(l) * half_root, get(ny - l) * half_root);
                 let turned = Complex::new(-m.im, m.re);
                 v[l] = self.turn_y[l].conj() * (y - turned);
                 v[ny - l] = self.turn_y[l] * (y + turned);
             }
         }
-        spectrum[0].re += mean - z[0];
+        spectrum[0].re = spectrum[0].re + T::rounded(mean - z[0]);
         self.fourier.inverse(&mut scratch.spectrum, &mut scratch.field, &mut scratch.fourier);
         let ordered = scratch.field.as_slice().expect("standard layout");
         for (from, &j) in ordered.chunks_exact(nx).zip(&self.from_y) {
@@ -129,6 +132,11 @@ impl Cosine {
             }
         }
     }
+}
+
+/// The nearest complex number.
+fn rounded<T: Real>(c: Complex<f64>) -> Complex<T> {
+    Complex::new(T::rounded(c.re), T::rounded(c.im))
 }
 
 #[cfg(test)]

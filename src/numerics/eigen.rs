@@ -1,7 +1,7 @@
 //! Smallest eigenpairs of a symmetric operator: block LOBPCG, and Jacobi rotations for the small dense problem inside.
 
 use super::cancel::Cancel;
-use super::vector::{add, dot, norm, orthonormalise, project_out, scale};
+use super::vector::{add, add_all, norm, orthonormalise, products, project_out, scale};
 
 /// Approximate eigenpairs, smallest first.
 #[derive(Clone, Debug, Default)]
@@ -64,45 +64,44 @@ pub fn smallest(
     let pairs = limits.pairs.min(basis.len());
     let mut x = combine(&basis, &rotation, pairs);
     let mut ax = combine(&images, &rotation, pairs);
-    let mut p: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    // The subspace of the last iteration, from which the conjugate directions come, and how the vectors were made of it.
+    let mut last: Option<(Subspace, Vec<Vec<f64>>)> = None;
     let mut residual = f64::INFINITY;
     for iteration in 0..=limits.most {
-        let mut w: Vec<Vec<f64>> = Vec::new();
-        for i in 0..x.len() {
+        let error = |i: usize| {
             let mut r = ax[i].clone();
             add(&mut r, -values[i], &x[i]);
-            if i == 0 {
-                residual = norm(&r);
-            }
-            let mut step = vec![0.0; r.len()];
-            precondition(&r, &mut step);
-            project_out(&mut step, removed);
-            w.push(step);
-        }
+            r
+        };
+        let first = (!x.is_empty()).then(|| error(0));
+        residual = first.as_ref().map_or(residual, |r| norm(r));
         let good = residual <= (limits.relative * values.first().map_or(0.0, |v| v.abs())).max(limits.absolute);
         if cancel.requested() || iteration == limits.most || (good && iteration >= limits.least) {
             break;
         }
+        let errors = first.into_iter().chain((1..x.len()).map(error));
+        let steps: Vec<_> = errors
+            .map(|r| {
+                let mut step = vec![0.0; r.len()];
+                precondition(&r, &mut step);
+                project_out(&mut step, removed);
+                step
+            })
+            .collect();
         let width = x.len();
+        let conjugate = last.take().map(|(space, rotation)| space.conjugate(&rotation, width)).unwrap_or_default();
         let mut space = Subspace { basis: x, images: ax };
-        for v in w {
+        for v in steps {
             space.add(v, None, &mut image);
         }
-        for (v, av) in std::mem::take(&mut p) {
+        for (v, av) in conjugate {
             space.add(v, Some(av), &mut image);
         }
-        let (ritz, rotation) = rayleigh_ritz(&space.basis, &space.images);
-        let x_new = combine(&space.basis, &rotation, width);
+        let rotation;
+        (values, rotation) = rayleigh_ritz(&space.basis, &space.images);
+        x = combine(&space.basis, &rotation, width);
         ax = combine(&space.images, &rotation, width);
-        // The conjugate directions: what the new vectors owe to the part outside the old ones.
-        let outside: Vec<Vec<f64>> = rotation
-            .iter()
-            .take(width)
-            .map(|c| c.iter().enumerate().map(|(k, c)| if k < width { 0.0 } else { *c }).collect())
-            .collect();
-        p = combine(&space.basis, &outside, width).into_iter().zip(combine(&space.images, &outside, width)).collect();
-        x = x_new;
-        values = ritz;
+        last = Some((space, rotation));
     }
     values.truncate(x.len());
     EigenPairs { values, vectors: x, residual, products }
@@ -115,17 +114,27 @@ struct Subspace {
 }
 
 impl Subspace {
+    /// What the first `width` Ritz vectors owe to the part outside the first `width` vectors, with its image.
+    fn conjugate(&self, rotation: &[Vec<f64>], width: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
+        if self.basis.len() == width {
+            return Vec::new();
+        }
+        let outside = |vectors: &[Vec<f64>]| {
+            let rotation: Vec<_> = rotation.iter().map(|c| c[width..].to_vec()).collect();
+            combine(&vectors[width..], &rotation, width)
+        };
+        outside(&self.basis).into_iter().zip(outside(&self.images)).collect()
+    }
+
     /// Adds the part of `v` that is new, unless it is nearly nothing. A known image is carried along, which saves a product.
     fn add(&mut self, mut v: Vec<f64>, known: Option<Vec<f64>>, image: &mut impl FnMut(&Vec<f64>) -> Vec<f64>) {
         let before = norm(&v);
         let mut carried = known;
         for _twice in 0..2 {
-            for (b, ab) in self.basis.iter().zip(&self.images) {
-                let c = dot(&v, b);
-                add(&mut v, -c, b);
-                if let Some(av) = &mut carried {
-                    add(av, -c, ab);
-                }
+            let along: Vec<f64> = products(&self.basis, std::slice::from_ref(&v)).iter().map(|c| -c[0]).collect();
+            add_all(&mut v, &along, &self.basis);
+            if let Some(av) = &mut carried {
+                add_all(av, &along, &self.images);
             }
         }
         let after = norm(&v);
@@ -149,16 +158,9 @@ impl Subspace {
 
 /// Eigen-decomposition of the operator in the span of an orthonormal basis: values ascending, and one coefficient column each.
 fn rayleigh_ritz(basis: &[Vec<f64>], images: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let n = basis.len();
-    let mut a = vec![vec![0.0; n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let h = 0.5 * (dot(&basis[i], &images[j]) + dot(&basis[j], &images[i]));
-            a[i][j] = h;
-            a[j][i] = h;
-        }
-    }
-    symmetric_eigen(a)
+    let a = products(basis, images);
+    let symmetric = |i: usize, j: usize| 0.5 * (a[i][j] + a[j][i]);
+    symmetric_eigen((0..a.len()).map(|i| (0..a.len()).map(|j| symmetric(i, j)).collect()).collect())
 }
 
 fn combine(vectors: &[Vec<f64>], rotation: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
@@ -166,10 +168,8 @@ fn combine(vectors: &[Vec<f64>], rotation: &[Vec<f64>], count: usize) -> Vec<Vec
         .iter()
         .take(count)
         .map(|coefficients| {
-            let mut sum = vec![0.0; vectors[0].len()];
-            for (c, v) in coefficients.iter().zip(vectors) {
-                add(&mut sum, *c, v);
-            }
+            let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
+            add_all(&mut sum, coefficients, vectors);
             sum
         })
         .collect()

@@ -1,13 +1,18 @@
 //! Two-dimensional transform of real fields: realfft along rows, rustfft along columns, plans made once, scratch owned by the caller.
+//!
+//! Large fields are shared among threads, by rows and by columns; each row is transformed by the same plan as without, so that the
+//! result does not depend on it by a single bit.
 
+use super::real::Real;
+use super::threads::{each, lanes};
 use ndarray::Array2;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Side of the tiles of the transpose: 8 x 8 complex numbers read and write whole cache lines.
-const TILE: usize = 8;
+/// Lines that are gathered and transformed together: 8 complex numbers side by side fill whole cache lines.
+const BAND: usize = 8;
 
 /// Plans for fields of one shape (ny, nx).
 ///
@@ -15,16 +20,17 @@ const TILE: usize = 8;
 /// transform runs over contiguous memory. Row k holds k_x = 2 pi k / L_x; column l holds k_y = 2 pi l / L_y for l <= ny/2 and
 /// 2 pi (l - ny) / L_y beyond. The missing half follows from u(-k) = conj u(k).
 #[derive(Clone)]
-pub struct Fourier {
+pub struct Fourier<T: Real = f64> {
     nx: usize,
     ny: usize,
-    row_forward: Arc<dyn RealToComplex<f64>>,
-    row_inverse: Arc<dyn ComplexToReal<f64>>,
-    column_forward: Arc<dyn Fft<f64>>,
-    column_inverse: Arc<dyn Fft<f64>>,
+    lanes: usize,
+    row_forward: Arc<dyn RealToComplex<T>>,
+    row_inverse: Arc<dyn ComplexToReal<T>>,
+    column_forward: Arc<dyn Fft<T>>,
+    column_inverse: Arc<dyn Fft<T>>,
 }
 
-impl std::fmt::Debug for Fourier {
+impl<T: Real> std::fmt::Debug for Fourier<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Fourier({} x {})", self.ny, self.nx)
     }
@@ -32,15 +38,26 @@ impl std::fmt::Debug for Fourier {
 
 /// Working memory of one transform at a time.
 #[derive(Clone, Debug)]
-pub struct Scratch {
-    rows: Vec<Complex<f64>>,
-    line: Vec<f64>,
-    fft: Vec<Complex<f64>>,
+pub struct Scratch<T: Real = f64> {
+    rows: Vec<Complex<T>>,
+    lanes: Vec<Lane<T>>,
 }
 
-impl Fourier {
-    /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1.
+/// Working memory of one line at a time.
+#[derive(Clone, Debug)]
+struct Lane<T> {
+    line: Vec<T>,
+    fft: Vec<Complex<T>>,
+}
+
+impl<T: Real> Fourier<T> {
+    /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1. Large fields are shared among threads.
     pub fn new(ny: usize, nx: usize) -> Self {
+        Self::with_lanes(ny, nx, lanes(ny * nx))
+    }
+
+    /// The same with the work cut into `lanes` pieces; 1 keeps it on the caller's thread.
+    pub fn with_lanes(ny: usize, nx: usize, lanes: usize) -> Self {
         assert!(nx >= 2 && nx.is_multiple_of(2), "nx must be even");
         assert!(ny == 1 || ny.is_multiple_of(2), "ny must be even or 1");
         let mut real = RealFftPlanner::new();
@@ -48,6 +65,7 @@ impl Fourier {
         Self {
             nx,
             ny,
+            lanes: lanes.max(1),
             row_forward: real.plan_fft_forward(nx),
             row_inverse: real.plan_fft_inverse(nx),
             column_forward: complex.plan_fft_forward(ny),
@@ -61,12 +79,12 @@ impl Fourier {
     }
 
     /// A zero spectrum.
-    pub fn spectrum(&self) -> Array2<Complex<f64>> {
+    pub fn spectrum(&self) -> Array2<Complex<T>> {
         Array2::zeros(self.spectrum_shape())
     }
 
     /// Scratch that fits these plans.
-    pub fn scratch(&self) -> Scratch {
+    pub fn scratch(&self) -> Scratch<T> {
         let (m, ny) = self.spectrum_shape();
         let longest = [
             self.row_forward.get_scratch_len(),
@@ -74,71 +92,88 @@ impl Fourier {
             self.column_forward.get_inplace_scratch_len(),
             self.column_inverse.get_inplace_scratch_len(),
         ];
-        Scratch {
-            rows: vec![Complex::default(); m * ny],
-            line: vec![0.0; self.nx],
-            fft: vec![Complex::default(); longest.into_iter().max().unwrap_or(0)],
-        }
+        let longest = longest.into_iter().max().unwrap_or(0);
+        let lane = Lane { line: vec![T::default(); self.nx], fft: vec![Complex::default(); longest] };
+        Scratch { rows: vec![Complex::default(); m * ny], lanes: vec![lane; self.lanes] }
+    }
+
+    /// Lines of each lane, of `lines` in all: whole bands.
+    fn share(&self, lines: usize) -> usize {
+        lines.div_ceil(self.lanes).next_multiple_of(BAND)
     }
 
     /// Amplitudes u_k = (1/N) sum_r u(r) e^{-i k r} of `field`.
     ///
     /// # Panics
     /// If shapes differ from the plans' or an array is not in standard layout.
-    pub fn forward(&self, field: &Array2<f64>, spectrum: &mut Array2<Complex<f64>>, scratch: &mut Scratch) {
-        let (m, ny) = self.spectrum_shape();
-        assert_eq!(field.dim(), (ny, self.nx));
+    pub fn forward(&self, field: &Array2<T>, spectrum: &mut Array2<Complex<T>>, scratch: &mut Scratch<T>) {
+        let (nx, (m, ny)) = (self.nx, self.spectrum_shape());
+        assert_eq!(field.dim(), (ny, nx));
         assert_eq!(spectrum.dim(), (m, ny));
         let field = field.as_slice().expect("standard layout");
         let spectrum = spectrum.as_slice_mut().expect("standard layout");
-        let scale = 1.0 / (self.nx * ny) as f64;
-        for (input, output) in field.chunks_exact(self.nx).zip(scratch.rows.chunks_exact_mut(m)) {
-            for (to, from) in scratch.line.iter_mut().zip(input) {
-                *to = from * scale;
+        let Scratch { rows, lanes } = scratch;
+        let scale = T::rounded(1.0 / (nx * ny) as f64);
+        let share = self.share(ny);
+        each(field.chunks(share * nx).zip(rows.chunks_mut(share * m)).zip(&mut *lanes), |((field, rows), lane)| {
+            for (input, output) in field.chunks_exact(nx).zip(rows.chunks_exact_mut(m)) {
+                for (to, from) in lane.line.iter_mut().zip(input) {
+                    *to = *from * scale;
+                }
+                self.row_forward.process_with_scratch(&mut lane.line, output, &mut lane.fft).expect("lengths fit the plan");
             }
-            self.row_forward.process_with_scratch(&mut scratch.line, output, &mut scratch.fft).expect("lengths fit the plan");
-        }
-        transpose(&scratch.rows, spectrum, ny, m);
-        if ny > 1 {
-            self.column_forward.process_with_scratch(spectrum, &mut scratch.fft);
-        }
+        });
+        let share = self.share(m);
+        each(spectrum.chunks_mut(share * ny).enumerate().zip(lanes), |((i, columns), lane)| {
+            for (band, columns) in columns.chunks_mut(BAND * ny).enumerate() {
+                gather(rows, m, i * share + band * BAND, columns, ny);
+                if ny > 1 {
+                    self.column_forward.process_with_scratch(columns, &mut lane.fft);
+                }
+            }
+        });
     }
 
     /// The field of a `spectrum`, which is overwritten.
     ///
     /// # Panics
     /// If shapes differ from the plans' or an array is not in standard layout.
-    pub fn inverse(&self, spectrum: &mut Array2<Complex<f64>>, field: &mut Array2<f64>, scratch: &mut Scratch) {
-        let (m, ny) = self.spectrum_shape();
-        assert_eq!(field.dim(), (ny, self.nx));
+    pub fn inverse(&self, spectrum: &mut Array2<Complex<T>>, field: &mut Array2<T>, scratch: &mut Scratch<T>) {
+        let (nx, (m, ny)) = (self.nx, self.spectrum_shape());
+        assert_eq!(field.dim(), (ny, nx));
         assert_eq!(spectrum.dim(), (m, ny));
         let field = field.as_slice_mut().expect("standard layout");
         let spectrum = spectrum.as_slice_mut().expect("standard layout");
+        let Scratch { rows, lanes } = scratch;
         if ny > 1 {
-            self.column_inverse.process_with_scratch(spectrum, &mut scratch.fft);
+            each(spectrum.chunks_mut(self.share(m) * ny).zip(&mut *lanes), |(columns, lane)| {
+                self.column_inverse.process_with_scratch(columns, &mut lane.fft);
+            });
         }
-        transpose(spectrum, &mut scratch.rows, m, ny);
-        for (input, output) in scratch.rows.chunks_exact_mut(m).zip(field.chunks_exact_mut(self.nx)) {
-            // A real row has real end amplitudes; round-off of the columns must not reach realfft's check.
-            input[0].im = 0.0;
-            input[m - 1].im = 0.0;
-            self.row_inverse.process_with_scratch(input, output, &mut scratch.fft).expect("lengths fit the plan");
-        }
+        let share = self.share(ny);
+        let tasks = field.chunks_mut(share * nx).zip(rows.chunks_mut(share * m)).enumerate().zip(lanes);
+        each(tasks, |((i, (field, rows)), lane)| {
+            for (band, (field, rows)) in field.chunks_mut(BAND * nx).zip(rows.chunks_mut(BAND * m)).enumerate() {
+                gather(spectrum, ny, i * share + band * BAND, rows, m);
+                for (input, output) in rows.chunks_exact_mut(m).zip(field.chunks_exact_mut(nx)) {
+                    // A real row has real end amplitudes; round-off of the columns must not reach realfft's check.
+                    input[0].im = T::default();
+                    input[m - 1].im = T::default();
+                    self.row_inverse.process_with_scratch(input, output, &mut lane.fft).expect("lengths fit the plan");
+                }
+            }
+        });
     }
 }
 
-/// Writes the transpose of the `rows` x `columns` matrix `from` into `to`, tile by tile.
-fn transpose(from: &[Complex<f64>], to: &mut [Complex<f64>], rows: usize, columns: usize) {
-    if rows == 1 || columns == 1 {
-        to.copy_from_slice(from);
-        return;
-    }
-    for top in (0..rows).step_by(TILE) {
-        for left in (0..columns).step_by(TILE) {
-            for r in top..(top + TILE).min(rows) {
-                for c in left..(left + TILE).min(columns) {
-                    to[c * rows + r] = from[r * columns + c];
-                }
+/// Copies columns of the matrix `from`, whose rows have `width` entries, beginning with column `first`, into the lines of `to`, each
+/// of `length` entries.
+fn gather<T: Copy>(from: &[T], width: usize, first: usize, to: &mut [T], length: usize) {
+    let lines = to.len() / length;
+    for top in (0..length).step_by(BAND) {
+        for line in 0..lines {
+            for r in top..(top + BAND).min(length) {
+                to[line * length + r] = from[r * width + first + line];
             }
         }
     }

@@ -10,4 +10,6 @@ pub mod eigen;
 pub mod exponential;
 pub mod fourier;
 pub mod krylov;
+pub mod real;
+pub mod threads;
 pub mod vector;

@@ -3,17 +3,53 @@
 /// Independent partial sums: enough to hide the latency of an addition in every vector width.
 const LANES: usize = 8;
 
+/// Entries of each vector that are worked on together where there are many vectors: a dozen such blocks fit the first cache.
+const BLOCK: usize = 256;
+
 /// Inner product.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; LANES];
-    let (mut xs, mut ys) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    for (x, y) in xs.by_ref().zip(ys.by_ref()) {
+    accumulate(&mut lanes, a, b);
+    let whole = a.len() - a.len() % LANES;
+    let rest: f64 = a[whole..].iter().zip(&b[whole..]).map(|(x, y)| x * y).sum();
+    lanes.iter().sum::<f64>() + rest
+}
+
+/// Adds the products of whole groups of entries to the partial sums.
+fn accumulate(lanes: &mut [f64; LANES], a: &[f64], b: &[f64]) {
+    for (x, y) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
         for l in 0..LANES {
             lanes[l] += x[l] * y[l];
         }
     }
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
-    lanes.iter().sum::<f64>() + rest
+}
+
+/// All inner products of the vectors `a` (rows) with the vectors `b` (columns): the same as by [`dot`] to the last bit, in one pass
+/// over memory.
+pub fn products(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let length = a.first().map_or(0, Vec::len);
+    let whole = length - length % LANES;
+    let mut lanes = vec![vec![[0.0; LANES]; b.len()]; a.len()];
+    for start in (0..whole).step_by(BLOCK) {
+        let range = start..(start + BLOCK).min(whole);
+        for (a, lanes) in a.iter().zip(&mut lanes) {
+            for (b, lanes) in b.iter().zip(lanes) {
+                accumulate(lanes, &a[range.clone()], &b[range.clone()]);
+            }
+        }
+    }
+    let rest = |a: &[f64], b: &[f64]| a[whole..].iter().zip(&b[whole..]).map(|(x, y)| x * y).sum::<f64>();
+    let rows = a.iter().zip(&lanes);
+    rows.map(|(a, lanes)| b.iter().zip(lanes).map(|(b, lanes)| lanes.iter().sum::<f64>() + rest(a, b)).collect()).collect()
+}
+
+/// y += sum of `coefficients` x `vectors`, in one pass over memory.
+pub fn add_all(y: &mut [f64], coefficients: &[f64], vectors: &[Vec<f64>]) {
+    for (block, y) in y.chunks_mut(BLOCK).enumerate() {
+        for (c, v) in coefficients.iter().zip(vectors) {
+            add(y, *c, &v[block * BLOCK..block * BLOCK + y.len()]);
+        }
+    }
 }
 
 /// Euclidean norm.

@@ -1,0 +1,135 @@
+//! What one increment of the walk takes on finer and finer meshes, as a table: `cargo bench --no-default-features --bench increments`,
+//! on some of the meshes only with `-- 64 512` behind it.
+//!
+//! All start from one dimple of Fig. 2, found on the coarsest mesh and carried to the finer ones.
+
+use cpu_time::ProcessTime;
+use std::time::Instant;
+use tackscope::experiment::record::StateRecord;
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::preconditioner::Preconditioner;
+use tackscope::physics::system::System;
+use tackscope::solver::branch::History;
+use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::solver::gfmd::Gfmd;
+use tackscope::solver::method::{Method, MethodKind, Problem, Slides};
+use tackscope::storage::{presets, scene_file};
+
+const COARSE: usize = 64;
+const STEP: f64 = 0.02;
+/// Increments before counting begins, so that the predictor has a past, and counted ones.
+const WARM: usize = 4;
+const COUNTED: usize = 5;
+
+fn scene(n: usize) -> Scene {
+    let mut scene = scene_file::parse(presets::find("fig2").expect("built in").text, "fig2").expect("valid");
+    scene.cell.points = Points::Square(n);
+    scene.drive.step = STEP;
+    scene
+}
+
+/// Walks to `u0`; the records on the way.
+fn walked(walk: &mut Walk, u0: f64) -> Vec<StateRecord> {
+    walk.set_target(u0);
+    let mut states = Vec::new();
+    loop {
+        match walk.step(&Cancel::default(), &mut |news| states.extend(if let Happening::State(s) = news { Some(s) } else { None }))
+        {
+            Progress::Working => {}
+            Progress::Resting => return states,
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Amplitudes on n x n points, from those on [`COARSE`] without its last waves.
+fn carried(z: &[f64], n: usize) -> Vec<f64> {
+    let mut out = vec![0.0; (n / 2 + 1) * n * 2];
+    let half = COARSE as i64 / 2;
+    for k in 0..half {
+        for l in 1 - half..half {
+            let pair = |n: usize| 2 * (k as usize * n + l.rem_euclid(n as i64) as usize);
+            out[pair(n)..pair(n) + 2].copy_from_slice(&z[pair(COARSE)..pair(COARSE) + 2]);
+        }
+    }
+    out
+}
+
+/// The paper's 200 time steps per increment from that state, and nothing else: no check of stability.
+fn papers_increment(n: usize, (state, _): &(Equilibrium, StateRecord)) -> Row {
+    let model = scene(n).model().expect("valid");
+    let system = System::new(model.grid, model.law, &model.indenter);
+    let preconditioner = Preconditioner::new(&system, 0.25 * model.law.at(model.law.equilibrium_gap()).stiffness);
+    let problem = Problem { system: &system, preconditioner: &preconditioner, slides: Slides::Freely };
+    let state = Equilibrium { field: carried(&state.field, n), ..state.clone() };
+    let start = state.mean_displacement;
+    let (mut ws, mut method) = (system.workspace(), Gfmd::new(1));
+    let (wall, processor) = (Instant::now(), ProcessTime::now());
+    let history = History::starting(start, state.field.clone());
+    let cost = method.follow(&problem, &history, &state, start + STEP, &mut ws, &Cancel::default()).expect("stays finite").cost;
+    Row {
+        name: "paper",
+        transforms: cost.transforms as f64,
+        iterations: cost.iterations as f64,
+        seconds: wall.elapsed().as_secs_f64(),
+        processor_seconds: processor.elapsed().as_secs_f64(),
+    }
+}
+
+struct Row {
+    name: &'static str,
+    transforms: f64,
+    iterations: f64,
+    seconds: f64,
+    processor_seconds: f64,
+}
+
+/// The mean over counted increments of Newton's method in the walk, checks of stability and all, from a state of the coarse mesh.
+fn increment(n: usize, (state, record): &(Equilibrium, StateRecord)) -> Row {
+    let state = Equilibrium { field: carried(&state.field, n), soft_mode: Vec::new(), ..state.clone() };
+    let start = state.mean_displacement;
+    let mut walk = Walk::resume(&scene(n), MethodKind::NewtonKrylov, state, record.clone()).expect("valid");
+    // Up towards the dimple's limit.
+    let place = |increments: usize| start + STEP * increments as f64;
+    walked(&mut walk, place(WARM));
+    let (wall, processor) = (Instant::now(), ProcessTime::now());
+    let states = walked(&mut walk, place(WARM + COUNTED));
+    let (seconds, processor_seconds) = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
+    let mean = |total: f64| total / COUNTED as f64;
+    Row {
+        name: "newton",
+        transforms: mean(states.iter().map(|s| s.transforms as f64).sum()),
+        iterations: mean(states.iter().map(|s| s.iterations as f64).sum()),
+        seconds: mean(seconds),
+        processor_seconds: mean(processor_seconds),
+    }
+}
+
+fn main() {
+    // `cargo test` runs this too, only to see that it compiles.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let mut walk = Walk::new(&scene(COARSE), MethodKind::NewtonKrylov).expect("valid");
+    walked(&mut walk, 0.3);
+    walked(&mut walk, 1.8);
+    let start = (walk.state().clone(), walk.record().clone());
+    println!("a {}", walk.record().pattern);
+    println!("method      n  transforms  iterations  wall ms  processor ms");
+    let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    for n in [64, 128, 256, 512, 1024].into_iter().filter(|n| asked.is_empty() || asked.contains(n)) {
+        let newton = shown(n, increment(n, &start));
+        if [64, 512].contains(&n) {
+            let paper = shown(n, papers_increment(n, &start));
+            println!("paper over newton: {:.1} in processor time", paper.processor_seconds / newton.processor_seconds);
+        }
+    }
+}
+
+fn shown(n: usize, row: Row) -> Row {
+    let (seconds, processor_seconds) = (1e3 * row.seconds, 1e3 * row.processor_seconds);
+    println!("{:7} {n:5}  {:10.1}  {:10.1}  {seconds:7.1}  {processor_seconds:12.1}", row.name, row.transforms, row.iterations);
+    row
+}
