@@ -1,6 +1,7 @@
 //! A loop read off an atlas, in the form of a walk's.
 
-use crate::experiment::atlas::{Atlas, Chart, Leg, Place, Unmapped};
+use crate::experiment::atlas::{Atlas, Leg, Place, Unmapped};
+use crate::experiment::plan;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::run::{LoopRun, Outcome};
 use crate::experiment::scene::{Model, Scene, Turn};
@@ -11,9 +12,7 @@ use crate::solver::Stop;
 /// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged, and says why.
 pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
-    let n = model.grid.nx;
-    let coarse = (n / 2).next_multiple_of(8);
-    let chart = Chart { length: model.grid.length, law: model.law, square: n, line: n, coarse, seed: scene.seed };
+    let chart = plan::chart(&model.law, model.grid.length, model.grid.nx, scene.seed);
     let mut atlas = Atlas::new(chart);
     let start = scene.drive.start;
     let cycle = match scene.drive.turn {

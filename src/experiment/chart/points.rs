@@ -1,7 +1,7 @@
 //! Which points a chart has, and what they may cost.
 
 use super::Measured;
-use crate::experiment::plan::{Reduction, next_fast};
+use crate::experiment::plan::{Reduction, Road, Wish, next_fast, plan};
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -181,10 +181,14 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
 
 /// The points that `tackscope run` and the paper would choose.
 pub(super) fn own(scene: &Scene) -> Result<[Point; 2], SceneError> {
-    let grid = scene.model()?.grid;
-    let (line, points, step) = (grid.is_line(), grid.nx, scene.drive.step);
-    let own = |method| Point { method, model: WHOLE, line, points, precision: Precision::Double, step };
-    Ok([own(MethodKind::default()), own(MethodKind::Gfmd)])
+    let decided = scene.model()?;
+    let (line, points, step) = (decided.grid.is_line(), decided.grid.nx, scene.drive.step);
+    let own = |method, model| Point { method, model, line, points, precision: Precision::Double, step };
+    let planned = match plan(scene, &decided, Wish::Plan).road {
+        Road::Atlas(_) => Model::Atlas,
+        Road::Walk(reduction) => Model::Walk(reduction),
+    };
+    Ok([own(MethodKind::default(), planned), own(MethodKind::Gfmd, WHOLE)])
 }
 
 /// What `tackscope run` would do.
