@@ -206,7 +206,8 @@ impl Atlas {
             b.is_ridge == is_ridge && b.pattern == pattern && b.covers(u0) && b.at(u0).energy <= energy_before + 1e-6 * gamma
         });
         if let Some(i) = known {
-            self.pin(i, u0);
+            // Where Newton fails from so good a guess, the interpolated energy stands.
+            let _ = self.pin(i, u0);
             return Ok(Place::On(i));
         }
         let explored = if fine { self.fine.as_ref().expect("it was there") } else { &self.explorer };
@@ -250,18 +251,17 @@ impl Atlas {
     }
 
     /// Makes `u0`, whose energy enters a jump, a node of branch `i`, unless there is one close by.
-    fn pin(&mut self, i: usize, u0: f64) {
+    fn pin(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
         let near = 1e-3 * self.chart.law.range;
         let branch = &self.branches[i];
         if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.u0 - u0).abs() < near) {
-            return;
+            return Ok(());
         }
         let guess = branch.guess(u0);
         let sector = if branch.is_ridge { &mut self.ridge } else { &mut self.square };
-        // Where Newton fails from so good a guess, the interpolated energy stands.
-        if let Ok(node) = sector.node(u0, guess, None, NODE) {
-            self.branches[i].insert(node);
-        }
+        let node = sector.node(u0, guess, None, NODE)?;
+        self.branches[i].insert(node);
+        Ok(())
     }
 
     /// The pattern of `place` at `u0`, by its topology on the mesh for releases: a dimple that grows ends as a bulge.

@@ -7,8 +7,9 @@ use crate::numerics::vector::add;
 use crate::physics::system::carried;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
+use std::collections::BTreeSet;
 
-/// Most nodes of an adapted branch between its ends.
+/// Nodes of an adapted branch between its ends, besides those at landings.
 const INNER: usize = 2;
 
 impl Atlas {
@@ -19,28 +20,37 @@ impl Atlas {
     /// A branch that was not found again; then a new atlas must be made.
     pub fn adapted(&self, chart: Chart) -> Result<Self, Lost> {
         let mut new = Self::new(chart);
-        for old in &self.branches {
+        let landings = |i: usize| -> Vec<f64> { self.landed().filter(|l| l.2 == i).map(|l| self.end_point(l.0, l.1).0).collect() };
+        for (i, old) in self.branches.iter().enumerate() {
             let from = self.sector_of(old);
             let to = if old.is_ridge { &mut new.ridge } else { &mut new.square };
-            new.branches.push(adapt(old, from, to)?);
+            new.branches.push(adapt(old, &landings(i), from, to)?);
         }
         new.landings.clone_from(&self.landings);
-        for (row, sides) in self.landings.iter().enumerate() {
-            for (side, landing) in sides.iter().enumerate() {
-                if let Some(Place::On(i)) = landing {
-                    let from = if row == 0 { Place::Flat } else { Place::On(row - 1) };
-                    if row > 0 || new.flat_limits.is_some() {
-                        let (u0, _) = new.end_point(from, side == 1);
-                        new.pin(*i, u0);
-                    }
-                }
+        for (place, up, i) in self.landed() {
+            if place == Place::Flat && new.flat_limits.is_none() {
+                return Err(Lost::Gone);
             }
+            let (u0, _) = new.end_point(place, up);
+            new.pin(i, u0)?;
         }
         Ok(new)
     }
+
+    /// The known landings on branches: place, true for its upper end, and the branch landed on.
+    fn landed(&self) -> impl Iterator<Item = (Place, bool, usize)> + '_ {
+        self.landings.iter().enumerate().flat_map(|(row, sides)| {
+            let place = if row == 0 { Place::Flat } else { Place::On(row - 1) };
+            sides.iter().enumerate().filter_map(move |(side, landing)| match landing {
+                Some(Place::On(i)) => Some((place, side == 1, *i)),
+                _ => None,
+            })
+        })
+    }
 }
 
-fn adapt(old: &Branch, from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
+/// The branch `old` found again; of its inner nodes those next to the u0 of `landings`, whose energies count, and a few more.
+fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
     let last = old.nodes.len() - 1;
     let mut end = |upper: bool| {
         let node = moved(old.end(upper), from, to);
@@ -60,8 +70,10 @@ fn adapt(old: &Branch, from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
     let mut nodes = vec![low];
     let (from_u, width) = (nodes[0].u0, high.u0 - nodes[0].u0);
     let stride = (last - 1).div_ceil(INNER).max(1);
-    // Counted from the middle of the first stride, so that both ends are served alike.
-    for k in (1..last).skip(((last - 1) % stride) / 2).step_by(stride) {
+    let nearest = |u0: &f64| (1..last).min_by(|&i, &j| (old.nodes[i].u0 - u0).abs().total_cmp(&(old.nodes[j].u0 - u0).abs()));
+    let few = (1..last).skip(((last - 1) % stride) / 2).step_by(stride);
+    let chosen: BTreeSet<usize> = few.chain(landings.iter().filter_map(nearest)).collect();
+    for k in chosen {
         let share = (old.nodes[k].u0 - a) / (b - a);
         let mut z = carried(&old.nodes[k].z, from.system(), to.system());
         // What changed at the ends changed a part of that in between.

@@ -1,6 +1,7 @@
 //! One branch followed to its end with long tangent steps; the end located directly.
 
 use crate::numerics::vector::{add, norm};
+use crate::physics::theory::flat;
 use crate::solver::branch::distance;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, SHARP, Sector};
@@ -19,7 +20,8 @@ const FIRST: f64 = 0.1;
 const LONGEST: f64 = 0.7;
 /// A branch is lost when the step falls below this (ranges).
 const SHORTEST: f64 = 2e-4;
-/// Error of the prediction, root mean square in ranges, that the step length aims at.
+/// Error of the prediction, root mean square in ranges, that the step length aims at in a cell of 3 L_c; in longer ones, where
+/// amplitudes are larger and edges creep over the mesh, more is allowed.
 const AIM: f64 = 0.03;
 /// Distance (ranges) from which a fold is gone for directly.
 const NEAR_FOLD: f64 = 0.15;
@@ -42,6 +44,8 @@ const STRAY: f64 = 0.6;
 pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool) -> Result<(Vec<Node>, End), Lost> {
     let range = sector.system().law().range;
     let sign = if up { 1.0 } else { -1.0 };
+    let periods = sector.system().grid().length / flat::critical_length(sector.system().law());
+    let aim = AIM * (periods / 3.0).clamp(1.0, 3.0);
     let mut nodes: Vec<Node> = Vec::new();
     let mut step = FIRST * range;
     // A fold beyond which symmetry is already broken: the end lies before it.
@@ -97,7 +101,7 @@ pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool)
             }
         };
         let error = distance(&guess, &node.z) / range;
-        step = (h * (AIM / error).powf(0.3).clamp(0.4, 2.5)).min(LONGEST * range);
+        step = (h * (aim / error).powf(0.3).clamp(0.4, 2.5)).min(LONGEST * range);
         if wall.is_finite() {
             wall -= h;
         }
