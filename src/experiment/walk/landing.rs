@@ -27,7 +27,8 @@ impl Walk {
         let du = barrier.at - self.state.mean_displacement;
         let energy_before = self.state.energy + self.state.stress * du;
         let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, choose);
-        self.jumping = Some(Jumping { release: Release::new(z, barrier.at), cause: barrier.cause, kicks: 1, energy_before });
+        let release = Release::new(z, barrier.at).with_tolerance(self.system.precision().tolerance());
+        self.jumping = Some(Jumping { release, cause: barrier.cause, kicks: 1, energy_before });
         Progress::Working
     }
 
@@ -105,7 +106,7 @@ impl Walk {
             jumping.kicks += 1;
             let z = self.kicked(&landed.field, u0, &landed.soft_mode, true);
             // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
-            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10);
+            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10).max(self.system.precision().floor());
             jumping.release = Release::new(z, u0).with_tolerance(tolerance);
             self.jumping = Some(jumping);
             return Progress::Working;
@@ -125,7 +126,7 @@ impl Walk {
         let mut settled = settled;
         if self.slides == Slides::Freely {
             let centred = centred(&self.system, &settled.z);
-            let limits = NewtonLimits::default();
+            let limits = NewtonLimits::of(&self.system);
             let polished =
                 solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
             if polished.end == NewtonEnd::Converged {
