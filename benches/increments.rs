@@ -5,10 +5,12 @@
 
 use cpu_time::ProcessTime;
 use std::time::Instant;
+use tackscope::experiment::plan::Reduction;
 use tackscope::experiment::record::StateRecord;
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::precision::Precision;
 use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::System;
 use tackscope::solver::branch::History;
@@ -86,11 +88,12 @@ struct Row {
     processor_seconds: f64,
 }
 
-/// The mean over counted increments of Newton's method in the walk, checks of stability and all, from a state of the coarse mesh.
-fn increment(n: usize, (state, record): &(Equilibrium, StateRecord)) -> Row {
+/// The mean over counted increments of Newton's method in the walk with some numbers, checks of stability and all, from a state of the coarse mesh.
+fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, StateRecord)) -> Row {
     let state = Equilibrium { field: carried(&state.field, n), soft_mode: Vec::new(), ..state.clone() };
     let start = state.mean_displacement;
-    let mut walk = Walk::resume(&scene(n), MethodKind::NewtonKrylov, state, record.clone()).expect("valid");
+    let walk = Walk::in_precision(&scene(n), MethodKind::NewtonKrylov.build(1), Reduction::Whole, precision).expect("valid");
+    let mut walk = walk.standing_on(state, record.clone());
     // Up towards the dimple's limit.
     let place = |increments: usize| start + STEP * increments as f64;
     walked(&mut walk, place(WARM));
@@ -99,7 +102,7 @@ fn increment(n: usize, (state, record): &(Equilibrium, StateRecord)) -> Row {
     let (seconds, processor_seconds) = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
     let mean = |total: f64| total / COUNTED as f64;
     Row {
-        name: "newton",
+        name: precision.word(),
         transforms: mean(states.iter().map(|s| s.transforms as f64).sum()),
         iterations: mean(states.iter().map(|s| s.iterations as f64).sum()),
         seconds: mean(seconds),
@@ -117,13 +120,17 @@ fn main() {
     walked(&mut walk, 1.8);
     let start = (walk.state().clone(), walk.record().clone());
     println!("a {}", walk.record().pattern);
-    println!("method      n  transforms  iterations  wall ms  processor ms");
+    println!("numbers     n  transforms  iterations  wall ms  processor ms");
     let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     for n in [64, 128, 256, 512, 1024].into_iter().filter(|n| asked.is_empty() || asked.contains(n)) {
-        let newton = shown(n, increment(n, &start));
+        let newton = shown(n, increment(n, Precision::Double, &start));
+        for precision in [Precision::Mixed, Precision::Single] {
+            let row = shown(n, increment(n, precision, &start));
+            println!("double over {}: {:.2} in processor time", row.name, newton.processor_seconds / row.processor_seconds);
+        }
         if [64, 512].contains(&n) {
             let paper = shown(n, papers_increment(n, &start));
-            println!("paper over newton: {:.1} in processor time", paper.processor_seconds / newton.processor_seconds);
+            println!("paper over double: {:.1} in processor time", paper.processor_seconds / newton.processor_seconds);
         }
     }
 }

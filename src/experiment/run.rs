@@ -6,6 +6,7 @@ use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk};
 use crate::numerics::cancel::Cancel;
+use crate::numerics::precision::Precision;
 use crate::physics::pattern::Pattern;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
@@ -121,7 +122,22 @@ pub fn run_reduced(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    let mut walk = Walk::reduced(scene, method, reduction)?;
+    run_in_precision(scene, method, reduction, Precision::Double, cancel, observe)
+}
+
+/// The same with other numbers.
+///
+/// # Errors
+/// As [`run_loop`].
+pub fn run_in_precision(
+    scene: &Scene,
+    method: MethodKind,
+    reduction: Reduction,
+    precision: Precision,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
+    let mut walk = Walk::in_precision(scene, method.build(scene.seed), reduction, precision)?;
     let mut run =
         LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
     run.record.states.push(walk.record().clone());

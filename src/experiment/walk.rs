@@ -16,6 +16,7 @@ use super::plan::Reduction;
 use super::record::{Branch, Cause, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
+use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
@@ -152,12 +153,26 @@ impl Walk {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn with_method(scene: &Scene, method: Box<dyn Method>, reduction: Reduction) -> Result<Self, SceneError> {
+        Self::in_precision(scene, method, reduction, Precision::Double)
+    }
+
+    /// The same with other numbers.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn in_precision(
+        scene: &Scene,
+        method: Box<dyn Method>,
+        reduction: Reduction,
+        precision: Precision,
+    ) -> Result<Self, SceneError> {
         let model = scene.model()?;
         let even = reduction == Reduction::Quarter;
         if even && !model.grid.nx.is_multiple_of(4) {
             return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
-        let system = if even { System::even } else { System::new }(model.grid, model.law, &model.indenter);
+        let system =
+            if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
         let constant = well * if system.is_flat() { 0.25 } else { 0.04 };
         let preconditioner = Preconditioner::new(&system, constant);
@@ -215,12 +230,16 @@ impl Walk {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn resume(scene: &Scene, method: MethodKind, state: Equilibrium, record: StateRecord) -> Result<Self, SceneError> {
-        let mut walk = Self::new(scene, method)?;
-        walk.target = state.mean_displacement;
-        walk.direction = record.branch;
-        walk.history = History::starting(state.mean_displacement, state.field.clone());
-        (walk.state, walk.record) = (state, record);
-        Ok(walk)
+        Self::new(scene, method).map(|walk| walk.standing_on(state, record))
+    }
+
+    /// The same walk on another state of its scene.
+    pub fn standing_on(mut self, state: Equilibrium, record: StateRecord) -> Self {
+        self.target = state.mean_displacement;
+        self.direction = record.branch;
+        self.history = History::starting(state.mean_displacement, state.field.clone());
+        (self.state, self.record) = (state, record);
+        self
     }
 
     /// The decided model.
@@ -336,7 +355,7 @@ impl Walk {
             Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
             None => {
                 let z = self.state.field.clone();
-                let limits = NewtonLimits { steps: 40, ..NewtonLimits::default() };
+                let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&self.system) };
                 let cancel = Cancel::default();
                 let found =
                     solve(&problem(&self.system, &self.preconditioner, self.slides), z, self.start, limits, &mut self.ws, &cancel);

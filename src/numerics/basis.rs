@@ -28,6 +28,20 @@ pub enum BasisScratch<T: Real = f64> {
 }
 
 impl<T: Real> Basis<T> {
+    /// The same waves in single precision.
+    pub fn in_single(&self) -> Basis<f32> {
+        match self {
+            Basis::Whole(fourier) => {
+                let (ny, nx) = fourier.shape();
+                Basis::Whole(Fourier::new(ny, nx))
+            }
+            Basis::Even(cosine) => {
+                let (ny, nx) = cosine.shape();
+                Basis::Even(Cosine::new(ny, nx))
+            }
+        }
+    }
+
     /// Scratch that fits.
     pub fn scratch(&self) -> BasisScratch<T> {
         match self {

@@ -40,6 +40,11 @@ impl<T: Real> Cosine<T> {
         Self { nx, ny, fourier: Fourier::new(ny, nx), turn_x: turns(nx), turn_y: turns(ny), from_x: order(nx), from_y: order(ny) }
     }
 
+    /// Shape (ny, nx) of a field.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ny, self.nx)
+    }
+
     /// Scratch that fits these plans.
     pub fn scratch(&self) -> CosineScratch<T> {
         CosineScratch {

@@ -73,6 +73,11 @@ impl<T: Real> Fourier<T> {
         }
     }
 
+    /// Shape (ny, nx) of a field.
+    pub fn shape(&self) -> (usize, usize) {
+        (self.ny, self.nx)
+    }
+
     /// Shape (nx/2 + 1, ny) of a spectrum.
     pub fn spectrum_shape(&self) -> (usize, usize) {
         (self.nx / 2 + 1, self.ny)

@@ -15,9 +15,10 @@
 use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
-use crate::numerics::basis::{Basis, BasisScratch};
+use crate::numerics::basis::Basis;
 use crate::numerics::cosine::Cosine;
 use crate::numerics::fourier::Fourier;
+use crate::numerics::precision::{Precision, TransformScratch, Transforms};
 use crate::numerics::threads::{each, piece};
 use crate::numerics::vector::{dot, max_abs};
 use ndarray::Array2;
@@ -29,7 +30,7 @@ pub struct System {
     grid: Grid,
     law: Law,
     height: Option<Array2<f64>>,
-    basis: Basis,
+    transforms: Transforms,
     /// q E*/2 of every amplitude entry; zero for q = 0.
     elastic: Vec<f64>,
     /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the derivative of a real field vanishes.
@@ -49,7 +50,7 @@ pub struct Workspace {
     /// Transforms done so far.
     pub transforms: usize,
     field: Array2<f64>,
-    scratch: BasisScratch,
+    scratch: TransformScratch,
 }
 
 /// Scalars of one evaluation.
@@ -76,7 +77,8 @@ impl System {
                 gradient.push([if 2 * k == grid.nx { 0.0 } else { qx }, if 2 * l == ny { 0.0 } else { qy }]);
             }
         }
-        Self { grid, law, height: indenter.height(&grid), basis: Basis::Whole(fourier), elastic, gradient }
+        let transforms = Transforms::new(Basis::Whole(fourier));
+        Self { grid, law, height: indenter.height(&grid), transforms, elastic, gradient }
     }
 
     /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex of a tip lies between points.
@@ -87,12 +89,23 @@ impl System {
         let (ny, nx) = (grid.ny.div_ceil(2), grid.nx / 2);
         let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
         let height = indenter.even_height(&grid);
-        Self { grid, law, height, basis: Basis::Even(Cosine::new(ny, nx)), elastic, gradient: Vec::new() }
+        let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
+        Self { grid, law, height, transforms, elastic, gradient: Vec::new() }
+    }
+
+    /// The same in another precision.
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { transforms: self.transforms.with_precision(precision), ..self }
+    }
+
+    /// Of which numbers its transforms and fields are.
+    pub fn precision(&self) -> Precision {
+        self.transforms.precision()
     }
 
     /// True if only even fields are represented.
     pub fn is_even(&self) -> bool {
-        matches!(self.basis, Basis::Even(_))
+        matches!(self.transforms.basis(), Basis::Even(_))
     }
 
     /// Shape (rows, columns) of a field: that of the grid, or of its even part.
@@ -144,7 +157,7 @@ impl System {
             stiffness: zeros(),
             transforms: 0,
             field: zeros(),
-            scratch: self.basis.scratch(),
+            scratch: self.transforms.scratch(self.shape()),
         }
     }
 
@@ -155,7 +168,7 @@ impl System {
 
     /// The gap field of amplitudes `z` at mean displacement `u0`, into `ws.gap`. One transform.
     pub fn gap(&self, z: &[f64], u0: f64, ws: &mut Workspace) {
-        self.basis.synthesise(z, u0, &mut ws.gap, &mut ws.scratch);
+        self.transforms.synthesise(z, u0, &mut ws.gap, &mut ws.scratch);
         ws.transforms += 1;
         if let Some(height) = &self.height {
             ws.gap -= height;
@@ -165,7 +178,8 @@ impl System {
     /// The gap field alone, for a picture: with working memory of its own, and not counted.
     pub fn gap_field(&self, z: &[f64], u0: f64) -> Array2<f64> {
         let mut gap = Array2::zeros(self.shape());
-        self.basis.synthesise(z, u0, &mut gap, &mut self.basis.scratch());
+        let basis = self.transforms.basis();
+        basis.synthesise(z, u0, &mut gap, &mut basis.scratch());
         if let Some(height) = &self.height {
             gap -= height;
         }
@@ -178,7 +192,7 @@ impl System {
         let (gap, traction, stiffness) = (flat(&mut ws.gap), flat(&mut ws.traction), flat(&mut ws.stiffness));
         let points = gap.len() as f64;
         let adhesive = fill(&self.law, gap, traction, stiffness) / points;
-        let stress = self.basis.analyse(&ws.traction, gradient, &mut ws.scratch);
+        let stress = self.transforms.analyse(&ws.traction, gradient, &mut ws.scratch);
         ws.transforms += 1;
         let mut elastic = 0.0;
         for ((g, z), e) in gradient.iter_mut().zip(z).zip(&self.elastic) {
@@ -190,9 +204,7 @@ impl System {
 
     /// The Hessian at the last evaluated state times `v`. Two transforms.
     pub fn hessian(&self, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.basis.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
-        multiply(flat(&mut ws.field), flat(&mut ws.stiffness));
-        self.basis.analyse(&ws.field, out, &mut ws.scratch);
+        self.transforms.multiply(v, &ws.stiffness, out, &mut ws.field, &mut ws.scratch);
         ws.transforms += 2;
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
@@ -203,7 +215,7 @@ impl System {
     /// of the stress with u0 at fixed amplitudes. One transform.
     pub fn stiffness_amplitudes(&self, out: &mut [f64], ws: &mut Workspace) -> f64 {
         ws.transforms += 1;
-        self.basis.analyse(&ws.stiffness, out, &mut ws.scratch)
+        self.transforms.analyse(&ws.stiffness, out, &mut ws.scratch)
     }
 
     /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of
@@ -217,7 +229,7 @@ impl System {
 
     /// The real field of amplitudes `v` (without mean). One transform.
     pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
-        self.basis.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
+        self.transforms.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
         ws.transforms += 1;
         &ws.field
     }
@@ -225,7 +237,7 @@ impl System {
     /// Amplitudes of a field; its mean is dropped. One transform.
     pub fn amplitudes(&self, field: &Array2<f64>, ws: &mut Workspace) -> Vec<f64> {
         let mut z = vec![0.0; self.dimension()];
-        self.basis.analyse(field, &mut z, &mut ws.scratch);
+        self.transforms.analyse(field, &mut z, &mut ws.scratch);
         ws.transforms += 1;
         z
     }
@@ -307,12 +319,4 @@ fn fill(law: &Law, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> 
     let tasks = gap.chunks(piece).zip(traction.chunks_mut(piece)).zip(stiffness.chunks_mut(piece)).zip(&mut sums);
     each(tasks, |(((gap, traction), stiffness), sum)| *sum = law.fill(gap, traction, stiffness));
     sums.iter().sum()
-}
-
-/// `field` times `factor`, point by point.
-fn multiply(field: &mut [f64], factor: &[f64]) {
-    let piece = piece(field.len());
-    each(field.chunks_mut(piece).zip(factor.chunks(piece)), |(field, factor)| {
-        field.iter_mut().zip(factor).for_each(|(f, s)| *f *= s);
-    });
 }

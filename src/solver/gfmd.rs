@@ -131,7 +131,7 @@ impl Method for Gfmd {
             energy: at.energy,
             stiffness_min: None,
             soft_mode: Vec::new(),
-            stop: if residual <= 1e-6 { Stop::Stable } else { Stop::NotConverged },
+            stop: if residual <= system.precision().tolerance() { Stop::Stable } else { Stop::NotConverged },
             cost: Cost { iterations: b.ramp + b.relax, transforms: ws.transforms - before },
         })
     }

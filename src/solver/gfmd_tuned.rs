@@ -16,8 +16,6 @@ use crate::physics::system::Workspace;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// Goal for the residual.
-const TOLERANCE: f64 = 1e-6;
 /// Time steps after which an increment is given up. Tens are normal; a jump takes hundreds.
 const BUDGET: usize = 1000;
 /// Time step over its limit 2/sqrt(stiffest eigenvalue).
@@ -63,7 +61,7 @@ impl Method for GfmdTuned {
         cancel: &Cancel,
     ) -> Result<Equilibrium, Lost> {
         let (before, system) = (ws.transforms, problem.system);
-        let law = system.law();
+        let (law, tolerance) = (system.law(), system.precision().tolerance());
         let mut g = vec![0.0; from.field.len()];
         let mut z = predicted(problem, branch, from, u0, ws);
         system.evaluate(&z, u0, &mut g, ws);
@@ -82,11 +80,11 @@ impl Method for GfmdTuned {
                 return Err(Lost::Diverged("a jump overshot into the wall of the law"));
             }
             // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-            let goal = 0.5 * TOLERANCE * tractions(system, ws);
+            let goal = 0.5 * tolerance * tractions(system, ws);
             let near = force <= goal;
             if near || step == BUDGET {
                 let residual = system.residual(&g, ws);
-                if residual <= TOLERANCE || step == BUDGET {
+                if residual <= tolerance || step == BUDGET {
                     return Ok(Equilibrium {
                         mean_displacement: u0,
                         field: z,
@@ -95,7 +93,7 @@ impl Method for GfmdTuned {
                         energy: at.energy,
                         stiffness_min: None,
                         soft_mode: Vec::new(),
-                        stop: if residual <= TOLERANCE { Stop::Stable } else { Stop::NotConverged },
+                        stop: if residual <= tolerance { Stop::Stable } else { Stop::NotConverged },
                         cost: Cost { iterations: step, transforms: ws.transforms - before },
                     });
                 }

@@ -162,7 +162,7 @@ impl Method for NewtonKrylov {
         let before = ws.transforms;
         let guess = predicted(problem, branch, from, u0, ws);
         let reach = reach(problem, from, &guess, u0);
-        let state = solve(problem, guess.clone(), u0, NewtonLimits::default(), ws, cancel);
+        let state = solve(problem, guess.clone(), u0, NewtonLimits::of(problem.system), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
@@ -216,5 +216,5 @@ pub(crate) fn audit(system: &System, from: &Equilibrium, u0: f64, energy: f64, s
     let du = u0 - from.mean_displacement;
     let missing = (energy - from.energy - 0.5 * (stress + from.stress) * du).abs();
     let smooth = 0.2 * (stress - from.stress).abs() + 1e-3 * system.law().traction_max();
-    missing <= smooth * du.abs() + 1e-12 * system.law().surface_energy
+    missing <= smooth * du.abs() + system.precision().rounding().max(1e-12) * system.law().surface_energy
 }

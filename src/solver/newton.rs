@@ -25,6 +25,13 @@ impl Default for NewtonLimits {
     }
 }
 
+impl NewtonLimits {
+    /// What can be asked for in the system's precision.
+    pub fn of(system: &System) -> Self {
+        Self { tolerance: system.precision().tolerance(), ..Self::default() }
+    }
+}
+
 /// Why [`solve`] ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NewtonEnd {
@@ -66,6 +73,8 @@ pub fn solve(
 ) -> NewtonState {
     let Problem { system, preconditioner, slides } = *problem;
     let scale = system.law().traction_max();
+    // Below it there is nothing but rounding to follow: whoever asks for less is told where it ends.
+    let goal = limits.tolerance.max(system.precision().floor());
     let mut g = vec![0.0; z.len()];
     let mut at = system.evaluate(&z, u0, &mut g, ws);
     let mut force = norm(&g);
@@ -76,18 +85,18 @@ pub fn solve(
             return end(NewtonEnd::Stalled, f64::NAN, z);
         }
         // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-        if force <= limits.tolerance * scale * 0.5 || step == limits.steps || force > 3.0 * before {
+        if force <= goal * scale * 0.5 || step == limits.steps || force > 3.0 * before {
             let residual = system.residual(&g, ws);
             if residual <= limits.tolerance {
                 return end(NewtonEnd::Converged, residual, z);
             }
-            if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < limits.tolerance * scale {
+            if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
                 return end(NewtonEnd::Stalled, residual, z);
             }
         }
         let removed = sliding_basis(system, &z, slides, ws);
         project_out(&mut g, &removed);
-        let forcing = (0.15 * limits.tolerance * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
+        let forcing = (0.15 * goal * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
         let CgSolution { x: dz, end: cg_end, .. } = conjugate_gradients(
             |v, out| system.hessian(v, out, ws),
@@ -133,7 +142,7 @@ pub fn descend(
     cancel: &Cancel,
 ) -> NewtonState {
     let system = problem.system;
-    let (scale, rounding) = (system.law().traction_max(), 1e-13 * system.law().surface_energy);
+    let (scale, rounding) = (system.law().traction_max(), system.precision().rounding() * system.law().surface_energy);
     let mut g = vec![0.0; z.len()];
     let mut at = system.evaluate(&z, u0, &mut g, ws);
     let mut reach = radius;

@@ -108,7 +108,9 @@ impl Release {
             let at = system.evaluate(&self.z, self.u0, &mut gradient, ws);
             self.gradient = gradient;
             let force = norm(&self.gradient);
-            if !(at.energy <= self.energy + 1e-9 * system.law().surface_energy) || !force.is_finite() {
+            if !(at.energy <= self.energy + system.precision().rounding().max(1e-9) * system.law().surface_energy)
+                || !force.is_finite()
+            {
                 if !self.undo() {
                     return Slice::Stuck;
                 }

@@ -5,7 +5,8 @@ use tackscope::experiment::run::Outcome;
 use tackscope::experiment::scene::{LawChoice, Range, Turn};
 use tackscope::experiment::walk::Progress;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::numerics::vector::norm;
+use tackscope::numerics::precision::Precision;
+use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::law::{Law, Mie, Shape};
 use tackscope::solver::Stop;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
@@ -152,4 +153,43 @@ fn deep_compression_gives_no_jumps_of_rounding_because_tolerances_follow_the_tra
     assert!(pressed > 1e6 && deepest.residual <= 1e-6, "{pressed} {}", deepest.residual);
     // A tip on a mesh this coarse does not jump at all.
     assert_eq!(run.record.jumps, []);
+}
+
+#[test]
+fn single_precision_stalls_near_1e_6_sigma_max_and_says_so() {
+    let mut bench = Bench::new();
+    bench.system = bench.system.with_precision(Precision::Single);
+    bench.ws = bench.system.workspace();
+    let mut ws = bench.system.workspace();
+    for start in [&dimple()[0], &bulge()[0]] {
+        let u0 = start.mean_displacement + 0.02;
+        let exact = Bench::new().relax(&mut *MethodKind::NewtonKrylov.build(1), start, u0).unwrap();
+        let mut floors = Vec::new();
+        for tolerance in [1e-8, 1e-12] {
+            let limits = NewtonLimits { tolerance, ..NewtonLimits::default() };
+            let cancel = Cancel::default();
+            let solved = solve(&bench.problem(), start.field.clone(), u0, limits, &mut ws, &cancel);
+            let descended = descend(&bench.problem(), start.field.clone(), u0, 0.05, limits, &mut ws, &cancel);
+            for state in [solved, descended] {
+                assert_eq!(state.end, NewtonEnd::Stalled);
+                assert!(state.residual > tolerance && state.residual < 1e-5, "{:e}", state.residual);
+                // What was asked too much of is still the solution.
+                let mut away = state.z.clone();
+                add(&mut away, -1.0, &exact.field);
+                assert!(norm(&away) < 1e-3 && state.at.energy.is_finite(), "{:e}", norm(&away));
+                floors.push(state.residual);
+            }
+        }
+        let floor = floors.iter().cloned().fold(f64::INFINITY, f64::min);
+        assert!(floor > 1e-7 && floor < 4e-6, "{floors:?}");
+        // The default of doubles lies within the noise: it may be met by luck, and where it is not that is said.
+        let limits = NewtonLimits::default();
+        let default = solve(&bench.problem(), start.field.clone(), u0, limits, &mut ws, &Cancel::default());
+        assert_eq!(default.end == NewtonEnd::Converged, default.residual <= limits.tolerance);
+        assert!(default.residual < 1e-5, "{:e}", default.residual);
+        // What the walk asks of it is met with room to spare.
+        let mut state = bench.relax(&mut *MethodKind::NewtonKrylov.build(1), start, u0).unwrap();
+        bench.label(&mut state);
+        assert!(state.stop == Stop::Stable && state.residual <= 1e-4, "{:?} {:e}", state.stop, state.residual);
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Model, Point, atlas};
 use crate::experiment::record::LoopRecord;
-use crate::experiment::run::{LoopRun, Outcome, Report, run_reduced};
+use crate::experiment::run::{LoopRun, Outcome, Report, run_in_precision};
 use crate::experiment::scene::{Points, Scene, SceneError};
 use crate::experiment::walk::Counts;
 use crate::numerics::cancel::Cancel;
@@ -75,7 +75,7 @@ pub fn measure(
     let mut out_of_time = false;
     let LoopRun { record, outcome, counts, .. } = match point.model {
         Model::Atlas => atlas::read_off(&scene, &model),
-        Model::Walk(part_of_cell) => run_reduced(&scene, point.method, part_of_cell, &part, &mut |report| {
+        Model::Walk(part_of_cell) => run_in_precision(&scene, point.method, part_of_cell, point.precision, &part, &mut |report| {
             if processor.elapsed().as_secs_f64() > allowed {
                 out_of_time = true;
                 part.request();

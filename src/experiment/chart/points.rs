@@ -3,6 +3,7 @@
 use super::Measured;
 use crate::experiment::plan::{Reduction, Road, Wish, next_fast, plan};
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
+use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule::{SAFE, mu_rho};
@@ -27,22 +28,6 @@ pub enum Model {
     Walk(Reduction),
     /// The loop read off an atlas of branches (flat ground, square cells). The step is that of the states read off.
     Atlas,
-}
-
-/// Of which numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Precision {
-    /// 64 bits.
-    Double,
-}
-
-impl Precision {
-    /// Its word in tables.
-    pub fn word(self) -> &'static str {
-        match self {
-            Precision::Double => "double",
-        }
-    }
 }
 
 /// One way to compute the loop.
@@ -167,8 +152,17 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
             list.extend([2.0, 4.0, 8.0].map(|longer| point(method, most(&meshes), longer * step)));
         }
     }
+    // Other numbers, for the quickest method on the finer meshes.
+    for precision in [Precision::Mixed, Precision::Single] {
+        let finer = &meshes[meshes.len().saturating_sub(2)..];
+        list.extend(finer.iter().map(|&n| Point { precision, ..point(MethodKind::NewtonKrylov, n, step) }));
+    }
     // The same on a quarter of the cell, for the methods that gain most from it.
-    let reducible = |p: &&Point| p.points.is_multiple_of(4) && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs);
+    let reducible = |p: &&Point| {
+        p.precision == Precision::Double
+            && p.points.is_multiple_of(4)
+            && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs)
+    };
     let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Model::Walk(Reduction::Quarter), ..*p }).collect();
     list.extend(quarters);
     if !line && scene.indenter == Indenter::Flat && matches!(scene.drive.turn, Turn::At(_)) {
@@ -201,6 +195,11 @@ pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Scen
     Ok(*point == own(scene)?[1])
 }
 
+/// What the correction of a prediction depends on.
+fn key(point: &Point) -> (MethodKind, Model, Precision) {
+    (point.method, point.model, point.precision)
+}
+
 /// Predicts processor time: typical transforms per increment, corrected by what the method needed last.
 #[derive(Clone, Debug)]
 pub(super) struct Predictor {
@@ -208,8 +207,8 @@ pub(super) struct Predictor {
     way: f64,
     law: Law,
     length: f64,
-    /// Measured over predicted, by method.
-    correction: HashMap<(MethodKind, Model), f64>,
+    /// Measured over predicted, by what it depends on but the mesh and the step.
+    correction: HashMap<(MethodKind, Model, Precision), f64>,
 }
 
 impl Predictor {
@@ -229,14 +228,14 @@ impl Predictor {
 
     /// Processor seconds of a loop.
     pub(super) fn seconds(&self, point: &Point) -> f64 {
-        self.typical(point) * self.correction.get(&(point.method, point.model)).unwrap_or(&1.0)
+        self.typical(point) * self.correction.get(&key(point)).unwrap_or(&1.0)
     }
 
     pub(super) fn learn(&mut self, measured: &Measured) {
         let ratio = measured.processor_seconds / self.typical(&measured.point);
         if ratio.is_finite() && ratio > 0.0 && measured.is_complete() {
             // The cheapest so far: a coarse mesh that traps patterns says nothing about a finer one.
-            let known = self.correction.entry((measured.point.method, measured.point.model)).or_insert(ratio);
+            let known = self.correction.entry(key(&measured.point)).or_insert(ratio);
             *known = known.min(ratio);
         }
     }

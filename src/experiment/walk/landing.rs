@@ -30,7 +30,8 @@ impl Walk {
         let energy_before = self.state.energy + self.state.stress * du;
         let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, KICK, choose);
         let Barrier { at, cause, soft_mode, .. } = barrier;
-        self.jumping = Some(Jumping { release: Release::new(z, at), cause, kicks: 1, soft_mode, kick: KICK, energy_before });
+        let release = Release::new(z, at).with_tolerance(self.system.precision().tolerance());
+        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick: KICK, energy_before });
         Progress::Working
     }
 
@@ -108,7 +109,7 @@ impl Walk {
             jumping.kicks += 1;
             let z = self.kicked(&landed.field, u0, &landed.soft_mode, KICK, true);
             // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
-            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10);
+            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10).max(self.system.precision().floor());
             jumping.release = Release::new(z, u0).with_tolerance(tolerance);
             self.jumping = Some(jumping);
             return Progress::Working;
@@ -128,7 +129,7 @@ impl Walk {
         let mut settled = settled;
         if self.slides == Slides::Freely {
             let centred = centred(&self.system, &settled.z);
-            let limits = NewtonLimits::default();
+            let limits = NewtonLimits::of(&self.system);
             let polished =
                 solve(&problem(&self.system, &self.preconditioner, self.slides), centred, u0, limits, &mut self.ws, cancel);
             if polished.end == NewtonEnd::Converged {
@@ -173,7 +174,7 @@ impl Walk {
             jumping.kick *= 0.1;
             let u0 = landed.mean_displacement;
             let z = self.kicked(&self.state.field.clone(), u0, &jumping.soft_mode.clone(), jumping.kick, true);
-            jumping.release = Release::new(z, u0);
+            jumping.release = Release::new(z, u0).with_tolerance(self.system.precision().tolerance());
             self.jumping = Some(jumping);
             return Progress::Working;
         }

@@ -18,8 +18,6 @@ use crate::numerics::vector::{dot, max_abs, norm, orthonormalise, project_out};
 use crate::physics::system::{Evaluation, System, Workspace};
 use lbfgs::Memory;
 
-/// Goal for the residual.
-const TOLERANCE: f64 = 1e-6;
 /// Iterations after which a descent says that it does not get there. Tens are normal; next to a fold it is the square root of the
 /// softness that counts.
 const BUDGET: usize = 600;
@@ -187,9 +185,10 @@ impl<'a> Landscape<'a> {
         }
         let system = self.problem.system;
         // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-        if norm(&self.force) <= 0.5 * TOLERANCE * tractions(system, self.ws) {
+        let tolerance = system.precision().tolerance();
+        if norm(&self.force) <= 0.5 * tolerance * tractions(system, self.ws) {
             self.residual = system.residual(&self.force, self.ws);
-            if self.residual <= TOLERANCE {
+            if self.residual <= tolerance {
                 return Some(Ok(()));
             }
         }

@@ -1,0 +1,83 @@
+//! Numbers of fewer bits: what they change, and what they must not.
+
+use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::run::{LoopRun, Outcome, run_in_precision};
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::precision::Precision;
+use tackscope::numerics::vector::{add, max_abs, norm, scale};
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::system::System;
+use tackscope::solver::Stop;
+use tackscope::solver::method::MethodKind;
+use tackscope::solver::stability::random_smooth;
+use tackscope::storage::{presets, scene_file};
+
+const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+
+fn looped(precision: Precision, reduction: Reduction) -> LoopRun {
+    let mut scene: Scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    scene.cell.points = Points::Square(48);
+    scene.drive.step = 0.04;
+    let run = run_in_precision(&scene, MethodKind::NewtonKrylov, reduction, precision, &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed, "{precision:?}");
+    run
+}
+
+/// The same jumps within `distance` of u0, and the same loss within the share `loss`.
+fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
+    let what = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.branch, j.from, j.to)).collect::<Vec<_>>();
+    assert_eq!(what(run), what(double));
+    for (a, b) in run.record.jumps.iter().zip(&double.record.jumps) {
+        assert!((a.mean_displacement - b.mean_displacement).abs() < distance, "{a:?} {b:?}");
+    }
+    let (ours, theirs) = (run.record.released_energy_sum(), double.record.released_energy_sum());
+    assert!((ours / theirs - 1.0).abs() < loss, "{ours} {theirs}");
+}
+
+#[test]
+fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance() {
+    for reduction in [Reduction::Whole, Reduction::Quarter] {
+        let mixed = looped(Precision::Mixed, reduction);
+        agree(&mixed, &looped(Precision::Double, reduction), 2e-4, 1e-4);
+        assert!(mixed.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-6));
+    }
+}
+
+#[test]
+fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
+    for reduction in [Reduction::Whole, Reduction::Quarter] {
+        let single = looped(Precision::Single, reduction);
+        agree(&single, &looped(Precision::Double, reduction), 1e-3, 1e-3);
+        assert!(single.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-4));
+    }
+}
+
+#[test]
+fn forces_of_singles_are_those_of_doubles_to_seven_digits_and_mixed_forces_to_the_last() {
+    for make in [System::new, System::even] {
+        let systems = Precision::ALL.map(|p| make(Grid::square(256.0, 64), LAW, &Indenter::Flat).with_precision(p));
+        let mut rng = rand::SeedableRng::seed_from_u64(5);
+        let (mut z, v) = (random_smooth(&systems[0], &mut rng), random_smooth(&systems[0], &mut rng));
+        let length = norm(&z);
+        scale(&mut z, 0.5 / length);
+        let [double, mixed, single] = systems.map(|system| {
+            let (mut ws, mut g, mut hv) = (system.workspace(), vec![0.0; z.len()], vec![0.0; z.len()]);
+            let at = system.evaluate(&z, 1.0, &mut g, &mut ws);
+            system.hessian(&v, &mut hv, &mut ws);
+            (at.energy, g, hv)
+        });
+        let far = |a: &[f64], b: &[f64]| {
+            let mut d = a.to_vec();
+            add(&mut d, -1.0, b);
+            max_abs(&d) / max_abs(b)
+        };
+        assert_eq!((mixed.0, &mixed.1), (double.0, &double.1));
+        assert!((single.0 / double.0 - 1.0).abs() < 1e-6);
+        for error in [far(&single.1, &double.1), far(&single.2, &double.2), far(&mixed.2, &double.2)] {
+            assert!(error > 0.0 && error < 1e-6, "{error:e}");
+        }
+    }
+}
