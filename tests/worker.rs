@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tackscope::experiment::chart::Effort;
 use tackscope::experiment::live_loop::Fineness;
-use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::plan::{Reduction, Wish};
+use tackscope::experiment::scene::{Points, Range, Scene};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
@@ -21,7 +23,11 @@ fn fig2(points: usize) -> Scene {
 }
 
 fn set_scene(run: u64, scene: Scene) -> Command {
-    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov }
+    wished(run, scene, Wish::Plan)
+}
+
+fn wished(run: u64, scene: Scene, wish: Wish) -> Command {
+    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov, wish }
 }
 
 /// Steps a session by hand, at no pace, until it rests; returns everything it handed out.
@@ -248,4 +254,113 @@ fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
     await_event(&worker, |e| matches!(e, Event::Measured { run: 1, stuck: None }));
     println!("stopped after {:?}", begin.elapsed());
     assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+}
+
+fn ready(out: &[Output]) -> &tackscope::worker::protocol::Ready {
+    events(out).into_iter().find_map(|e| if let Event::Ready { ready, .. } = e { Some(&**ready) } else { None }).expect("ready")
+}
+
+#[test]
+fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_it() {
+    let tip = || Scene { indenter: Indenter::Hertz { radius: 256.0 }, ..fig2(64) };
+    let cases = [
+        (wished(1, fig2(64), Wish::Plan), Reduction::Quarter, "ridge on half a line"),
+        (wished(1, fig2(64), Wish::Whole), Reduction::Whole, "asked for"),
+        (wished(1, fig2(64), Wish::Quarter), Reduction::Quarter, "asked for"),
+        (wished(1, fig2(62), Wish::Quarter), Reduction::Whole, "asked for"),
+        (wished(1, fig2(16), Wish::Plan), Reduction::Whole, "jumps of its own"),
+        (wished(1, tip(), Wish::Plan), Reduction::Quarter, "a tip keeps its mirror symmetry"),
+    ];
+    for (command, reduction, words) in cases {
+        let out = drain(&mut Session::default(), vec![command]);
+        let choice = &ready(&out).choice;
+        assert_eq!(choice.reduction, reduction, "{choice:?}");
+        assert!(choice.plan.words.contains(words), "{choice:?}");
+        // Pictures are always of the whole cell.
+        let shape = ready(&out).model.grid.shape();
+        let whole = |o: &Output| if let Output::Frame(_, frame) = o { frame.gap.dim() == shape } else { true };
+        assert!(out.iter().all(whole));
+        assert!(ready(&out).height.as_ref().is_none_or(|h| h.dim() == shape));
+    }
+    let out = drain(
+        &mut Session::default(),
+        vec![Command::SetScene { run: 1, scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, wish: Wish::Plan }],
+    );
+    let choice = &ready(&out).choice;
+    assert!(choice.reduction == Reduction::Whole && choice.because.as_ref().unwrap().contains("as it was published"), "{choice:?}");
+}
+
+#[test]
+fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
+    let walked = |wish| {
+        let mut session = Session::default();
+        let began = Instant::now();
+        let out = drain(&mut session, vec![wished(1, fig2(64), wish), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
+        println!("{wish:?}: {:?}", began.elapsed());
+        let jumps: Vec<_> = events(&out)
+            .into_iter()
+            .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.branch, jump.from, jump.to)) } else { None })
+            .collect();
+        let energy = events(&out)
+            .into_iter()
+            .find_map(|e| if let Event::Loop { summary, .. } = e { Some(summary.dissipated_energy) } else { None });
+        (jumps, energy.expect("a loop was closed"))
+    };
+    let (quarter, whole) = (walked(Wish::Plan), walked(Wish::Whole));
+    assert_eq!(quarter.0, whole.0);
+    assert!((quarter.1 / whole.1 - 1.0).abs() < 2e-3, "{quarter:?} {whole:?}");
+}
+
+#[test]
+fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
+    for range in [0.5, 0.4, 0.35, 0.3, 0.25, 0.2] {
+        let mut scene = fig2(32);
+        scene.law.range = Range::Length(range);
+        scene.drive.start = 8.0 * range;
+        scene.drive.turn = tackscope::experiment::scene::Turn::At(0.3 * range);
+        scene.drive.step = 0.05 * range;
+        let mut session = Session::default();
+        let mu = scene.model().unwrap().mu_rho;
+        let out =
+            drain(&mut session, vec![wished(1, scene, Wish::Quarter), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
+        let told: Vec<_> = events(&out)
+            .into_iter()
+            .filter_map(|e| match e {
+                Event::Remodelled { choice, .. } => Some(format!("{:?}", choice.because)),
+                Event::Failed { message, .. } => Some(format!("FAILED {message}")),
+                Event::Loop { summary, .. } => Some(format!("{summary:?}")),
+                _ => None,
+            })
+            .collect();
+        println!("range {range} mu {mu:.2}: {told:?}");
+    }
+}
+
+/// Not a timed test: it prints what a hand that drags the range would see.
+#[test]
+fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_end() {
+    let worker = Worker::spawn(|| {});
+    let steps = 150;
+    let began = Instant::now();
+    let mut told: Vec<(u64, Fineness, f64)> = Vec::new();
+    let mut listen = |until: Instant| {
+        while let Some(event) = worker.next_event(until.saturating_duration_since(Instant::now())) {
+            if let Event::Live { run, live } = event {
+                assert!(live.found.is_ok(), "{live:?}");
+                told.push((run, live.fineness, began.elapsed().as_secs_f64()));
+            }
+        }
+    };
+    for run in 1..=steps {
+        let mut scene = fig2(64);
+        scene.law.range = Range::Length(0.8 + 0.4 * run as f64 / steps as f64);
+        worker.send(set_scene(run, scene));
+        listen(began + Duration::from_millis(16 * run));
+    }
+    let dragged = began.elapsed().as_secs_f64();
+    listen(Instant::now() + Duration::from_secs(3));
+    let on_the_way: Vec<f64> = told.iter().map(|t| t.2).filter(|t| *t <= dragged).collect();
+    let longest = on_the_way.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    println!("{} loops in {dragged:.2} s, longest wait {:.0} ms, first after {:.0} ms", on_the_way.len(), 1e3 * longest, 1e3 * told[0].2);
+    assert_eq!(told.last().map(|t| (t.0, t.1)), Some((steps, Fineness::Fine)));
 }

@@ -8,6 +8,7 @@ mod advance;
 pub(super) mod guard;
 mod landing;
 mod views;
+mod widen;
 
 pub use views::EnergyWell;
 
@@ -225,12 +226,18 @@ impl Walk {
         Ok(walk)
     }
 
-    /// A walk that stands on a state an earlier walk of the same scene stood on.
+    /// A walk that stands on a state an earlier walk of the same scene on the same part of the cell stood on.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn resume(scene: &Scene, method: MethodKind, state: Equilibrium, record: StateRecord) -> Result<Self, SceneError> {
-        Self::new(scene, method).map(|walk| walk.standing_on(state, record))
+    pub fn resume(
+        scene: &Scene,
+        method: MethodKind,
+        reduction: Reduction,
+        state: Equilibrium,
+        record: StateRecord,
+    ) -> Result<Self, SceneError> {
+        Self::reduced(scene, method, reduction).map(|walk| walk.standing_on(state, record))
     }
 
     /// The same walk on another state of its scene.
@@ -353,23 +360,25 @@ impl Walk {
     fn rest_at_start(&mut self) {
         match self.flat {
             Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
-            None => {
-                let z = self.state.field.clone();
-                let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&self.system) };
-                let cancel = Cancel::default();
-                let found =
-                    solve(&problem(&self.system, &self.preconditioner, self.slides), z, self.start, limits, &mut self.ws, &cancel);
-                self.state.residual = found.residual;
-                (self.state.energy, self.state.stress) = (found.at.energy, found.at.stress);
-                self.state.field = found.z;
-                self.state.stop = if found.end == NewtonEnd::Converged { Stop::Stable } else { Stop::NotConverged };
-                let (stiffness, mode) =
-                    self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, &cancel);
-                self.state.measured(stiffness, mode);
-                self.history = History::starting(self.start, self.state.field.clone());
-            }
+            None => self.solve_here(),
         }
         self.accept(&mut |_| {});
+    }
+
+    /// Solves at the present u0 from the present field, and measures what was found.
+    fn solve_here(&mut self) {
+        let (u0, z) = (self.state.mean_displacement, self.state.field.clone());
+        let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&self.system) };
+        let cancel = Cancel::default();
+        let found = solve(&problem(&self.system, &self.preconditioner, self.slides), z, u0, limits, &mut self.ws, &cancel);
+        self.state.residual = found.residual;
+        (self.state.energy, self.state.stress) = (found.at.energy, found.at.stress);
+        self.state.field = found.z;
+        self.state.stop = if found.end == NewtonEnd::Converged { Stop::Stable } else { Stop::NotConverged };
+        let (stiffness, mode) =
+            self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, &cancel);
+        self.state.measured(stiffness, mode);
+        self.history = History::starting(u0, self.state.field.clone());
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
 use super::scene_edit::Follows;
+use crate::experiment::plan::Wish;
 use crate::experiment::scene::Scene;
 use crate::solver::method::MethodKind;
 use crate::worker::protocol::Sweep;
@@ -31,6 +32,8 @@ pub enum Action {
     EditScene(Box<Scene>),
     /// Choose the method.
     SetMethod(MethodKind),
+    /// Let the plan decide on the model, or overrule it.
+    SetWish(Wish),
     /// Choose what follows mu_rho.
     SetFollows(Follows),
     /// Load the preset of this index.

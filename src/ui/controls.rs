@@ -6,6 +6,7 @@ use super::mu_rho_slider;
 use super::scene_edit::{self, Follows};
 use super::u0_slider;
 use super::view_state::ViewState;
+use crate::experiment::plan::Wish;
 use crate::experiment::record::Branch;
 use crate::experiment::scene::{Points, Scene, Turn};
 use crate::physics::indenter::Indenter;
@@ -214,6 +215,23 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         scene.seed = value.round() as u64;
         edit(actions, scene);
     }
+    ui.label("Model").on_hover_text("which part of the cell the walk represents");
+    let wishes = [
+        (Wish::Plan, "plan", "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry"),
+        (Wish::Whole, "whole cell", "nothing is left out"),
+        (Wish::Quarter, "quarter", "even patterns only; modes of other symmetry are watched on the whole cell"),
+    ];
+    ui.horizontal_wrapped(|ui| {
+        for (wish, word, why) in wishes {
+            let chosen = state.wish == wish;
+            let radio = ui.radio(chosen, word).on_hover_text(why);
+            let name = format!("Model: {word}");
+            radio.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &name));
+            if radio.clicked() {
+                actions.push(Action::SetWish(wish));
+            }
+        }
+    });
     ui.label("Method");
     for method in MethodKind::ALL {
         if ui.radio(state.method == method, method.title()).clicked() {

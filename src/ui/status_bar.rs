@@ -3,8 +3,11 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
+use crate::experiment::plan::{Reduction, Road};
 use crate::experiment::record::StateRecord;
+use crate::physics::grid::Grid;
 use crate::solver::Stop;
+use crate::worker::protocol::{ModelChoice, Ready};
 use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
@@ -36,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 ui.label(RichText::new("waiting for the solver").weak());
             }
         }
-        part(ui, &mesh(state));
+        model(ui, state);
         if let Some(live) = &state.live {
             part(ui, "");
             let colour = theme::palette(ui.visuals().dark_mode).live;
@@ -79,8 +82,42 @@ fn stability(now: &StateRecord, palette: &theme::Palette) -> (String, egui::Colo
     }
 }
 
-fn mesh(state: &ViewState) -> String {
+/// The model in use and the error it is expected to have; the plan's sentence on hover.
+fn model(ui: &mut Ui, state: &ViewState) {
     let grid = &state.model.grid;
-    let reason = state.ready.as_ref().map_or(state.model.reason.as_str(), |ready| ready.model.reason.as_str());
-    format!("mesh {} × {} ({reason})", grid.nx, grid.ny)
+    let Some(ready) = &state.ready else { return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny)) };
+    part(ui, "");
+    ui.label(model_words(&ready.choice, grid)).on_hover_text(model_sentence(ready));
+}
+
+/// In a few words: "quarter of 64 × 64, expected error 0.005 %".
+pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
+    let place = match (choice.reduction, grid.is_line()) {
+        (Reduction::Whole, true) => format!("line of {}", grid.nx),
+        (Reduction::Quarter, true) => format!("half a line of {}", grid.nx),
+        (Reduction::Whole, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
+        (Reduction::Quarter, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
+    };
+    let error = choice.plan.predicted_error;
+    if error.is_nan() {
+        place
+    } else if error >= 1.0 {
+        format!("{place}, no accuracy promised")
+    } else {
+        // One significant digit.
+        let percent = 100.0 * error;
+        let digits = (-percent.log10().floor()).max(0.0) as usize;
+        format!("{place}, expected error {percent:.digits$} %")
+    }
+}
+
+fn model_sentence(ready: &Ready) -> String {
+    let ModelChoice { plan, reduction, because } = &ready.choice;
+    let mut words = format!("Plan: {}.", plan.words);
+    if let Some(because) = because {
+        words += &format!(" The walk runs on the whole cell: {because}.");
+    } else if matches!(plan.road, Road::Atlas(_)) && *reduction == Reduction::Quarter {
+        words += " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
+    }
+    format!("{words} Mesh: {}.", ready.model.reason)
 }

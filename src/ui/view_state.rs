@@ -14,6 +14,7 @@ use super::action::{Measurement, Tab, ViewOptions};
 use super::curves::{self, Curve, Shade};
 use super::history::History;
 use super::scene_edit::{self, Follows};
+use crate::experiment::plan::Wish;
 use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
@@ -52,6 +53,8 @@ pub struct ViewState {
     pub model: Model,
     /// The method.
     pub method: MethodKind,
+    /// Whether the plan decides on the model.
+    pub wish: Wish,
     /// What follows mu_rho.
     pub follows: Follows,
     /// Facts of the scene, once the solver has sent them.
@@ -138,6 +141,7 @@ impl ViewState {
             scene: Arc::new(scene),
             model,
             method: MethodKind::default(),
+            wish: Wish::default(),
             follows: Follows::default(),
             ready: None,
             limits,
@@ -259,6 +263,14 @@ impl ViewState {
         }
     }
 
+    /// Lets the plan decide on the model, or overrules it, which begins a new run.
+    pub fn set_wish(&mut self, wish: Wish) {
+        if wish != self.wish {
+            self.wish = wish;
+            self.restart();
+        }
+    }
+
     /// Forgets the run; the solver is told at the end of the frame.
     fn restart(&mut self) {
         self.scene_pending = true;
@@ -272,6 +284,7 @@ impl ViewState {
         self.sweep = None;
         self.busy = self.target_pending;
         self.ready = None;
+        self.notice = None;
         self.state = None;
         self.actual = self.limits.1;
         self.branch = Branch::Approach;
@@ -290,7 +303,7 @@ impl ViewState {
         let mut commands = Vec::new();
         if std::mem::take(&mut self.scene_pending) {
             self.run += 1;
-            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method });
+            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method, wish: self.wish });
         }
         if std::mem::take(&mut self.target_pending) {
             self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));

@@ -1,5 +1,6 @@
 //! Floor 4: the solver thread, two that work beside it (measurements, the live loop), and their channels. The caller passes `wake`, called whenever something new can be received.
 
+mod course;
 mod live;
 mod measure;
 pub mod protocol;

@@ -2,6 +2,7 @@
 
 use crate::experiment::chart::{Effort, Judged};
 use crate::experiment::live_loop::{Fineness, LiveLoop};
+use crate::experiment::plan::{Plan, Reduction, Wish};
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::time_step_map::TimeStepMap;
@@ -73,6 +74,8 @@ pub enum Command {
         scene: Arc<Scene>,
         /// The method.
         method: MethodKind,
+        /// Whether the plan decides on the model.
+        wish: Wish,
     },
     /// Walk towards this mean displacement (latest wins; the path already gone is kept).
     SetTarget {
@@ -148,6 +151,19 @@ pub struct Ready {
     pub height: Option<Arc<Array2<f64>>>,
     /// Lower and upper limit of stability of the flat state (length); `None` if always stable or not on flat ground.
     pub flat_limits: Option<(f64, f64)>,
+    /// The model in use.
+    pub choice: ModelChoice,
+}
+
+/// Which model runs, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelChoice {
+    /// What the plan says of the scene.
+    pub plan: Plan,
+    /// The part of the cell that the walk represents.
+    pub reduction: Reduction,
+    /// Why the walk runs on the whole cell where the plan or the user would have had a part.
+    pub because: Option<String>,
 }
 
 /// The result of a closed loop.
@@ -256,6 +272,13 @@ pub enum Event {
         run: RunId,
         /// Why it could not be finished.
         stuck: Option<String>,
+    },
+    /// The model was changed on the way; the state stays.
+    Remodelled {
+        /// Run.
+        run: RunId,
+        /// What runs now, and why.
+        choice: ModelChoice,
     },
     /// Something went wrong; the last good state stays.
     Failed {

@@ -177,6 +177,7 @@ pub enum Output {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::plan::Wish;
     use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
     use crate::physics::indenter::Indenter;
     use crate::physics::law::{Morse, Shape};
@@ -204,7 +205,7 @@ mod tests {
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
         let commands =
-            [Command::SetScene { run: 3, scene, method }, Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 }];
+            [Command::SetScene { run: 3, scene, method, wish: Wish::Plan }, Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 }];
         for command in commands {
             guarded(&mut session, &post, |session, sink| session.command(command, sink));
         }

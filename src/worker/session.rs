@@ -1,15 +1,15 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
+use super::course::Course;
 use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
 use super::run_loop::Output;
 use crate::experiment::record::{LoopRecord, StateRecord};
-use crate::experiment::scene::{Scene, Turn};
+use crate::experiment::scene::{SceneError, Turn};
 use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::solver::equilibrium::Equilibrium;
-use crate::solver::method::MethodKind;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -30,13 +30,15 @@ pub struct Session {
     run: RunId,
     /// The newest motion asked for.
     motion: Motion,
-    scene: Option<(Arc<Scene>, MethodKind)>,
+    course: Option<Course>,
     walk: Option<Walk>,
     /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be trusted.
     good: Option<(Equilibrium, StateRecord)>,
     sweep: Option<Leg>,
     record: LoopRecord,
     loop_began: Option<Instant>,
+    /// Transforms the loop has spent on walks that were given up, and those of the present walk before the loop began.
+    transforms_elsewhere: usize,
     transforms_before: usize,
     busy: bool,
     paused: bool,
@@ -75,7 +77,10 @@ impl Session {
             self.motion = motion;
         }
         match command {
-            Command::SetScene { run, scene, method } => self.begin(run, scene, method, sink),
+            Command::SetScene { run, scene, method, wish } => match Course::new(scene, method, wish) {
+                Ok(course) => self.begin(run, course, sink),
+                Err(error) => self.refuse(run, error, sink),
+            },
             Command::SetTarget { mean_displacement, .. } => {
                 self.sweep = None;
                 self.go(mean_displacement);
@@ -160,40 +165,45 @@ impl Session {
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none. Returns the run it belongs to.
     pub fn recover(&mut self) -> RunId {
-        let Self { run, motion, scene, good, record, watched, .. } = std::mem::take(self);
-        *self = Self { run, motion, scene, record, watched, ..Self::default() };
-        if let Some((scene, method)) = &self.scene {
+        let Self { run, motion, course, good, record, watched, .. } = std::mem::take(self);
+        *self = Self { run, motion, course, record, watched, ..Self::default() };
+        if let Some(course) = &self.course {
             self.walk = match good {
-                Some((state, record)) => Walk::resume(scene, *method, state, record).ok(),
-                None => Walk::new(scene, *method).ok(),
+                Some((state, record)) => course.resume(state, record).ok(),
+                None => course.walk().ok(),
             };
         }
         run
     }
 
-    fn begin(&mut self, run: RunId, scene: Arc<Scene>, method: MethodKind, sink: &mut dyn FnMut(Output)) {
+    fn begin(&mut self, run: RunId, course: Course, sink: &mut dyn FnMut(Output)) {
         *self = Self { run, watched: self.watched, ..Self::default() };
-        match Walk::new(&scene, method) {
+        match course.walk() {
             Ok(mut walk) => {
                 let system = walk.system();
                 let flat_limits = if system.is_flat() { flat::limits(system.law(), system.grid().length) } else { None };
-                let height = system.height().map(|h| Arc::new(h.clone()));
-                let ready = Arc::new(Ready { model: walk.model().clone(), height, flat_limits });
+                let height = system.height().map(|h| Arc::new(system.unfolded(h)));
+                let ready = Arc::new(Ready { model: walk.model().clone(), height, flat_limits, choice: course.choice.clone() });
                 sink(Output::Event(Event::Ready { run, ready }));
                 sink(Output::Event(Event::State { run, state: walk.record().clone() }));
                 sink(Output::Frame(run, resting_frame(&mut walk)));
                 sink(Output::Event(Event::Rest { run, motion: 0, mean_displacement: walk.record().mean_displacement }));
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
-                self.scene = Some((scene, method));
+                self.course = Some(course);
                 self.look_into_the_well();
             }
-            Err(error) => sink(Output::Event(Event::Failed {
-                run,
-                message: format!("This scene cannot run: {} = {}", error.key, error.value),
-                remedy: error.allowed,
-            })),
+            Err(error) => self.refuse(run, error, sink),
         }
+    }
+
+    fn refuse(&mut self, run: RunId, error: SceneError, sink: &mut dyn FnMut(Output)) {
+        *self = Self { run, watched: self.watched, ..Self::default() };
+        sink(Output::Event(Event::Failed {
+            run,
+            message: format!("This scene cannot run: {} = {}", error.key, error.value),
+            remedy: error.allowed,
+        }));
     }
 
     fn go(&mut self, target: f64) {
@@ -206,7 +216,8 @@ impl Session {
     }
 
     fn start_sweep(&mut self, sweep: Sweep, sink: &mut dyn FnMut(Output)) {
-        let Some((scene, method)) = self.scene.clone() else { return };
+        let Some(course) = &self.course else { return };
+        let scene = course.scene.clone();
         let start = scene.drive.start;
         let depth = match scene.drive.turn {
             Turn::At(turn) => turn,
@@ -217,7 +228,7 @@ impl Session {
             Sweep::Retract => (self.sweep, self.paused) = (Some(Leg::Retract { closes: false }), false),
             Sweep::Loop => {
                 // A loop is only closed if it begins at the start of the drive, with the scene's own seed.
-                self.walk = Walk::new(&scene, method).ok();
+                self.walk = course.walk().ok();
                 self.record = LoopRecord::default();
                 sink(Output::Event(Event::LoopStarted { run: self.run }));
                 if let Some(walk) = &mut self.walk {
@@ -226,6 +237,7 @@ impl Session {
                     sink(Output::Frame(self.run, resting_frame(walk)));
                 }
                 self.loop_began = Some(Instant::now());
+                self.transforms_elsewhere = 0;
                 self.transforms_before = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
                 (self.sweep, self.paused) = (Some(Leg::Approach { then_back: true }), false);
             }
@@ -235,7 +247,8 @@ impl Session {
 
     /// What comes after a step: nothing, the next leg, or rest.
     fn follow_up(&mut self, progress: Progress, now: Instant, sink: &mut dyn FnMut(Output)) {
-        let (Some((scene, _)), Some(walk)) = (&self.scene, &mut self.walk) else { return };
+        let (Some(course), Some(walk)) = (&mut self.course, &mut self.walk) else { return };
+        let scene = course.scene.clone();
         let state = walk.record();
         let waits_for_load = scene.drive.turn == Turn::ZeroLoad && matches!(self.sweep, Some(Leg::Approach { .. }));
         let unloaded = waits_for_load && state.pattern == Pattern::Contact && state.stress <= 0.0;
@@ -255,6 +268,11 @@ impl Session {
                 _ => self.rest(sink),
             },
             Progress::Stuck(message) => {
+                let spent = walk.counts().transforms;
+                if let Some((whole, stays)) = course.widen(walk, message.clone()) {
+                    sink(Output::Event(Event::Remodelled { run: self.run, choice: course.choice.clone() }));
+                    return self.go_on_with(whole, stays, spent, sink);
+                }
                 sink(Output::Event(Event::Failed {
                     run: self.run,
                     message: format!("Not converged: {message}."),
@@ -263,6 +281,21 @@ impl Session {
                 self.rest(sink);
             }
         }
+    }
+
+    /// Takes another walk up, which stands where the last one stood or is back at the start of the drive.
+    fn go_on_with(&mut self, mut walk: Walk, stays: bool, spent: usize, sink: &mut dyn FnMut(Output)) {
+        self.transforms_elsewhere += spent - self.transforms_before;
+        self.transforms_before = 0;
+        if !stays {
+            self.record = LoopRecord::default();
+            self.record.states.push(walk.record().clone());
+            sink(Output::Event(Event::LoopStarted { run: self.run }));
+            sink(Output::Event(Event::State { run: self.run, state: walk.record().clone() }));
+        }
+        self.good = Some((walk.state().clone(), walk.record().clone()));
+        sink(Output::Frame(self.run, resting_frame(&mut walk)));
+        self.walk = Some(walk);
     }
 
     fn close_loop(&mut self, now: Instant, sink: &mut dyn FnMut(Output)) {
@@ -274,7 +307,7 @@ impl Session {
             dissipated_energy,
             released_energy_sum,
             ledger_mismatch: (dissipated_energy - released_energy_sum).abs() / dissipated_energy.abs().max(f64::MIN_POSITIVE),
-            transforms: walk.counts().transforms - self.transforms_before,
+            transforms: self.transforms_elsewhere + walk.counts().transforms - self.transforms_before,
             seconds: self.loop_began.map_or(0.0, |t| now.duration_since(t).as_secs_f64()),
         };
         sink(Output::Event(Event::Loop { run: self.run, summary }));

@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
+use tackscope::experiment::plan::{Reduction, plan};
 use tackscope::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
 use tackscope::experiment::scene::{Model, Scene};
 use tackscope::physics::pattern::Pattern;
@@ -18,7 +19,7 @@ use tackscope::ui::App;
 use tackscope::ui::handle::SolverHandle;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
-use tackscope::worker::protocol::{Command, Event, Frame, RunId};
+use tackscope::worker::protocol::{Command, Event, Frame, ModelChoice, Ready, RunId};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
@@ -115,6 +116,16 @@ impl Bench {
         self.solver.0.borrow_mut().events.push(event);
         self.window.step();
         self.settle();
+    }
+
+    /// The solver accepts the scene and says which model runs.
+    pub fn ready(&mut self) {
+        let state = self.state();
+        let (run, scene) = (state.run, state.scene.clone());
+        let plan = plan(&scene, &self.model, state.wish);
+        let choice = ModelChoice { plan, reduction: Reduction::Quarter, because: None };
+        let ready = Ready { model: self.model.clone(), height: None, flat_limits: Some((0.787, 3.102)), choice };
+        self.say(Event::Ready { run, ready: Arc::new(ready) });
     }
 
     /// The solver reaches the flat state at `u0`: its closed form.

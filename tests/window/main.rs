@@ -4,6 +4,7 @@
 mod accuracy;
 mod bench;
 mod live;
+mod model;
 mod select;
 mod tabs;
 
@@ -15,7 +16,7 @@ use tackscope::experiment::record::Branch;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Event, LoopSummary, Ready, Sweep};
+use tackscope::worker::protocol::{Command, Event, LoopSummary, Sweep};
 
 #[test]
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
@@ -334,8 +335,7 @@ fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
 fn a_closed_loop_shades_its_area_and_says_its_number() {
     let mut bench = Bench::new();
     let run = bench.state().run;
-    let facts = Ready { model: bench.model.clone(), height: None, flat_limits: Some((0.787, 3.102)) };
-    bench.say(Event::Ready { run, ready: Arc::new(facts) });
+    bench.ready();
     bench.click("Play loop");
     bench.say(Event::LoopStarted { run });
     for u0 in [4.0, 3.0, 2.0, 1.0] {

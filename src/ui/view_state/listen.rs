@@ -31,6 +31,7 @@ impl ViewState {
             | Event::TimeSteps { run, .. }
             | Event::Chart { run, .. }
             | Event::Measured { run, .. }
+            | Event::Remodelled { run, .. }
             | Event::Failed { run, .. } => *run,
         };
         if let Event::Live { run, live } = event {
@@ -68,6 +69,13 @@ impl ViewState {
                 if let Some(message) = stuck {
                     let remedy = "What was measured stands.".to_owned();
                     self.failure = Some(Failure { message: format!("The measurement ended early: {message}."), remedy });
+                }
+            }
+            Event::Remodelled { choice, .. } => {
+                let why = choice.because.as_deref().unwrap_or("asked for");
+                self.notice = Some(format!("now on the whole cell: {why}"));
+                if let Some(ready) = &mut self.ready {
+                    Arc::make_mut(ready).choice = choice;
                 }
             }
             Event::Failed { message, remedy, .. } => {

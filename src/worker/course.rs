@@ -1,0 +1,81 @@
+//! On which part of the cell the window's walk runs: what the plan says, what the user overrules, and the whole cell where a part is
+//! not enough.
+
+use super::protocol::ModelChoice;
+use crate::experiment::plan::{Reduction, Road, Wish, plan};
+use crate::experiment::record::StateRecord;
+use crate::experiment::scene::{Model, Scene, SceneError};
+use crate::experiment::walk::Walk;
+use crate::solver::equilibrium::Equilibrium;
+use crate::solver::method::MethodKind;
+use std::sync::Arc;
+
+/// A scene with the way it is computed.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    method: MethodKind,
+    /// The model in use.
+    pub choice: ModelChoice,
+}
+
+impl Course {
+    /// Decides how the scene is computed.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn new(scene: Arc<Scene>, method: MethodKind, wish: Wish) -> Result<Self, SceneError> {
+        let model = scene.model()?;
+        let plan = plan(&scene, &model, wish);
+        let wanted = match plan.road {
+            // A hand may go anywhere, so that the walk solves what is shown; the atlas only says what is ahead.
+            Road::Atlas(_) => Reduction::Quarter,
+            Road::Walk(reduction) => reduction,
+        };
+        let because = (wanted == Reduction::Quarter).then(|| objection(&model, method, wish)).flatten();
+        let reduction = if because.is_some() { Reduction::Whole } else { wanted };
+        Ok(Self { scene, method, choice: ModelChoice { plan, reduction, because } })
+    }
+
+    /// A walk at rest at the start of the drive.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn walk(&self) -> Result<Walk, SceneError> {
+        Walk::reduced(&self.scene, self.method, self.choice.reduction)
+    }
+
+    /// A walk that stands on an earlier state.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, SceneError> {
+        Walk::resume(&self.scene, self.method, self.choice.reduction, state, record)
+    }
+
+    /// Goes over to the whole cell, for the reason given: a walk that stands where `walk` stood, and whether it does (else it is back
+    /// at the start of the drive). `None` if it was the whole cell already.
+    pub fn widen(&mut self, walk: &mut Walk, because: String) -> Option<(Walk, bool)> {
+        if self.choice.reduction == Reduction::Whole {
+            return None;
+        }
+        self.choice.reduction = Reduction::Whole;
+        self.choice.because = Some(because);
+        if let Some(whole) = walk.widened(&self.scene, self.method) {
+            return Some((whole, true));
+        }
+        let mut afresh = self.walk().ok()?;
+        afresh.set_target(walk.target());
+        Some((afresh, false))
+    }
+}
+
+/// Why a part of the cell will not do; `None` if it will.
+fn objection(model: &Model, method: MethodKind, wish: Wish) -> Option<String> {
+    if !model.grid.nx.is_multiple_of(4) {
+        return Some(format!("{} points a side are no multiple of 4", model.grid.nx));
+    }
+    // The yardstick stays as it was published, unless somebody asks.
+    (method == MethodKind::Gfmd && wish != Wish::Quarter).then(|| "the paper's method runs as it was published".to_owned())
+}

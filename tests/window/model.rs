@@ -1,0 +1,47 @@
+//! The model in use: in words with its error, overruled by hand, changed on the way.
+
+use super::bench::Bench;
+use egui_kittest::kittest::Queryable;
+use tackscope::experiment::plan::{Reduction, Wish};
+use tackscope::worker::protocol::{Command, Event};
+
+#[test]
+fn the_status_bar_says_the_model_in_use_and_the_error_it_is_expected_to_have() {
+    let mut bench = Bench::new();
+    assert!(bench.names().contains("mesh 64 × 64"), "before the solver has spoken");
+    bench.ready();
+    let names = bench.names();
+    assert!(names.contains("quarter of 64 × 64, expected error 0.005 %"), "{names}");
+    bench.window.get_by_label("quarter of 64 × 64, expected error 0.005 %").hover();
+    bench.settle();
+    assert!(bench.names().contains("Plan: flat in closed form, ridge on half a line"), "{}", bench.names());
+}
+
+#[test]
+fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.click("Advanced");
+    for (label, wish) in [("Model: whole cell", Wish::Whole), ("Model: quarter", Wish::Quarter), ("Model: plan", Wish::Plan)] {
+        bench.window.get_by_label(label).scroll_to_me();
+        bench.settle();
+        bench.click(label);
+        let heard = bench.heard();
+        assert!(matches!(&heard[..], [Command::SetScene { wish: asked, .. }] if *asked == wish), "{heard:?}");
+    }
+}
+
+#[test]
+fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
+    let mut bench = Bench::new();
+    bench.ready();
+    let run = bench.state().run;
+    let mut choice = bench.state().ready.as_ref().unwrap().choice.clone();
+    choice.reduction = Reduction::Whole;
+    choice.because = Some("a mode that is not mirror-symmetric goes soft here".to_owned());
+    bench.say(Event::Remodelled { run, choice });
+    assert_eq!(bench.state().failure, None);
+    let names = bench.names();
+    assert!(names.contains("now on the whole cell: a mode that is not mirror-symmetric goes soft here"), "{names}");
+    assert!(names.contains("whole cell 64 × 64, expected error"), "{names}");
+}
