@@ -48,7 +48,6 @@ pub fn smallest(
         products += 1;
         let mut out = vec![0.0; v.len()];
         apply(v, &mut out);
-        project_out(&mut out, removed);
         out
     };
     let start = start
@@ -71,6 +70,8 @@ pub fn smallest(
         let error = |i: usize| {
             let mut r = ax[i].clone();
             add(&mut r, -values[i], &x[i]);
+            // Images may point along removed directions; what counts is their part beside them.
+            project_out(&mut r, removed);
             r
         };
         let first = (!x.is_empty()).then(|| error(0));

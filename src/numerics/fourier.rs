@@ -6,9 +6,9 @@
 use super::real::Real;
 use super::threads::{each, lanes};
 use ndarray::Array2;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
 /// Lines that are gathered and transformed together: 8 complex numbers side by side fill whole cache lines.
@@ -60,17 +60,8 @@ impl<T: Real> Fourier<T> {
     pub fn with_lanes(ny: usize, nx: usize, lanes: usize) -> Self {
         assert!(nx >= 2 && nx.is_multiple_of(2), "nx must be even");
         assert!(ny == 1 || ny.is_multiple_of(2), "ny must be even or 1");
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        Self {
-            nx,
-            ny,
-            lanes: lanes.max(1),
-            row_forward: real.plan_fft_forward(nx),
-            row_inverse: real.plan_fft_inverse(nx),
-            column_forward: complex.plan_fft_forward(ny),
-            column_inverse: complex.plan_fft_inverse(ny),
-        }
+        let ((row_forward, row_inverse), (column_forward, column_inverse)) = (T::row_plans(nx), T::column_plans(ny));
+        Self { nx, ny, lanes: lanes.max(1), row_forward, row_inverse, column_forward, column_inverse }
     }
 
     /// Shape (ny, nx) of a field.

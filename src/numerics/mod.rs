@@ -10,6 +10,7 @@ pub mod eigen;
 pub mod exponential;
 pub mod fourier;
 pub mod krylov;
+pub mod memory;
 pub mod precision;
 pub mod real;
 pub mod threads;

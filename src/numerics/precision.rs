@@ -1,6 +1,7 @@
 //! Of how many bits the numbers of a transform are: doubles, singles, or both where each does best.
 
 use super::basis::{Basis, BasisScratch};
+use super::memory::keep_freed;
 use super::real::Real;
 use super::threads::{each, piece};
 use ndarray::Array2;
@@ -64,6 +65,7 @@ pub struct TransformScratch {
 impl Transforms {
     /// Doubles.
     pub fn new(basis: Basis) -> Self {
+        keep_freed();
         Self { precision: Precision::Double, double: basis, single: None }
     }
 

@@ -26,21 +26,22 @@ fn accumulate(lanes: &mut [f64; LANES], a: &[f64], b: &[f64]) {
 
 /// All inner products of the vectors `a` (rows) with the vectors `b` (columns): the same as by [`dot`] to the last bit, in one pass
 /// over memory.
-pub fn products(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let length = a.first().map_or(0, Vec::len);
+pub fn products<A: AsRef<[f64]>, B: AsRef<[f64]>>(a: &[A], b: &[B]) -> Vec<Vec<f64>> {
+    let length = a.first().map_or(0, |a| a.as_ref().len());
     let whole = length - length % LANES;
     let mut lanes = vec![vec![[0.0; LANES]; b.len()]; a.len()];
     for start in (0..whole).step_by(BLOCK) {
         let range = start..(start + BLOCK).min(whole);
         for (a, lanes) in a.iter().zip(&mut lanes) {
             for (b, lanes) in b.iter().zip(lanes) {
-                accumulate(lanes, &a[range.clone()], &b[range.clone()]);
+                accumulate(lanes, &a.as_ref()[range.clone()], &b.as_ref()[range.clone()]);
             }
         }
     }
     let rest = |a: &[f64], b: &[f64]| a[whole..].iter().zip(&b[whole..]).map(|(x, y)| x * y).sum::<f64>();
     let rows = a.iter().zip(&lanes);
-    rows.map(|(a, lanes)| b.iter().zip(lanes).map(|(b, lanes)| lanes.iter().sum::<f64>() + rest(a, b)).collect()).collect()
+    rows.map(|(a, lanes)| b.iter().zip(lanes).map(|(b, lanes)| lanes.iter().sum::<f64>() + rest(a.as_ref(), b.as_ref())).collect())
+        .collect()
 }
 
 /// y += sum of `coefficients` x `vectors`, in one pass over memory.
@@ -71,9 +72,9 @@ pub fn scale(x: &mut [f64], s: f64) {
 
 /// Removes from `x` its components along the orthonormal vectors `basis`.
 pub fn project_out(x: &mut [f64], basis: &[Vec<f64>]) {
-    for b in basis {
-        let c = dot(x, b);
-        add(x, -c, b);
+    if !basis.is_empty() {
+        let along: Vec<f64> = products(basis, &[&*x]).iter().map(|c| -c[0]).collect();
+        add_all(x, &along, basis);
     }
 }
 
