@@ -40,6 +40,11 @@ impl GapPicture {
     /// Prepares a field. `contact_gap` is the level of the contact line.
     pub fn new(gap: &Array2<f64>, contact_gap: f64, centred: bool) -> Self {
         let hole = 2 * gap.iter().filter(|&&g| g < contact_gap).count() > gap.len();
+        Self::with_island(gap, contact_gap, centred, hole)
+    }
+
+    /// The same where it is known whether the island is a hole.
+    pub fn with_island(gap: &Array2<f64>, contact_gap: f64, centred: bool, hole: bool) -> Self {
         let (dy, dx) = if centred { shift_to_middle(gap, hole) } else { (0, 0) };
         let gap = rolled(gap, dy, dx);
         let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));

@@ -171,11 +171,14 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     }
 }
 
-/// The loop of the atlas, thin with a glow that is seen beside a walked curve upon it, its jumps dotted; and where the surface will stand at the target, before the walk is there.
+/// The loop of the atlas, thin, with a glow where a walked curve lies upon it, its jumps dotted; and where the surface will stand at the target, before the walk is there.
 fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let Some(live) = &state.live else { return };
+    let glow = state.curve.points().nth(2).is_some();
     for (_, points) in &live.pieces {
-        plot.line(line("live", points, palette.live.gamma_multiply(0.3), 7.0).allow_hover(false));
+        if glow {
+            plot.line(line("live", points, palette.live.gamma_multiply(0.3), 7.0).allow_hover(false));
+        }
         plot.line(line("live", points, palette.live, 1.2).allow_hover(false));
     }
     for (u0, [from, to]) in &live.jumps {
