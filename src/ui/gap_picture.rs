@@ -182,6 +182,14 @@ mod tests {
     }
 
     #[test]
+    fn a_hole_larger_than_the_contact_around_it_is_in_the_middle_where_it_is_known_to_be_one() {
+        let field = island(32, 32, 3.0, 29.0) * -1.0 + 6.0;
+        assert!(!GapPicture::new(&field, 1.0, true).hole);
+        let picture = GapPicture::with_island(&field, 1.0, true, true);
+        assert_eq!(picture.gap[(16, 16)], picture.max);
+    }
+
+    #[test]
     fn a_flat_field_stays_where_it_is_and_has_no_contact_line() {
         let picture = GapPicture::new(&Array2::from_elem((8, 8), 3.0), 0.7, true);
         assert_eq!((picture.min, picture.max, picture.contour.len()), (3.0, 3.0, 0));

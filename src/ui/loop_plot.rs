@@ -99,13 +99,14 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 }
 
 fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
+    let wide = ui.available_width() > 380.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 1.0);
         entry(ui, palette.approach, "◀", "approach");
         entry(ui, palette.retraction, "▶", "retraction");
         entry(ui, palette.jump, "↕", "jump");
         if !state.flat_state.is_empty() {
-            entry(ui, palette.flat, "┄", "flat (dashed unstable)");
+            entry(ui, palette.flat, "┄", if wide { "flat (dashed unstable)" } else { "flat" });
         }
         if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
             entry(ui, palette.live, "—", "live");
