@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use tackscope::experiment::chart::Effort;
 use tackscope::experiment::live_loop::Fineness;
 use tackscope::experiment::plan::{Reduction, Wish};
-use tackscope::experiment::scene::{Points, Range, Scene};
+use tackscope::experiment::record::StateRecord;
+use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
@@ -226,7 +227,7 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
     let began = Instant::now();
     for run in 1..=last {
         let mut scene = fig2(32);
-        scene.law.range = tackscope::experiment::scene::Range::Length(1.0 + 0.002 * run as f64);
+        scene.law.range = Range::Length(1.0 + 0.002 * run as f64);
         worker.send(set_scene(run, scene));
     }
     assert!(began.elapsed() < Duration::from_millis(100), "asking must not wait");
@@ -313,27 +314,38 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
 
 #[test]
 fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
-    for range in [0.5, 0.4, 0.35, 0.3, 0.25, 0.2] {
-        let mut scene = fig2(32);
-        scene.law.range = Range::Length(range);
-        scene.drive.start = 8.0 * range;
-        scene.drive.turn = tackscope::experiment::scene::Turn::At(0.3 * range);
-        scene.drive.step = 0.05 * range;
-        let mut session = Session::default();
-        let mu = scene.model().unwrap().mu_rho;
-        let out =
-            drain(&mut session, vec![wished(1, scene, Wish::Quarter), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
-        let told: Vec<_> = events(&out)
-            .into_iter()
-            .filter_map(|e| match e {
-                Event::Remodelled { choice, .. } => Some(format!("{:?}", choice.because)),
-                Event::Failed { message, .. } => Some(format!("FAILED {message}")),
-                Event::Loop { summary, .. } => Some(format!("{summary:?}")),
-                _ => None,
-            })
-            .collect();
-        println!("range {range} mu {mu:.2}: {told:?}");
+    let mut scene = fig2(32);
+    let range = 0.35;
+    scene.law.range = Range::Length(range);
+    (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
+    let mut changes = Vec::new();
+    let mut mismatch = Vec::new();
+    for wish in [Wish::Quarter, Wish::Whole] {
+        let commands = vec![wished(1, scene.clone(), wish), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
+        let out = drain(&mut Session::default(), commands);
+        let mut path = Vec::new();
+        for event in events(&out) {
+            match event {
+                Event::Remodelled { choice, .. } => {
+                    assert_eq!(choice.reduction, Reduction::Whole);
+                    let models: Vec<_> = path.iter().map(|s: &StateRecord| s.model).collect();
+                    assert!(models.iter().all(|m| !m.contains("whole")), "{models:?}");
+                    changes.push(choice.because.clone().unwrap());
+                }
+                Event::State { state, .. } => path.push(state.clone()),
+                Event::Failed { message, .. } => panic!("{message}"),
+                Event::Loop { summary, .. } => mismatch.push(summary.ledger_mismatch),
+                _ => {}
+            }
+        }
+        // The path already gone is kept: no step is longer than the scene's, before and after the change.
+        let long = path.windows(2).find(|w| (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9);
+        assert!(long.is_none(), "{long:?}");
+        assert!(path.iter().any(|s| s.model == "whole cell"));
     }
+    assert!(changes.len() == 1 && changes[0].contains("not mirror-symmetric"), "{changes:?}");
+    println!("ledger mismatch of the quarter and of the whole cell: {mismatch:?}");
+    assert!(mismatch.len() == 2 && mismatch[0] < 0.05, "{mismatch:?}");
 }
 
 /// Not a timed test: it prints what a hand that drags the range would see.
@@ -361,6 +373,11 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
     listen(Instant::now() + Duration::from_secs(3));
     let on_the_way: Vec<f64> = told.iter().map(|t| t.2).filter(|t| *t <= dragged).collect();
     let longest = on_the_way.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-    println!("{} loops in {dragged:.2} s, longest wait {:.0} ms, first after {:.0} ms", on_the_way.len(), 1e3 * longest, 1e3 * told[0].2);
+    println!(
+        "{} loops in {dragged:.2} s, longest wait {:.0} ms, first after {:.0} ms",
+        on_the_way.len(),
+        1e3 * longest,
+        1e3 * told[0].2
+    );
     assert_eq!(told.last().map(|t| (t.0, t.1)), Some((steps, Fineness::Fine)));
 }

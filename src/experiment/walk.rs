@@ -226,11 +226,19 @@ impl Walk {
         Ok(walk)
     }
 
-    /// A walk that stands on a state an earlier walk of the same scene on the same part of the cell stood on.
+    /// A walk on the whole cell that stands on a state an earlier walk of the same scene stood on.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn resume(
+    pub fn resume(scene: &Scene, method: MethodKind, state: Equilibrium, record: StateRecord) -> Result<Self, SceneError> {
+        Self::resume_reduced(scene, method, Reduction::Whole, state, record)
+    }
+
+    /// The same on the part of the cell on which the earlier walk went.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn resume_reduced(
         scene: &Scene,
         method: MethodKind,
         reduction: Reduction,

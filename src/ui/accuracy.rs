@@ -35,8 +35,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
         .x_grid_spacer(decades)
         .y_grid_spacer(decades)
-        .x_axis_formatter(|mark, _| power(mark.value))
-        .y_axis_formatter(|mark, _| power(mark.value))
+        // The corner and the right edge have no room for a number.
+        .x_axis_formatter(|mark, shown| if mark.value >= shown.end() - 0.1 { String::new() } else { power(mark.value) })
+        .y_axis_formatter(|mark, shown| if mark.value <= shown.start() + 0.1 { String::new() } else { power(mark.value) })
         .label_formatter(|_| None)
         .show(ui, |plot| {
             plot.set_plot_bounds(bounds);

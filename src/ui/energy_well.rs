@@ -68,7 +68,7 @@ fn words(well: &EnergyWell, rho: f64, gamma: f64, jumping: bool) -> String {
         Some((offset, height)) => format!("At {at}: barrier of {:.1e} γ at offset {:.2} ρ", height / gamma, offset / rho),
         None => {
             let reach = well.offsets.last().copied().unwrap_or(0.0) / rho;
-            format!("At {at}: no barrier within {reach:.1} ρ along the mode")
+            format!("At {at}: no barrier within {reach:.1} ρ")
         }
     }
 }

@@ -6,6 +6,7 @@ use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
+use crate::physics::pattern::Pattern;
 use crate::worker::protocol::Frame;
 use egui::{
     Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
@@ -44,7 +45,18 @@ impl MapCache {
         if fresh {
             return;
         }
-        let picture = GapPicture::new(&frame.gap, state.model.law.contact_gap(), centred);
+        let contact = state.model.law.contact_gap();
+        // A pattern keeps its place along its whole branch; the film of a jump keeps that of the pattern before.
+        let hole = match frame.state.as_ref().map(|state| state.pattern) {
+            Some(Pattern::Dimple) => Some(true),
+            Some(Pattern::Bulge | Pattern::Ridge) => Some(false),
+            None => self.picture.as_ref().map(|picture| picture.hole),
+            Some(_) => None,
+        };
+        let picture = match hole {
+            Some(hole) => GapPicture::with_island(&frame.gap, contact, centred, hole),
+            None => GapPicture::new(&frame.gap, contact, centred),
+        };
         let options = if state.view.smooth { TextureOptions::LINEAR } else { TextureOptions::NEAREST };
         let image = picture.image(top);
         match &mut self.texture {

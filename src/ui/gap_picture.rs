@@ -40,6 +40,11 @@ impl GapPicture {
     /// Prepares a field. `contact_gap` is the level of the contact line.
     pub fn new(gap: &Array2<f64>, contact_gap: f64, centred: bool) -> Self {
         let hole = 2 * gap.iter().filter(|&&g| g < contact_gap).count() > gap.len();
+        Self::with_island(gap, contact_gap, centred, hole)
+    }
+
+    /// The same where it is known whether the island is a hole.
+    pub fn with_island(gap: &Array2<f64>, contact_gap: f64, centred: bool, hole: bool) -> Self {
         let (dy, dx) = if centred { shift_to_middle(gap, hole) } else { (0, 0) };
         let gap = rolled(gap, dy, dx);
         let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
@@ -173,6 +178,14 @@ mod tests {
         let picture = GapPicture::new(&(island(32, 32, 3.0, 29.0) * -1.0 + 6.0), 3.0, true);
         assert!(picture.hole);
         assert_eq!(picture.island(), (16, 16, true));
+        assert_eq!(picture.gap[(16, 16)], picture.max);
+    }
+
+    #[test]
+    fn a_hole_larger_than_the_contact_around_it_is_in_the_middle_where_it_is_known_to_be_one() {
+        let field = island(32, 32, 3.0, 29.0) * -1.0 + 6.0;
+        assert!(!GapPicture::new(&field, 1.0, true).hole);
+        let picture = GapPicture::with_island(&field, 1.0, true, true);
         assert_eq!(picture.gap[(16, 16)], picture.max);
     }
 

@@ -99,13 +99,14 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 }
 
 fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
+    let wide = ui.available_width() > 380.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 1.0);
         entry(ui, palette.approach, "◀", "approach");
         entry(ui, palette.retraction, "▶", "retraction");
         entry(ui, palette.jump, "↕", "jump");
         if !state.flat_state.is_empty() {
-            entry(ui, palette.flat, "┄", "flat (dashed unstable)");
+            entry(ui, palette.flat, "┄", if wide { "flat (dashed unstable)" } else { "flat" });
         }
         if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
             entry(ui, palette.live, "—", "live");
@@ -171,11 +172,14 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     }
 }
 
-/// The loop of the atlas, thin with a glow that is seen beside a walked curve upon it, its jumps dotted; and where the surface will stand at the target, before the walk is there.
+/// The loop of the atlas, thin, with a glow where a walked curve lies upon it, its jumps dotted; and where the surface will stand at the target, before the walk is there.
 fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let Some(live) = &state.live else { return };
+    let glow = state.curve.points().nth(2).is_some();
     for (_, points) in &live.pieces {
-        plot.line(line("live", points, palette.live.gamma_multiply(0.3), 7.0).allow_hover(false));
+        if glow {
+            plot.line(line("live", points, palette.live.gamma_multiply(0.3), 7.0).allow_hover(false));
+        }
         plot.line(line("live", points, palette.live, 1.2).allow_hover(false));
     }
     for (u0, [from, to]) in &live.jumps {

@@ -60,9 +60,10 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     ));
     part(ui, now.model);
     part(ui, state.method.title());
-    part(ui, &format!("{} iterations", now.iterations));
-    part(ui, &format!("{} transforms", now.transforms));
-    part(ui, &format!("{:.1} ms", now.milliseconds));
+    part(ui, "");
+    let plural = if now.iterations == 1 { "" } else { "s" };
+    ui.label(format!("{} iteration{plural}, {:.1} ms", now.iterations, now.milliseconds))
+        .on_hover_text(format!("for the last increment: {} Fourier transforms", now.transforms));
 }
 
 /// A dot and a word.
@@ -117,7 +118,8 @@ fn model_sentence(ready: &Ready) -> String {
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
     } else if matches!(plan.road, Road::Atlas(_)) && *reduction == Reduction::Quarter {
-        words += " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
+        words +=
+            " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
     }
     format!("{words} Mesh: {}.", ready.model.reason)
 }

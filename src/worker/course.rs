@@ -51,7 +51,7 @@ impl Course {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, SceneError> {
-        Walk::resume(&self.scene, self.method, self.choice.reduction, state, record)
+        Walk::resume_reduced(&self.scene, self.method, self.choice.reduction, state, record)
     }
 
     /// Goes over to the whole cell, for the reason given: a walk that stands where `walk` stood, and whether it does (else it is back

@@ -204,8 +204,10 @@ mod tests {
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
-        let commands =
-            [Command::SetScene { run: 3, scene, method, wish: Wish::Plan }, Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 }];
+        let commands = [
+            Command::SetScene { run: 3, scene, method, wish: Wish::Plan },
+            Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 },
+        ];
         for command in commands {
             guarded(&mut session, &post, |session, sink| session.command(command, sink));
         }

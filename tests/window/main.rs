@@ -11,7 +11,6 @@ mod tabs;
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
 use tackscope::experiment::record::Branch;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::method::MethodKind;
