@@ -30,8 +30,3 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
         }
     });
 }
-
-/// Runs `work`, which shares fields of `points` many times, on one of the threads that share: they then stay awake between.
-pub fn among<R: Send>(points: usize, work: impl FnOnce() -> R + Send) -> R {
-    if lanes(points) == 1 { work() } else { rayon::scope(|_| work()) }
-}

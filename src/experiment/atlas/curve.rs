@@ -1,7 +1,7 @@
 //! A branch as a curve: stress and energy between nodes, and how well they fit together.
 
 use super::trace::{End, between};
-use crate::numerics::vector::{add, dot};
+use crate::numerics::vector::add;
 use crate::physics::pattern::Pattern;
 use crate::solver::sector::Node;
 
@@ -98,16 +98,6 @@ impl Branch {
     pub fn misfit(&self, scale: f64) -> f64 {
         let triples = self.nodes.windows(3).filter(|w| w.iter().all(|n| n.slope.is_finite()));
         triples.map(|w| (quintic(&w[0], &w[2], w[1].u0).energy - w[1].energy).abs() / scale).fold(0.0, f64::max)
-    }
-
-    /// Component of the end's null vector along the branch, a sanity check for tests: the tangent turns into it at a fold.
-    pub fn alignment(&self) -> [Option<f64>; 2] {
-        let last = self.nodes.len() - 1;
-        let pair = |end: &Node, next: &Node| {
-            (!end.slope.is_finite() && next.slope.is_finite())
-                .then(|| dot(&end.tangent, &next.tangent).abs() / dot(&next.tangent, &next.tangent).sqrt())
-        };
-        [pair(&self.nodes[0], &self.nodes[1]), pair(&self.nodes[last], &self.nodes[last - 1])]
     }
 }
 
