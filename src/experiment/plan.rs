@@ -85,7 +85,7 @@ const CONTINUUM: f64 = 0.56;
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 /// Finest and coarsest mesh on which landings are explored, as mu_rho.
-const EXPLORED: f64 = 0.58;
+const EXPLORED: f64 = 0.65;
 
 /// Expected relative error of jumps and dissipated energy from the mesh, for smooth laws on flat ground.
 ///
