@@ -10,7 +10,7 @@ use crate::solver::sector::{NODE, Node, Sector};
 use std::collections::BTreeSet;
 
 /// Nodes of an adapted branch between its ends, besides those at landings.
-const INNER: usize = 2;
+const INNER: usize = 1;
 
 impl Atlas {
     /// The same branches for `chart`, whose law and cell should differ by a few percent at most. Landings are taken over as they are:
