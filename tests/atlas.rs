@@ -83,7 +83,7 @@ fn every_state_of_the_plan_is_converged_stable_and_within_its_budget() {
     let run = planned(&preset("fig2"));
     for state in &run.record.states {
         assert!(state.stop == Stop::Stable && state.residual <= 1e-6, "{state:?}");
-        assert!(state.stiffness_min > -1e-2, "{state:?}");
+        assert!(state.stiffness_min > 0.0, "{state:?}");
     }
     let mismatch = run.record.work() / 0.15 / run.record.released_energy_sum() - 1.0;
     assert!(mismatch.abs() < 1e-3, "{mismatch}");
@@ -145,7 +145,7 @@ fn an_adapted_atlas_is_the_one_made_afresh() {
     let (first, _) = cycle(&morse(1.0), 48);
     for change in [1.01, 0.99, 1.003, 1.02] {
         let law = morse(change);
-        let (_, fresh) = cycle(&law, 48);
+        let (anew, fresh) = cycle(&law, 48);
         let mut adapted = first.adapted(chart(&law, 256.0, 48, 1)).unwrap();
         let warm = adapted.cycle(4.4, 0.2).unwrap();
         assert_eq!(warm.jumps.len(), fresh.jumps.len());
@@ -153,8 +153,8 @@ fn an_adapted_atlas_is_the_one_made_afresh() {
             assert!((a.mean_displacement - b.mean_displacement).abs() < 1e-4 * b.mean_displacement, "{change}: {a:?} {b:?}");
         }
         assert!((warm.dissipated_energy / fresh.dissipated_energy - 1.0).abs() < 1e-4, "{change}");
-        let (few, many): (usize, usize) = (adapted.transforms().iter().sum(), 2000);
-        assert!(few < many, "{few} transforms");
+        let spent = |atlas: &Atlas| atlas.transforms().iter().sum::<usize>();
+        assert!(2 * spent(&adapted) < spent(&anew), "{} transforms of {}", spent(&adapted), spent(&anew));
     }
 }
 

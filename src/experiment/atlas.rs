@@ -19,10 +19,10 @@ pub use trace::End;
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::carried;
+use crate::physics::system::{System, carried};
 use crate::physics::theory::flat;
 use crate::solver::method::Lost;
-use crate::solver::sector::{NODE, Node, SHARP, Sector};
+use crate::solver::sector::{NODE, Node, Sector};
 use explorer::{Explorer, Rest};
 use trace::trace;
 
@@ -212,14 +212,7 @@ impl Atlas {
         }
         let explored = if fine { self.fine.as_ref().expect("it was there") } else { &self.explorer };
         let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
-        let z = match is_ridge {
-            true => {
-                let mut z = vec![0.0; sector.system().dimension()];
-                z.iter_mut().zip(&coarse).for_each(|(z, c)| *z = *c);
-                z
-            }
-            false => carried(&coarse, explored.system(), sector.system()),
-        };
+        let z = carried(&coarse, explored.system(), sector.system());
         let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
         let mut first = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
@@ -279,18 +272,8 @@ impl Atlas {
         if branch.is_ridge { &self.ridge } else { &self.square }
     }
 
-    /// A polished state of branch `i` at `u0` on the branch's own system, with its node.
-    ///
-    /// # Errors
-    /// Where Newton does not find it from the interpolated guess.
-    pub fn state(&mut self, i: usize, u0: f64) -> Result<Node, Lost> {
-        let guess = self.branches[i].guess(u0);
-        let sector = if self.branches[i].is_ridge { &mut self.ridge } else { &mut self.square };
-        sector.node(u0, guess, None, SHARP)
-    }
-
     /// The mechanics of branch `i`.
-    pub fn system_of(&self, i: usize) -> &crate::physics::system::System {
+    fn system_of(&self, i: usize) -> &System {
         self.sector_of(&self.branches[i]).system()
     }
 }

@@ -100,8 +100,6 @@ pub struct Measured {
     pub residual: f64,
     /// Smallest eigenvalue of the symmetry's classes (E* per length).
     pub stiffness: Stiffness,
-    /// Transforms spent on it.
-    pub transforms: usize,
 }
 
 /// Solver of the equilibria of one symmetry.
@@ -353,7 +351,6 @@ impl Sector {
     /// # Errors
     /// As [`Sector::node`].
     pub fn measure(&mut self, u0: f64, guess: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Measured, Lost> {
-        let spent = self.ws.transforms;
         let mut mean = 0.5 * tolerance;
         let (mut z, mut g, mut at) = self.converge(u0, guess, mean)?;
         let mut residual = self.system.residual(&g, &mut self.ws);
@@ -379,6 +376,6 @@ impl Sector {
             let softest = if own.0 < breaking.0 { own } else { breaking };
             stiffness = Stiffness { value: softest.0, error: softest.2 };
         }
-        Ok(Measured { node, residual, stiffness, transforms: self.ws.transforms - spent })
+        Ok(Measured { node, residual, stiffness })
     }
 }

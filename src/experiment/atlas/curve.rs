@@ -93,12 +93,6 @@ impl Branch {
         add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
         z
     }
-
-    /// Largest deviation, in units of `scale`, of a regular node's energy from what its neighbours say.
-    pub fn misfit(&self, scale: f64) -> f64 {
-        let triples = self.nodes.windows(3).filter(|w| w.iter().all(|n| n.slope.is_finite()));
-        triples.map(|w| (quintic(&w[0], &w[2], w[1].u0).energy - w[1].energy).abs() / scale).fold(0.0, f64::max)
-    }
 }
 
 /// The quintic with the energies, stresses and slopes of two nodes.

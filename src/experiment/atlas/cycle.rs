@@ -138,6 +138,11 @@ impl Journey {
         Some(leg)
     }
 
+    /// True if the last leg ends in a jump.
+    pub(super) fn jumps_next(&self) -> bool {
+        self.end.is_some()
+    }
+
     /// The jump at the end of the last leg; `None` if it ended at a goal.
     pub(super) fn jump(&mut self, atlas: &mut Atlas) -> Result<Option<JumpRecord>, Unmapped> {
         let Some((at, cause)) = self.end.take() else {

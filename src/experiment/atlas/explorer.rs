@@ -16,7 +16,7 @@ use rand_pcg::Pcg64;
 
 /// Root mean square kick along the soft mode, in ranges; the same as the walk's.
 const KICK: f64 = 0.1;
-/// Residual at which a fall ends in any case.
+/// Residual at which a fall ends: next to a saddle forces are small too.
 const TOLERANCE: f64 = 1e-6;
 /// Share of the amplitude below which a symmetry counts as kept.
 const TRACE: f64 = 2e-2;
@@ -26,7 +26,7 @@ const TRACE: f64 = 2e-2;
 pub enum Rest {
     /// The flat state.
     Flat,
-    /// A ridge; amplitudes of the coarse half line.
+    /// A ridge; amplitudes of the coarse quarter cell, waves along x only.
     Ridge(Vec<f64>),
     /// A bulge or dimple; amplitudes of the coarse quarter cell, x <-> y symmetric.
     Square(Pattern, Vec<f64>),
@@ -89,9 +89,7 @@ impl Explorer {
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
     pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
-        let range = self.system.law().range;
-
-        let size = KICK * range / norm(mode);
+        let size = KICK * self.system.law().range / norm(mode);
         let mut g = vec![0.0; z.len()];
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();
@@ -105,7 +103,7 @@ impl Explorer {
     }
 
     /// Down to the next minimum at fixed `u0` by the walk's own damped dynamics; `None` if there is no way.
-    pub fn fall(&mut self, z: Vec<f64>, u0: f64) -> Option<NewtonState> {
+    fn fall(&mut self, z: Vec<f64>, u0: f64) -> Option<NewtonState> {
         let mut release = Release::new(z, u0).with_tolerance(TOLERANCE);
         loop {
             match release.advance(&self.system, 500, &mut self.preconditioner, Slides::Never, &mut self.ws, &self.cancel) {
@@ -138,7 +136,8 @@ impl Explorer {
                 *z = -*z;
             }
         }
-        let line: Vec<f64> = (0..n).map(|k| z[k * n]).collect();
+        let mut line = vec![0.0; z.len()];
+        (0..n).for_each(|k| line[k * n] = z[k * n]);
         if (size * size - norm(&line).powi(2)).max(0.0).sqrt() < TRACE * size {
             return Rest::Ridge(line);
         }

@@ -12,7 +12,8 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::carried;
 use crate::solver::Stop;
-use crate::solver::sector::Node;
+use crate::solver::equilibrium::Stiffness;
+use crate::solver::sector::{Measured, Node};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 use rand::SeedableRng;
@@ -21,8 +22,10 @@ use std::time::Instant;
 
 /// Largest distance, in ranges, between two looks at the whole cell.
 const INTERVAL: f64 = 0.25;
-/// Distance from a fold of the last state before it, in steps.
-const HAIR: f64 = 1e-3;
+/// Distance from a jump of the last state before it, in ranges: half the walk's bracket, and more than the jump is uncertain.
+const HAIR: f64 = 5e-5;
+/// An eigenvalue (E*/L) below which a branch is at its end.
+const SOFT: f64 = 0.02;
 /// Residual of every recorded state.
 const TOLERANCE: f64 = 1e-6;
 
@@ -56,8 +59,8 @@ impl Atlas {
         let mut run =
             LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
         while let Some(leg) = journey.leg(tour.atlas) {
-            let fold = tour.fold(&leg);
-            for (i, u0) in stations(&leg, start, scene.drive.step, fold).enumerate() {
+            let edge = journey.jumps_next().then_some(HAIR * law.range);
+            for (i, u0) in stations(&leg, start, scene.drive.step, edge, tour.fold(&leg)).enumerate() {
                 let told = tour.state(&leg, u0, cancel);
                 if cancel.requested() {
                     break;
@@ -116,97 +119,94 @@ impl Tour<'_> {
         (leg.to == low && branch.ends[0] == End::Fold) || (leg.to == high && branch.ends[1] == End::Fold)
     }
 
+    /// The state of `leg` at `u0`, with its gap field.
     fn state(&mut self, leg: &Leg, u0: f64, cancel: &Cancel) -> Result<(StateRecord, Array2<f64>), Unmapped> {
         let began = Instant::now();
         let spent = self.transforms();
-        let law = self.model.law;
-        let length = self.model.grid.length;
         let mut record = StateRecord { branch: leg.direction, ..StateRecord::placeholder(u0) };
-        let gap;
-        match leg.place {
-            Place::Flat => {
-                let state = self.flat.state(u0, 0);
-                let stiffness = state.stiffness_min.expect("closed form");
-                // At its limits the flat state is neutral: the last digit must not call it unstable.
-                let neutral = stiffness.value.abs() * length < 1e-6;
-                (record.stress, record.energy, record.residual) = (state.stress, state.energy, 0.0);
-                (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, 0.0);
-                (record.pattern, record.model) = (Pattern::Flat, "flat, closed form");
-                record.contact_area = f64::from(u8::from(u0 < law.contact_gap()));
-                record.stop = if neutral { Stop::Stable } else { state.stop };
-                gap = Array2::from_elem(self.model.grid.shape(), u0);
-            }
-            Place::On(i) => {
-                let branch = &self.atlas.branches[i];
-                let (guess, is_ridge) = (branch.guess(u0), branch.is_ridge);
-                let before = self.last.take().filter(|(place, _)| *place == leg.place).map(|(_, node)| node);
-                let sector = if is_ridge { &mut self.atlas.ridge } else { &mut self.atlas.square };
-                let end = u0 == leg.to && [branch.extent().0, branch.extent().1].contains(&u0);
-                let measured = sector
-                    .measure(u0, guess, before.as_ref(), TOLERANCE)
-                    .map_err(|lost| Unmapped(format!("the state at u0 = {u0:.4} was not found ({lost:?})")))?;
-                let square = self.atlas.square.system();
-                let z = carried(&measured.node.z, self.atlas.system_of(i), square);
-                gap = square.unfolded(&square.gap_field(&z, u0));
-                let mut stiffness = measured.stiffness;
-                if before.is_none() {
-                    self.guard.reset();
-                    self.watched = None;
-                }
-                // Where no other mode is softer than the even ones, which are measured at every state, a look now and then will do.
-                let all = match self.watched.filter(|at| (at - u0).abs() < INTERVAL * law.range && !end) {
-                    Some(_) => stiffness,
-                    None => self.guard.check(&gap, u0, cancel),
-                };
-                if all.value >= 0.9 * stiffness.value && self.watched.is_none_or(|at| (at - u0).abs() >= INTERVAL * law.range) {
-                    self.watched = Some(u0);
-                } else if all.value < 0.9 * stiffness.value {
-                    self.watched = None;
-                }
-                if all.value < -all.error && all.value < stiffness.value && stiffness.value > 0.02 / length && !cancel.requested() {
-                    return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
-                }
-                if all.value < stiffness.value && all.value > 0.0 {
-                    stiffness = all;
-                }
-                (record.stress, record.energy, record.residual) = (measured.node.stress, measured.node.energy, measured.residual);
-                (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, stiffness.error * length);
-                record.pattern = classify(gap.view(), &law, true);
-                record.model = if is_ridge { "ridge on half a line" } else { "quarter cell" };
-                record.contact_area = contact_area(gap.view(), &law);
-                // An end is where the eigenvalue vanishes: its sign there is a matter of the last digit.
-                let neutral = end && stiffness.value.abs() * length < 0.02;
-                record.stop = match (record.residual <= TOLERANCE, stiffness.is_stable() || neutral) {
-                    (true, true) => Stop::Stable,
-                    (true, false) => Stop::Unstable,
-                    (false, _) => Stop::NotConverged,
-                };
-                self.last = Some((leg.place, measured.node));
-            }
-        }
-        record.stress_over_max = record.stress / law.traction_max();
+        let gap = match leg.place {
+            Place::Flat => self.flat(&mut record),
+            Place::On(i) => self.patterned(i, &mut record, cancel)?,
+        };
+        record.stress_over_max = record.stress / self.model.law.traction_max();
+        record.contact_area = contact_area(gap.view(), &self.model.law);
         record.transforms = self.transforms() - spent;
         record.milliseconds = began.elapsed().as_secs_f64() * 1e3;
         Ok((record, gap))
     }
+
+    fn flat(&self, record: &mut StateRecord) -> Array2<f64> {
+        let state = self.flat.state(record.mean_displacement, 0);
+        let stiffness = state.stiffness_min.expect("closed form");
+        (record.stress, record.energy, record.residual) = (state.stress, state.energy, state.residual);
+        (record.stiffness_min, record.stiffness_error) = (stiffness.value * self.model.grid.length, stiffness.error);
+        (record.pattern, record.model, record.stop) = (Pattern::Flat, "flat, closed form", state.stop);
+        Array2::from_elem(self.model.grid.shape(), record.mean_displacement)
+    }
+
+    fn patterned(&mut self, i: usize, record: &mut StateRecord, cancel: &Cancel) -> Result<Array2<f64>, Unmapped> {
+        let (u0, length) = (record.mean_displacement, self.model.grid.length);
+        let before = self.last.take().filter(|(place, _)| *place == Place::On(i)).map(|(_, node)| node);
+        if before.is_none() {
+            self.guard.reset();
+            self.watched = None;
+        }
+        let branch = &self.atlas.branches[i];
+        let (guess, is_ridge) = (branch.guess(u0), branch.is_ridge);
+        let sector = if is_ridge { &mut self.atlas.ridge } else { &mut self.atlas.square };
+        let Measured { node, residual, mut stiffness } = sector
+            .measure(u0, guess, before.as_ref(), TOLERANCE)
+            .map_err(|lost| Unmapped(format!("the state at u0 = {u0:.4} was not found ({lost:?})")))?;
+        let square = self.atlas.square.system();
+        let z = carried(&node.z, self.atlas.system_of(i), square);
+        let gap = square.unfolded(&square.gap_field(&z, u0));
+        if let Some(all) = self.look(&gap, u0, stiffness, cancel) {
+            // Right at an end the mesh of the whole cell may call it a hair sooner than that of the branch.
+            if all.value < 0.0 && stiffness.value * length > SOFT && !cancel.requested() {
+                return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
+            }
+            if (0.0..stiffness.value).contains(&all.value) {
+                stiffness = all;
+            }
+        }
+        (record.stress, record.energy, record.residual) = (node.stress, node.energy, residual);
+        (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, stiffness.error * length);
+        record.pattern = classify(gap.view(), &self.model.law, true);
+        record.model = if is_ridge { "ridge on half a line" } else { "quarter cell" };
+        // The residual is within tolerance, or there would be no state.
+        record.stop = if stiffness.is_stable() { Stop::Stable } else { Stop::Unstable };
+        self.last = Some((Place::On(i), node));
+        Ok(gap)
+    }
+
+    /// The smallest eigenvalue of the whole cell; `None` where one was seen close by and was none of the other modes'. The `even` ones
+    /// are measured at every state, so that a look now and then will do.
+    fn look(&mut self, gap: &Array2<f64>, u0: f64, even: Stiffness, cancel: &Cancel) -> Option<Stiffness> {
+        if self.watched.is_some_and(|at| (at - u0).abs() < INTERVAL * self.model.law.range) {
+            return None;
+        }
+        let all = self.guard.check(gap, u0, cancel);
+        self.watched = (all.value >= 0.9 * even.value).then_some(u0);
+        Some(all)
+    }
 }
 
 /// The u0 of a leg's states: where it begins (a landing, or the start), the points start - k x step, and where it ends. The turning
-/// point is not repeated. Towards a `fold`, where the stress falls off like a square root, they close in, and stop a hair before it:
-/// on the other side there is nothing.
-fn stations(leg: &Leg, start: f64, step: f64, fold: bool) -> impl Iterator<Item = f64> {
+/// point is not repeated. Where the leg ends in a jump the last state stands the distance `edge` before it: at the edge itself an
+/// eigenvalue vanishes, and beyond there may be nothing. Towards a `fold`, where the stress falls off like a square root, states
+/// close in.
+fn stations(leg: &Leg, start: f64, step: f64, edge: Option<f64>, fold: bool) -> impl Iterator<Item = f64> {
     let (from, to) = (leg.from, leg.to);
-    let (low, high) = (from.min(to), from.max(to));
-    let near = 1e-9 * step;
-    let (top, bottom) = (((start - high) / step).floor() as i64, ((start - low) / step).ceil() as i64);
+    let onwards = if to > from { 1.0 } else { -1.0 };
+    let last = to - onwards * edge.unwrap_or(0.0);
+    let (top, bottom) = (((start - from.max(to)) / step).floor() as i64, ((start - from.min(to)) / step).ceil() as i64);
     let mut inner: Vec<f64> = (top..=bottom).map(|k| start - k as f64 * step).collect();
-    let onwards = if to > from { step } else { -step };
-    let last = if fold { to - HAIR * onwards } else { to };
     if fold {
-        inner.extend([0.4, 0.1, 0.02].map(|share| to - share * onwards));
+        inner.extend([0.4, 0.1, 0.02].map(|share| to - share * step * onwards));
     }
-    inner.retain(|u| *u > low + near && *u < high - near && (u - last) * onwards < 0.0);
-    inner.sort_by(|a, b| if onwards > 0.0 { a.total_cmp(b) } else { b.total_cmp(a) });
-    let ends = (to != from).then_some(last);
+    let near = 1e-9 * step;
+    inner.retain(|u| (u - from) * onwards > near && (last - u) * onwards > near);
+    inner.sort_by(|a, b| (a * onwards).total_cmp(&(b * onwards)));
+    let ends = ((last - from) * onwards > 0.0).then_some(last);
     leg.begins.then_some(from).into_iter().chain(inner).chain(ends)
 }
