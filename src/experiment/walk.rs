@@ -18,23 +18,19 @@ use super::record::{Branch, Cause, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
-use crate::physics::indenter::Indenter;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
 use crate::solver::branch::History;
-use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
+use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use guard::Guard;
+use guard::{Guard, slides_on};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
-
-/// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
-const SLIDING_MU_RHO: f64 = 0.45;
 
 /// What one step of the walk brought.
 #[derive(Clone, Debug)]
@@ -345,26 +341,6 @@ impl Walk {
         }
     }
 
-    /// The smallest eigenvalue over all modes: on a quarter cell also those that are not even. `Err` where one of those is negative.
-    /// The workspace must hold the state's gap.
-    fn all_modes(&mut self, even: Stiffness, cancel: &Cancel) -> Result<Stiffness, String> {
-        let Some(guard) = &mut self.guard else {
-            return Ok(even);
-        };
-        let u0 = self.ws.gap.mean().unwrap_or(f64::NAN) + self.system.height().and_then(|h| h.mean()).unwrap_or(0.0);
-        let all = guard.recent(u0).unwrap_or_else(|| {
-            let mut displacement = self.system.unfolded(&self.ws.gap);
-            if let Some(height) = self.system.height() {
-                displacement += &self.system.unfolded(height);
-            }
-            guard.check(&displacement, u0, cancel)
-        });
-        if all.value < even.value.min(-all.error) && even.is_stable() {
-            return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
-        }
-        Ok(if all.value < even.value { all } else { even })
-    }
-
     fn rest_at_start(&mut self) {
         match self.flat {
             Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
@@ -387,15 +363,6 @@ impl Walk {
             self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, &cancel);
         self.state.measured(stiffness, mode);
         self.history = History::starting(u0, self.state.field.clone());
-    }
-}
-
-/// Whether patterns slide on the whole cell of `model`.
-pub(super) fn slides_on(model: &Model) -> Slides {
-    match model.indenter {
-        Indenter::Flat if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
-        Indenter::Flat => Slides::UnlessPinned,
-        _ => Slides::Never,
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a relaxation hands back.
 
 use super::Stop;
+use crate::physics::system::Evaluation;
 
 /// What was spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +59,21 @@ impl Stiffness {
 }
 
 impl Equilibrium {
+    /// A state whose stability is not measured yet.
+    pub fn unmeasured(mean_displacement: f64, field: Vec<f64>, residual: f64, at: Evaluation, stop: Stop, cost: Cost) -> Self {
+        Self {
+            mean_displacement,
+            field,
+            residual,
+            stress: at.stress,
+            energy: at.energy,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop,
+            cost,
+        }
+    }
+
     /// True if the surface is uniform to the last bit.
     pub fn is_uniform(&self) -> bool {
         self.field.iter().all(|z| *z == 0.0)

@@ -123,16 +123,13 @@ impl Method for Gfmd {
             self.velocity.fill(0.0);
             return Err(Lost::Diverged(if b.time_step < limit { TOO_HOT } else { TOO_LONG }));
         }
-        Ok(Equilibrium {
-            mean_displacement: u0,
-            field: z,
+        Ok(Equilibrium::unmeasured(
+            u0,
+            z,
             residual,
-            stress: at.stress,
-            energy: at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: if residual <= system.precision().tolerance() { Stop::Stable } else { Stop::NotConverged },
-            cost: Cost { iterations: b.ramp + b.relax, transforms: ws.transforms - before },
-        })
+            at,
+            if residual <= system.precision().tolerance() { Stop::Stable } else { Stop::NotConverged },
+            Cost { iterations: b.ramp + b.relax, transforms: ws.transforms - before },
+        ))
     }
 }

@@ -85,17 +85,14 @@ impl Method for GfmdTuned {
             if near || step == BUDGET {
                 let residual = system.residual(&g, ws);
                 if residual <= tolerance || step == BUDGET {
-                    return Ok(Equilibrium {
-                        mean_displacement: u0,
-                        field: z,
+                    return Ok(Equilibrium::unmeasured(
+                        u0,
+                        z,
                         residual,
-                        stress: at.stress,
-                        energy: at.energy,
-                        stiffness_min: None,
-                        soft_mode: Vec::new(),
-                        stop: if residual <= tolerance { Stop::Stable } else { Stop::NotConverged },
-                        cost: Cost { iterations: step, transforms: ws.transforms - before },
-                    });
+                        at,
+                        if residual <= tolerance { Stop::Stable } else { Stop::NotConverged },
+                        Cost { iterations: step, transforms: ws.transforms - before },
+                    ));
                 }
             }
             if step % RECENTRE == 0 {

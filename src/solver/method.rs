@@ -173,17 +173,14 @@ impl Method for NewtonKrylov {
         if strayed || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
             return Err(Lost::Gone);
         }
-        Ok(Equilibrium {
-            mean_displacement: u0,
-            field: state.z,
-            residual: state.residual,
-            stress: state.at.stress,
-            energy: state.at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost { iterations: state.steps, transforms: ws.transforms - before },
-        })
+        Ok(Equilibrium::unmeasured(
+            u0,
+            state.z,
+            state.residual,
+            state.at,
+            Stop::Stable,
+            Cost { iterations: state.steps, transforms: ws.transforms - before },
+        ))
     }
 }
 

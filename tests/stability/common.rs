@@ -74,17 +74,7 @@ impl Bench {
         let mut g = vec![0.0; z.len()];
         let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
         let residual = self.system.residual(&g, &mut self.ws);
-        Equilibrium {
-            mean_displacement: u0,
-            field: z,
-            residual,
-            stress: at.stress,
-            energy: at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: tackscope::solver::Stop::NotConverged,
-            cost: Default::default(),
-        }
+        Equilibrium::unmeasured(u0, z, residual, at, tackscope::solver::Stop::NotConverged, Default::default())
     }
 
     /// Checks its stability and labels it, as the walk does.

@@ -1,7 +1,9 @@
 //! The watch over a quarter cell: a state that is stable among even fields may still give way to a mode of another symmetry.
 
+use super::Walk;
 use crate::experiment::scene::Model;
 use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::equilibrium::Stiffness;
@@ -11,6 +13,9 @@ use ndarray::Array2;
 
 /// Largest distance, in ranges, between two looks while nothing is soft.
 const INTERVAL: f64 = 0.1;
+
+/// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
+const SLIDING_MU_RHO: f64 = 0.45;
 
 /// Tracks the smallest eigenvalue of the whole cell beside a walk on its even part.
 pub(in crate::experiment) struct Guard {
@@ -56,5 +61,36 @@ impl Guard {
         let seen = tracker.check(system, &z, *slides, preconditioner, ws, cancel).0;
         *last = Some((u0, seen));
         seen
+    }
+}
+
+impl Walk {
+    /// The smallest eigenvalue over all modes: on a quarter cell also those that are not even. `Err` where one of those is negative.
+    /// The workspace must hold the state's gap.
+    pub(super) fn all_modes(&mut self, even: Stiffness, cancel: &Cancel) -> Result<Stiffness, String> {
+        let Some(guard) = &mut self.guard else {
+            return Ok(even);
+        };
+        let u0 = self.ws.gap.mean().unwrap_or(f64::NAN) + self.system.height().and_then(|h| h.mean()).unwrap_or(0.0);
+        let all = guard.recent(u0).unwrap_or_else(|| {
+            let mut displacement = self.system.unfolded(&self.ws.gap);
+            if let Some(height) = self.system.height() {
+                displacement += &self.system.unfolded(height);
+            }
+            guard.check(&displacement, u0, cancel)
+        });
+        if all.value < even.value.min(-all.error) && even.is_stable() {
+            return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
+        }
+        Ok(if all.value < even.value { all } else { even })
+    }
+}
+
+/// Whether patterns slide on the whole cell of `model`.
+pub(in crate::experiment) fn slides_on(model: &Model) -> Slides {
+    match model.indenter {
+        Indenter::Flat if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+        Indenter::Flat => Slides::UnlessPinned,
+        _ => Slides::Never,
     }
 }

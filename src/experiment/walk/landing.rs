@@ -149,17 +149,14 @@ impl Walk {
         if cancel.requested() {
             return Err(Progress::Cancelled);
         }
-        let mut state = Equilibrium {
-            mean_displacement: u0,
-            field: settled.z,
-            residual: settled.residual,
-            stress: settled.at.stress,
-            energy: settled.at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost { iterations: settled.steps + steps, transforms: 0 },
-        };
+        let mut state = Equilibrium::unmeasured(
+            u0,
+            settled.z,
+            settled.residual,
+            settled.at,
+            Stop::Stable,
+            Cost { iterations: settled.steps + steps, transforms: 0 },
+        );
         state.measured(stiffness, mode);
         Ok(state)
     }

@@ -90,17 +90,7 @@ impl Method for Descent {
         if !audit(problem.system, from, u0, at.energy, at.stress) {
             return Err(Lost::Gone);
         }
-        Ok(Equilibrium {
-            mean_displacement: u0,
-            field: z,
-            residual,
-            stress: at.stress,
-            energy: at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost { iterations, transforms: ws.transforms - before },
-        })
+        Ok(Equilibrium::unmeasured(u0, z, residual, at, Stop::Stable, Cost { iterations, transforms: ws.transforms - before }))
     }
 }
 
