@@ -4,7 +4,7 @@
 //! between the two curves of stress against mean displacement is energy that no slowness can save.
 //!
 //! The rooms form floors, and arrows point down only (`tests/floors.rs` holds the walls):
-//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`worker`], [`storage`] < [`cli`], `ui`.
+//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`worker`], [`storage`], [`paper`] < [`cli`], `ui`.
 //!
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.
 #![forbid(unsafe_code)]
@@ -13,6 +13,7 @@
 pub mod cli;
 pub mod experiment;
 pub mod numerics;
+pub mod paper;
 pub mod physics;
 pub mod solver;
 pub mod storage;
