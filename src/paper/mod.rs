@@ -5,7 +5,10 @@
 //! plots p. May use `experiment` and below; no drawing, files, or threads.
 
 pub mod figure;
+mod figure_02;
+mod figure_03;
 mod figure_04;
+mod flat_loop;
 pub mod scenes;
 pub mod task;
 
@@ -29,4 +32,4 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_04::ENTRY];
+pub const GALLERY: &[Entry] = &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY];
