@@ -67,11 +67,8 @@ impl Cell {
     /// vhat where only the `free` points may leave u = 0; `None` if cancelled.
     fn elastic_energy(&self, free: &[usize], cancel: &Cancel) -> Option<f64> {
         let points = self.stiffness.len();
-        let ws = RefCell::new(Workspace {
-            field: vec![0.0; points],
-            amplitudes: vec![0.0; points],
-            scratch: self.cosine.scratch(),
-        });
+        let ws =
+            RefCell::new(Workspace { field: vec![0.0; points], amplitudes: vec![0.0; points], scratch: self.cosine.scratch() });
         let solution = conjugate_gradients(
             |x, out| self.convolve(&self.stiffness, free, x, out, &mut ws.borrow_mut()),
             &vec![1.0; free.len()],
