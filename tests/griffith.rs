@@ -54,7 +54,13 @@ fn the_branches_follow_the_reference_table() {
     for (kind, pattern, table) in both() {
         for [size, vhat, u, p, w] in table {
             // The table's own uncertainty: see there.
-            let slope = if size < 0.85 { 2e-8 } else if size < 0.96 { 1e-6 } else { 3e-5 };
+            let slope = if size < 0.85 {
+                2e-8
+            } else if size < 0.96 {
+                1e-6
+            } else {
+                3e-5
+            };
             let state = pattern.state(size);
             assert!((pattern.elastic_energy(size)[0] / vhat - 1.0).abs() < 1e-8, "{kind:?} {size}");
             assert!((state.displacement / u - 1.0).abs() < slope, "{kind:?} {size}: {} for {u}", state.displacement);
@@ -89,7 +95,12 @@ fn the_radial_folds_are_those_of_the_notes() {
     assert!((dimple.size - 0.97345).abs() < 0.002 && (dimple.displacement - 0.48911).abs() < 2e-4, "{dimple:?}");
     assert!((dimple.pressure + 0.5117).abs() < 5e-3);
     let bulge = circular::bulge().fold();
-    assert!((bulge.size - 0.28533255).abs() < 1e-7 && (bulge.size - 0.2853357).abs() < 5e-6 && (bulge.displacement - 0.620287930).abs() < 2e-8, "{bulge:?}");
+    assert!(
+        (bulge.size - 0.28533255).abs() < 1e-7
+            && (bulge.size - 0.2853357).abs() < 5e-6
+            && (bulge.displacement - 0.620287930).abs() < 2e-8,
+        "{bulge:?}"
+    );
     assert!((bulge.pressure + 0.16853764).abs() < 5e-6 && (bulge.energy - 0.02032449).abs() < 1e-7, "{bulge:?}");
 }
 

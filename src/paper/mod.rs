@@ -8,11 +8,17 @@ pub mod figure;
 mod figure_02;
 mod figure_03;
 mod figure_04;
+mod figure_05;
+mod figure_06;
+mod figure_09;
 mod flat_loop;
+mod ridge_elements;
 pub mod scenes;
+mod table_1;
 pub mod task;
 
 pub use figure::{Figure, Table};
+pub use table_1::table_1;
 pub use task::{Size, Stopped, Task};
 
 use crate::experiment::scene::Scene;
@@ -32,4 +38,8 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY];
+pub const GALLERY: &[Entry] =
+    &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_05::ENTRY, figure_06::ENTRY, figure_09::ENTRY];
+
+/// The tables in the paper's order; they cost nothing.
+pub const TABLES: &[fn() -> Table] = &[table_1];

@@ -73,9 +73,9 @@ impl Sum {
         // Edges that face each other across a gap bend the series over a share sqrt(gap) of the circle.
         let highest = 4 * (1.0 / gap.sqrt()).ceil().max(2.0) as usize;
         let (step, offset) = (if stretch == 0.0 { 4 } else { 2 }, usize::from(kind == Kind::Dimple));
-        let terms = (0..=highest).step_by(step).flat_map(|turns| {
-            (turns..=highest).step_by(2).map(move |order| Term { turns, order: order + offset })
-        });
+        let terms = (0..=highest)
+            .step_by(step)
+            .flat_map(|turns| (turns..=highest).step_by(2).map(move |order| Term { turns, order: order + offset }));
         // What reaches across a narrow gap is a small part of the whole.
         let (reach, flatness) = if gap < 0.1 { (10.0, 6) } else { (14.0, 10) };
         Self { kind, axes, terms: terms.collect(), orders: highest + 2, scale: reach / gap * 0.5 * size, flatness }
@@ -141,7 +141,8 @@ impl Sum {
         let points = 256;
         let norm = 0.5 / (TAU * self.axes[0] * self.axes[1] * points as f64);
         let angle = |p: usize| TAU * p as f64 / points as f64;
-        let weights: Vec<f64> = (0..points).map(|p| norm * self.weight(1.0, self.ratio([angle(p).cos(), angle(p).sin()]))).collect();
+        let weights: Vec<f64> =
+            (0..points).map(|p| norm * self.weight(1.0, self.ratio([angle(p).cos(), angle(p).sin()]))).collect();
         (0..self.orders).map(|i| weights.iter().enumerate().map(|(p, w)| w * (2.0 * i as f64 * angle(p)).cos()).sum()).collect()
     }
 
