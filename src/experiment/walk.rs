@@ -27,7 +27,7 @@ use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use guard::{Guard, slides_on};
+use guard::{Guard, slides_on, with_coarse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
@@ -198,7 +198,7 @@ impl Walk {
             method,
             flat,
             guard,
-            tracker: tracker(0x5eed),
+            tracker: with_coarse(tracker(0x5eed), &system, constant),
             rng,
             ws: system.workspace(),
             history: History::starting(start, state.field.clone()),
@@ -289,7 +289,7 @@ impl Walk {
     }
 
     fn transforms(&self) -> usize {
-        self.ws.transforms + self.guard.as_ref().map_or(0, Guard::transforms)
+        self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.
