@@ -21,7 +21,7 @@ const INTERVAL: f64 = 0.1;
 const SLIDING_MU_RHO: f64 = 0.45;
 
 /// mu_rho of a mesh that resolves soft modes.
-const RESOLVED: f64 = 0.4;
+const RESOLVED: f64 = 0.33;
 
 /// Tracks the smallest eigenvalue of the whole cell beside a walk on its even part.
 pub(in crate::experiment) struct Guard {
