@@ -6,6 +6,10 @@
 
 pub mod figure;
 mod figure_04;
+mod figure_07;
+mod figure_08;
+mod figure_11;
+mod line_cell;
 pub mod scenes;
 pub mod task;
 
@@ -29,4 +33,4 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_04::ENTRY];
+pub const GALLERY: &[Entry] = &[figure_04::ENTRY, figure_07::ENTRY, figure_08::ENTRY, figure_11::ENTRY];

@@ -2,6 +2,7 @@
 //!
 //! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made dimensionless by [`units`].
 
+pub mod dissipation;
 pub mod flat;
 pub mod ridge;
 pub mod units;
