@@ -54,7 +54,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         let (lower, upper) = flat::limits(&law, cell * critical).unwrap_or((f64::NAN, f64::NAN));
         let names = ["retraction", "approach"];
         findings.extend(names.iter().zip(found).zip([lower, upper]).map(|((name, found), expected)| Finding {
-            quantity: format!("u_c/rho on {name} at L/L_c = {cell}"),
+            quantity: format!("u_c/ρ on {name} at L/L_c = {cell}"),
             found,
             expected,
             source: "Eq. 8".to_owned(),
@@ -85,12 +85,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let [upper, lower] = lines(&law);
     let panel = Panel {
         x: Axis::logarithmic("L/L_c"),
-        y: Axis::linear("u_c/rho"),
+        y: Axis::linear("u_c/ρ"),
         series: vec![
             upper,
             lower,
-            symbols("approach, dynamics from noise", Colour::Ink, approach),
-            symbols("retraction, dynamics from noise", Colour::Red, retraction),
+            symbols("approach, noise grows", Colour::Ink, approach),
+            symbols("retraction, noise grows", Colour::Red, retraction),
         ],
         ..Panel::default()
     };
@@ -99,11 +99,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         title: ENTRY.title.to_owned(),
         panels: vec![panel],
         words: format!(
-            "A flat surface is stable while gamma''(u0) + pi E*/L is positive, which for a Morse law ends at u_c = -rho ln{{[1 -+ sqrt(1 - \
-             L_c/L)]/4}} with L_c = 4 pi rho^2 E*/gamma (Eq. 8; the upper sign on approach). Both limits start from rho ln 4 at L = L_c; \
-             for long cells the lower tends to rho ln 2 and the upper grows as rho ln(8 L/L_c). Symbols are a second method that knows \
-             nothing of Eq. 8: the surface is given noise of a millionth of rho, moves by mass-weighted GFMD without a thermostat on {points} \
-             x {points} points, and u0 is bisected on whether the noise grows or dies. Largest difference: {worst:.4} rho."
+            "A flat surface is stable while γ″(u₀) + πE*/L is positive, which for a Morse law ends at u_c = −ρ ln([1 ∓ (1 − L_c/L)^½]/4) with \
+             L_c = 4πρ²E*/γ (Eq. 8; the upper sign on approach). Both limits start from ρ ln 4 at L = L_c; for long cells the lower tends to \
+             ρ ln 2 and the upper grows as ρ ln(8 L/L_c). Symbols are a second method that knows nothing of Eq. 8: the surface is given \
+             noise of a millionth of ρ, moves by mass-weighted GFMD without a thermostat on {points} x {points} points, and u₀ is bisected on \
+             whether the noise grows or dies. Largest difference: {worst:.4} ρ."
         ),
         findings,
     })

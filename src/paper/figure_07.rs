@@ -8,8 +8,8 @@ use crate::experiment::plan::Reduction;
 use crate::experiment::record::Branch;
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::Scene;
+use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
-use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 7,
@@ -21,7 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 /// Cells of the paper in ranges, and what they are called.
-const CELLS: [(f64, &str); 2] = [(256.0, "rho~ = 0.1614"), (1024.0, "rho~ = 0.0807")];
+const CELLS: [(f64, &str); 2] = [(256.0, "ρ̃ = 0.1614"), (1024.0, "ρ̃ = 0.0807")];
 /// The middle part of the stable ridge (u~), away from the ends at which the range counts.
 const MIDDLE: [f64; 2] = [0.3, 0.5];
 
@@ -57,8 +57,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     }
     findings.extend(printed());
     let panel = Panel {
-        x: Axis::linear("u~0 = u0/sqrt(gamma L/E*)").from_to(0.0, 0.7),
-        y: Axis::linear("p~ = p u0/gamma").from_to(-0.7, 0.05),
+        x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
+        y: Axis::linear("p̃ = p u₀/γ").from_to(-0.7, 0.05),
         series,
         arrows,
         ..Panel::default()
@@ -68,13 +68,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         title: ENTRY.title.to_owned(),
         panels: vec![panel],
         words: format!(
-            "Loops on line cells, in which dimples and bulges have no room. For {} <= u~ <= {} the pressure p~ differs from the exact ridge \
-             without range by at most {:.4} for rho~ = 0.1614 and {:.4} for rho~ = 0.0807: with half the range the difference falls to \
-             {:.2} of what it was. It should fall as rho~^2, as the length of the cohesive zone does. The paper's dashed line is drawn \
-             from the closed form vhat = -pi/(4 ln cos(pi alpha/2)). Its critical-point line, Eq. 27, is printed with p~_c = -0.3937 and \
-             p~^(1/2) = -0.360; right are -0.3550 and -0.6413 (the root of -2/u'' is missing). The right line touches the curve at its end \
-             and is within 1 % of it only for u~ > 0.66; the printed one runs along the curve for 0.6 < u~ < 0.65, like a fit, and \
-             misses its end by a tenth.",
+            "Loops on line cells, in which dimples and bulges have no room. For {} ≤ ũ₀ ≤ {} the pressure p̃ differs from the exact ridge \
+             without range by at most {:.4} for ρ̃ = 0.1614 and {:.4} for ρ̃ = 0.0807: with half the range the difference falls to {:.2} of \
+             what it was. It should fall as ρ̃², as the length of the cohesive zone does. In place of the paper's dashed line, read off \
+             simulations, stands the closed form v̂ = −π/(4 ln cos(πα/2)). Erratum: Eq. 27 is printed with p̃_c = −0.3937 and p̃^(1/2) = \
+             −0.360; right are −0.3550 and −0.6413 (the root of −2/u″ is missing). The right line is within 1 % of the curve for ũ₀ > 0.655; \
+             the printed one runs along it for 0.57 < ũ₀ < 0.64, like a fit, and misses its end by 11 %.",
             MIDDLE[0],
             MIDDLE[1],
             middle[0],
@@ -97,29 +96,25 @@ fn judged(name: &str, range: f64, deviation: f64, ends: Option<[f64; 2]>) -> Vec
         quantity,
         found,
         expected,
-        source: "exact ridge without range".to_owned(),
+        source: "exact ridge, no range".to_owned(),
         tolerance,
     };
     let end = ridge::critical().displacement;
     // A cohesive zone is as long as a few rho~^2 of the cell, and so are its effects; at the ends only once the range is short.
     vec![
-        finding(
-            format!("largest |p~ - p~ of the exact ridge| for {} <= u~ <= {}, {name}", MIDDLE[0], MIDDLE[1]),
-            deviation,
-            0.0,
-            Some(range * range),
-        ),
-        finding(format!("u~ at which the ridge flattens on retraction, {name}"), high, end, (range < 0.1).then_some(range * range)),
-        finding(format!("u~ at which the ridge closes on approach, {name}"), low, 0.0, None),
+        finding(format!("largest |p̃ - exact| on {} ≤ ũ₀ ≤ {}, {name}", MIDDLE[0], MIDDLE[1]), deviation, 0.0, Some(range * range)),
+        finding(format!("ũ₀ where the ridge flattens on retraction, {name}"), high, end, (range < 0.1).then_some(range * range)),
+        finding(format!("ũ₀ where the ridge closes on approach, {name}"), low, 0.0, None),
     ]
 }
 
-/// What Eq. 27 prints.
+/// What is printed at Eq. 27.
 fn printed() -> Vec<Finding> {
     let end = ridge::critical();
-    let values = [("p~_c", end.pressure, PRINTED_27[0]), ("p~^(1/2)", end.pressure_root, PRINTED_27[1])];
+    let values =
+        [("p̃_c", end.pressure, FLATTENING_PRINTED.pressure), ("p̃^(1/2)", end.pressure_root, FLATTENING_PRINTED.pressure_root)];
     let finding = |(name, found, expected): (&str, f64, f64)| Finding {
-        quantity: format!("{name} of the critical point"),
+        quantity: format!("{name} where the ridge flattens"),
         found,
         expected,
         source: "printed at Eq. 27".to_owned(),
@@ -128,9 +123,6 @@ fn printed() -> Vec<Finding> {
     values.into_iter().map(finding).collect()
 }
 
-/// p~_c and p~^(1/2) as printed.
-const PRINTED_27: [f64; 2] = [-0.3937, -0.360];
-
 fn lines() -> Vec<Series> {
     let end = ridge::critical();
     let over = |from: f64, to: f64, p: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
@@ -138,19 +130,23 @@ fn lines() -> Vec<Series> {
         let u = |i: i32| to - (to - from) * (f64::from(i) / 120.0).powi(2);
         (0..=120).rev().map(u).map(|u| [u, p(u)]).collect()
     };
-    let root = |[p, half]: [f64; 2]| move |u: f64| p + half * (end.displacement - u).max(0.0).sqrt();
     let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, symbol: None, colour, points };
     let exact = |u: f64| ridge::pressure(u).unwrap_or(f64::NAN);
     vec![
-        line("exact ridge without range", Role::Theory, Colour::Ink, over(1e-4, end.displacement, &exact)),
-        line("thick ridge, Eq. 26", Role::Theory, Colour::Blue, over(0.0, 0.3, &|u| -(4.0 / PI * u * u).cbrt())),
+        line("exact, no range", Role::Theory, Colour::Ink, over(1e-4, end.displacement, &exact)),
+        line("thick, Eq. 26", Role::Theory, Colour::Blue, over(0.0, 0.3, &asymptotes::ridge_thick_pressure)),
         line(
-            "critical point, Eq. 27 corrected",
+            "flattening, Eq. 27 corrected",
             Role::Theory,
             Colour::Orange,
-            over(0.56, end.displacement, &root([end.pressure, end.pressure_root])),
+            over(0.56, end.displacement, &|u| asymptotes::flattening().pressure_at(u)),
         ),
-        line("critical point, Eq. 27 as printed", Role::Printed, Colour::Orange, over(0.45, end.displacement, &root(PRINTED_27))),
+        line(
+            "flattening, Eq. 27 as printed",
+            Role::Printed,
+            Colour::Orange,
+            over(0.45, FLATTENING_PRINTED.displacement, &|u| FLATTENING_PRINTED.pressure_at(u)),
+        ),
     ]
 }
 

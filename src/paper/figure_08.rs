@@ -14,7 +14,7 @@ use crate::physics::theory::{flat, ridge};
 pub(super) const ENTRY: Entry = Entry {
     number: 8,
     title: "Sixteen points for a ridge",
-    look_for: "With mu_rho = 0.5 the mesh of 16 points still follows the exact ridge smoothly, over a part of it. From 0.75 on the edge of \
+    look_for: "With μ_ρ = 0.5 the mesh of 16 points still follows the exact ridge smoothly, over a part of it. From 0.75 on the edge of \
                the contact jumps from point to point: saw teeth, and energy lost to the mesh.",
     scene: || loop_of(0.75),
     compute,
@@ -32,7 +32,7 @@ const SEARCH: [f64; 6] = [0.55, 0.6, 0.65, 0.7, SUSPECTED, 0.75];
 const SUSPECTED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 fn loop_of(mu_rho: f64) -> Scene {
-    let title = format!("Fig. 8: a line of {POINTS} points with mu_rho = {mu_rho}");
+    let title = format!("Fig. 8: a line of {POINTS} points, μ_ρ = {mu_rho}");
     let mut scene = scene(&title, LENGTH, POINTS, [0.8, 0.02, 0.004]);
     scene.law.range = Range::MuRho(mu_rho);
     scene
@@ -45,20 +45,20 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     for (i, (mu_rho, counted)) in PANELS.into_iter().enumerate() {
         let run = run(&loop_of(mu_rho), Reduction::Whole, &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64))?;
         let exact = Series {
-            name: "exact ridge without range".to_owned(),
+            name: "exact, no range".to_owned(),
             role: Role::Theory,
             points: (1..=300).filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement)).collect(),
             ..Series::default()
         };
         panels.push(Panel {
-            title: format!("({}) mu_rho = {mu_rho}", char::from(b'a' + i as u8)),
-            x: Axis::linear("u~0 = u0/sqrt(gamma L/E*)").from_to(0.0, 0.8),
-            y: Axis::linear("p~ = p u0/gamma").from_to(-0.8, 0.1),
+            title: format!("({}) μ_ρ = {mu_rho}", char::from(b'a' + i as u8)),
+            x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),
+            y: Axis::linear("p̃ = p u₀/γ").from_to(-0.8, 0.1),
             series: vec![exact, path(&run, Branch::Approach), path(&run, Branch::Retraction)],
             ..Panel::default()
         });
         findings.push(Finding {
-            quantity: format!("jumps from ridge to ridge at mu_rho = {mu_rho}"),
+            quantity: format!("jumps from ridge to ridge at μ_ρ = {mu_rho}"),
             found: spurious(&run) as f64,
             expected: counted,
             source: "counted by an independent prototype".to_owned(),
@@ -72,12 +72,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let seen = search(&mut task.part(0.4, 1.0))?;
     let found = [0, 1].map(|end| crossing(&seen, end).unwrap_or(f64::NAN));
     let suspected = seen.iter().find(|(mu_rho, _)| *mu_rho == SUSPECTED).map_or([f64::NAN; 2], |(_, ends)| *ends);
-    let names = ["thick ridge closes at u~ = 0.15", "thin ridge flattens at u~ = 0.6"];
+    let names = ["thick ridge closes at ũ₀ = 0.15", "thin ridge flattens at ũ₀ = 0.6"];
     findings.extend(names.iter().zip(found).map(|(name, found)| Finding {
-        quantity: format!("mu_rho at which the {name}"),
+        quantity: format!("μ_ρ at which the {name}"),
         found,
         expected: 0.5,
-        source: "Sect. 3.2.1, with mu_rho by Eq. 11".to_owned(),
+        source: "Sect. 3.2.1, with μ_ρ by Eq. 11".to_owned(),
         tolerance: None,
     }));
     Ok(Figure { number: 8, title: ENTRY.title.to_owned(), panels, words: words(half, found, suspected), findings })
@@ -85,13 +85,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 
 fn words(half: [f64; 2], found: [f64; 2], suspected: [f64; 2]) -> String {
     format!(
-        "A line of 16 points with four ranges, mu_rho by Eqs 10 and 11. With mu_rho = 0.25 the cell is shorter than L_c and nothing gives \
-         way. With mu_rho = 0.5 the ridge is smooth and lives for {:.3} <= u~ <= {:.3}, close to the limits of the flat surface (Eq. 8), \
-         beyond which it cannot go far in a cell so little longer than L_c. With 0.75 and 1 the edge of the contact is pinned by each \
-         point: the jumps from ridge to ridge belong to the mesh and vanish with a finer one. The text quotes limits of about 0.15 and 0.6 \
-         for mu_rho = 0.5. In the convention of Eq. 11 these appear at mu_rho = {:.3} and {:.3}; both ask for nearly the \
-         same value, {:.2} times the one stated. A factor sqrt(2) in the paper's mu_rho (0.707 for 0.5) is suspected and comes close: its \
-         limits are {:.3} and {:.3}.",
+        "A line of 16 points with four ranges, μ_ρ by Eqs 10 and 11. With μ_ρ = 0.25 the cell is shorter than L_c and nothing gives way. \
+         With 0.5 the ridge is smooth and lives for {:.3} ≤ ũ₀ ≤ {:.3}, nearly between the limits of the flat surface (Eq. 8), as it must in \
+         a cell of 1.27 L_c. With 0.75 and 1 every point pins the edge of the contact: the jumps from ridge to ridge belong to the mesh \
+         and vanish with a finer one. The text quotes limits of about 0.15 and 0.6 for μ_ρ = 0.5. In the convention of Eq. 11 these \
+         appear at μ_ρ = {:.3} and {:.3}; both ask for nearly the same value, {:.2} times the one stated. A factor √2 in the paper's μ_ρ \
+         (0.707 for 0.5) is suspected and comes close: its limits are {:.3} and {:.3}.",
         half[0],
         half[1],
         found[0],
@@ -134,7 +133,7 @@ fn limits(found: [f64; 2]) -> Vec<Finding> {
     let names = ["closes on approach", "flattens on retraction"];
     let mut findings = Vec::new();
     for i in 0..2 {
-        let quantity = format!("u~ at which the ridge {} at mu_rho = 0.5", names[i]);
+        let quantity = format!("ũ₀ where the ridge {} at μ_ρ = 0.5", names[i]);
         findings.push(Finding {
             quantity: quantity.clone(),
             found: found[i],

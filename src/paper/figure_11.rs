@@ -15,7 +15,7 @@ use std::f64::consts::{PI, SQRT_2};
 pub(super) const ENTRY: Entry = Entry {
     number: 11,
     title: "The loss against the range of the adhesion",
-    look_for: "The loss grows as the range shrinks, but so slowly that even a range of a tenth of rho_0 gives only half of what an \
+    look_for: "The loss grows as the range shrinks, but so slowly that even a range of a tenth of ρ₀ gives only half of what an \
                adhesion without range would lose. The cosine law, which ends at its cut-off, gets there sooner than the Morse law.",
     scene: || loop_of(MORSE_LAW, 0.2),
     compute,
@@ -60,7 +60,7 @@ fn loop_of(shape: Shape, ratio: f64) -> Scene {
     let start = (0.75 * unit).max(1.02 * approach);
     // A short branch deserves short steps too: the trapezoid rule has to close the ledger.
     let step = ((start - approach) / 60.0).min(0.1);
-    let title = format!("Fig. 11: {} law, rho/rho_0 = {ratio}", shape.word());
+    let title = format!("Fig. 11: {} law, ρ/ρ₀ = {ratio}", shape.word());
     let mut scene = scene(&title, length, points.next_multiple_of(8), [start / unit, (approach - 0.01) / unit, step / unit]);
     (scene.law.shape, scene.law.range) = (shape, Range::Length(law.range));
     scene
@@ -117,22 +117,22 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             findings.extend(judged(shape, &loss));
             if points.len() == 1 {
                 let percent = 100.0 * (loss.released / loss.theory - 1.0);
-                off += &format!("; {} law at rho/rho_0 = {ratio}: {percent:+.1} %", shape.word());
+                off += &format!("{} at ρ/ρ₀ = {ratio}: {percent:+.1} %; ", shape.word());
             }
         }
-        let name = format!("{} law, loops on line cells", shape.word());
+        let name = format!("{}, line cells", shape.word());
         series.push(Series { name, role: Role::Simulation, symbol: Some(symbol), colour, points });
     }
     findings.push(Finding {
-        quantity: "gamma_hys/gamma without range".to_owned(),
+        quantity: "γ_hys/γ without range".to_owned(),
         found: ridge::zero_range_dissipation(),
         expected: dissipation::printed_zero_range(),
-        source: "printed in Eq. 30c as (3/2) alpha_c".to_owned(),
+        source: "printed in Eq. 30c as (3/2) α_c".to_owned(),
         tolerance: None,
     });
     let panel = Panel {
-        x: Axis::linear("rho/rho_0, rho_0 = sqrt(gamma L/(4 pi E*))").from_to(0.0, 0.8),
-        y: Axis::linear("gamma_hys/gamma").from_to(0.0, 1.5),
+        x: Axis::linear("ρ/ρ₀, ρ₀ = (γL/(4πE*))^½").from_to(0.0, 0.8),
+        y: Axis::linear("γ_hys/γ").from_to(0.0, 1.5),
         series,
         ..Panel::default()
     };
@@ -143,7 +143,7 @@ const MORSE_LAW: Shape = Shape::Morse(Morse);
 const COSINE_LAW: Shape = Shape::Cosine(Cosine { smooth: false });
 
 fn judged(shape: Shape, loss: &Loss) -> Vec<Finding> {
-    let what = format!("{} law, rho/rho_0 = {}", shape.word(), loss.ratio);
+    let what = format!("{} law, ρ/ρ₀ = {}", shape.word(), loss.ratio);
     let finding = |name: &str, found, expected: f64, source: &str, tolerance: Option<f64>| Finding {
         quantity: format!("{name}, {what}"),
         found,
@@ -153,9 +153,9 @@ fn judged(shape: Shape, loss: &Loss) -> Vec<Finding> {
     };
     let short = (loss.range < SHORT).then_some(PROMISED);
     vec![
-        finding("gamma_hys/gamma", loss.released, loss.theory, "exact ridge between the ends, and the flat term", short),
-        finding("gamma_hys/gamma", loss.released, loss.leading, "leading order with 1.08756", None),
-        finding("loop integral over gamma", loss.work, loss.released, "sum of the released energies", Some(2e-3)),
+        finding("γ_hys/γ", loss.released, loss.theory, "exact ridge between the ends, and the flat term", short),
+        finding("γ_hys/γ", loss.released, loss.leading, "leading order with 1.08756", None),
+        finding("loop integral over γ", loss.work, loss.released, "sum of the released energies", Some(2e-3)),
     ]
 }
 
@@ -180,7 +180,6 @@ fn lines() -> Vec<Series> {
             points: ratios.iter().filter_map(|&r| value(cell(&law, r)).map(|y| [r, y])).filter(|p| p[1] >= 0.0).collect(),
         };
         let order = |zero: f64| {
-            let law = law;
             move |length: f64| {
                 let approach = units(length).reduce(flat::limits(&law, length)?.1);
                 Some(dissipation::leading_order(zero, approach))
@@ -188,22 +187,31 @@ fn lines() -> Vec<Series> {
         };
         series.push(line("exact ridge and flat term", Role::Theory, whole, &|length| dissipation::loss(&law, length)));
         series.push(line("leading order with 1.0876", Role::Theory, leading, &order(zero)));
-        series.push(line("Eq. 30c as printed", Role::Printed, leading, &order(dissipation::printed_zero_range())));
+        let printed = order(dissipation::printed_zero_range());
+        if shape == MORSE_LAW {
+            let approach = |length: f64| dissipation::morse_approach(units(length).reduce(law.range));
+            let eq_30d = |length| Some(dissipation::leading_order(dissipation::printed_zero_range(), approach(length)));
+            series.push(line("Eq. 30d as printed", Role::Printed, leading, &eq_30d));
+        } else {
+            series.push(line("Eq. 30c as printed", Role::Printed, leading, &printed));
+        }
     }
     series
 }
 
 fn words(micro: usize, off: &str) -> String {
     format!(
-        "Loops on line cells with mu_rho = {MU_RHO}, from separation to just behind the jump into contact and back, so that only snap-in and \
-         snap-off count. The loss of an adhesion without range is 1 + W(u_c) = {:.5} gamma; Eq. 30c prints (3/2) alpha_c = {:.3}, because it \
-         takes the thick ridge up to its end. Solid: the area between the flat branch and the exact ridge, from the upper flat limit u_nc \
-         to the ridge's end u_c, with the flat term gamma(u_nc) - gamma(u_c) added (it is negative; the text subtracts it). It holds to \
-         2 % where the range rho~, for the cosine law g_c~, is below 0.1, and is no theory of longer ranges, at which the ridge itself \
-         changes (the shortest ranges here{off}). rho/rho_0 is sqrt(L_c/L) for both laws: a cosine law is put where a Morse law of the same \
-         largest softening is (g_c = sqrt(2) pi rho), which by Eq. 10 needs the same mesh. The stiffness of the cosine law jumps at its cut-off, and every mesh point \
-         that passes it may make a jump of 1e-6 to 1e-4 gamma: {micro} such jumps from ridge to ridge are in the sums and not in the count.",
+        "Loops on line cells with μ_ρ = {MU_RHO}, from separation to just behind the jump into contact and back, so that only snap-in and \
+         snap-off count. Without range the loss is 1 + W(u_c) = {:.5} γ; erratum: Eq. 30c prints (3/2) α_c = {:.3}, because it takes the \
+         thick ridge up to its end. Solid: the area between the flat branch and the exact ridge, from the upper flat limit u_nc to the \
+         ridge's end u_c, with the flat term γ(u_nc) − γ(u_c) added (it is negative; the text subtracts it). It holds to 2 % where the \
+         range ρ̃, for the cosine law g̃_c, is below 0.1, and is no theory of longer ranges, at which the ridge itself changes (at the \
+         shortest ranges here the loops lose more than it by: {}). ρ/ρ₀ is (L_c/L)^½ for both laws: a cosine law is put where a Morse law of \
+         the same largest softening is (g_c = √2 πρ), which by Eq. 10 needs the same mesh. The stiffness of the cosine law jumps at its \
+         cut-off, and every mesh point that passes it may make a jump of 1e-6 to 1e-4 γ: {micro} such jumps from ridge to ridge are in \
+         the sums. Below ρ/ρ₀ = 0.1 the mesh is coarser, μ_ρ = {COARSE}, and they add some 0.5 %.",
         ridge::zero_range_dissipation(),
         dissipation::printed_zero_range(),
+        off.trim_end_matches("; "),
     )
 }
