@@ -4,8 +4,12 @@
 //! window shows it as plots. Axes and normalisation are the paper's; the stress is turned into its pressure p = -stress where the paper
 //! plots p. May use `experiment` and below; no drawing, files, or threads.
 
+pub mod errata;
 pub mod figure;
+mod figure_02;
+mod figure_03;
 mod figure_04;
+mod flat_loop;
 pub mod scenes;
 mod table_1;
 pub mod task;
@@ -31,7 +35,7 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_04::ENTRY];
+pub const GALLERY: &[Entry] = &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
 const LONG: [usize; 0] = [];

@@ -21,8 +21,8 @@ pub struct Run {
     pub script: Script,
 }
 
-/// Greek letters by name.
-const GREEK: [(&str, char); 13] = [
+/// Greek letters and the root by name.
+const GREEK: [(&str, char); 14] = [
     ("alpha", 'α'),
     ("beta", 'β'),
     ("gamma", 'γ'),
@@ -36,6 +36,7 @@ const GREEK: [(&str, char); 13] = [
     ("sigma", 'σ'),
     ("chi", 'χ'),
     ("omega", 'ω'),
+    ("sqrt", '√'),
 ];
 
 /// Accents by the end of a word, as marks that combine with the letter before.
