@@ -5,14 +5,17 @@
 //! plots p. May use `experiment` and below; no drawing, files, or threads.
 
 pub mod errata;
+pub mod extent;
 pub mod figure;
 mod figure_02;
 mod figure_03;
 mod figure_04;
 mod flat_loop;
+pub mod overlay;
 pub mod scenes;
 mod table_1;
 pub mod task;
+pub mod ticks;
 pub mod typeset;
 
 pub use figure::{Figure, Table};

@@ -67,7 +67,7 @@ pub(super) fn equation_24() -> Erratum {
 
 pub(super) fn equation_25() -> Erratum {
     // In a stiffer medium u~ = u0 sqrt(E*/(gamma L)) grows by the root; p u0/gamma is p~ itself.
-    let displacement = 1e-3;
+    let displacement = 1e-5;
     let pressure = |u: f64| ridge::pressure(u).unwrap_or(f64::NAN);
     Erratum {
         place: "Eq. 25",
@@ -75,7 +75,7 @@ pub(super) fn equation_25() -> Erratum {
         right: "p/E* = -(4 gamma^2/(pi L E*^2 u0))^{1/3}",
         because: "Only with the square is the bracket a pure number, and only so does it agree with Eq. 26.",
         evidence: vec![Evidence {
-            quantity: "p at four times the modulus over p, same u0, exact ridge at u~ = 0.001",
+            quantity: "p at four times the modulus over p, same u0, exact ridge at u~ = 0.00001",
             found: pressure(2.0 * displacement) / pressure(displacement),
             printed: 4f64.powf(2.0 / 3.0),
             right: 4f64.cbrt(),
@@ -144,7 +144,8 @@ pub(super) fn equation_30c() -> Erratum {
 }
 
 pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stopped> {
-    let scene = scenes::flat("a line cell of 1024 ranges", 1024.0, Points::Line(256), 9.5, 0.2, 0.1);
+    // Turned while the ridge is still a ridge: Eq. 30 is about the cycle from separation to the ridge and back.
+    let scene = scenes::flat("a line cell of 1024 ranges", 1024.0, Points::Line(256), 9.5, 3.5, 0.1);
     let failed = |error: String| Stopped::Failed(format!("{}: {error}", scene.title));
     let model = scene.model().map_err(|error| failed(error.to_string()))?;
     let plan = plan(&scene, &model, Wish::Plan);
