@@ -10,8 +10,13 @@ pub mod figure;
 mod figure_02;
 mod figure_03;
 mod figure_04;
+mod figure_05;
+mod figure_06;
+mod figure_09;
+mod figure_10;
 mod flat_loop;
 pub mod overlay;
+mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;
@@ -38,10 +43,11 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY];
+pub const GALLERY: &[Entry] =
+    &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_05::ENTRY, figure_06::ENTRY, figure_09::ENTRY, figure_10::ENTRY];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
-const LONG: [usize; 0] = [];
+const LONG: [usize; 1] = [3];
 
 /// The figures with the long ones first: the order in which several are soonest done together.
 pub fn longest_first() -> Vec<&'static Entry> {

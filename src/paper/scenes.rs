@@ -31,3 +31,8 @@ pub fn figure_2() -> Scene {
 pub fn figure_3() -> Scene {
     flat("Fig. 3: a longer cell, no bulge", 1024.0, Points::Square(256), 9.0, 0.2, 0.04)
 }
+
+/// The ridge alone, as the preset `ridge-line`: fields uniform along y.
+pub fn ridge_line() -> Scene {
+    flat("A line cell: only the ridge", 256.0, Points::Line(256), 4.4, 0.2, 0.02)
+}

@@ -153,12 +153,18 @@ type Pictures = HashMap<(usize, usize, usize), TextureHandle>;
 
 /// The maps inside the frame of a plot.
 fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
+    let gaps = panel.insets.iter().filter_map(|inset| match &inset.content {
+        Content::Map { gap, .. } => Some(gap),
+        Content::Diagram(_) => None,
+    });
+    // In the same colours, so that they can be compared.
+    let colours = common_scale(gaps);
     for (i, inset) in panel.insets.iter().enumerate() {
         let Content::Map { letter, gap } = &inset.content else { continue };
         let store = Id::new("paper maps");
         let known = ui.ctx().data_mut(|data| data.get_temp_mut_or_default::<Pictures>(store).get(&(key.0, key.1, i)).cloned());
         let texture = known.unwrap_or_else(|| {
-            let image = gap_image(gap, common_scale([gap]));
+            let image = gap_image(gap, colours);
             let size = [image.width() as usize, image.height() as usize];
             let picture = ColorImage::from_rgb(size, image.as_raw());
             let texture = ui.ctx().load_texture(format!("map {} {} {i}", key.0, key.1), picture, TextureOptions::LINEAR);
