@@ -67,3 +67,17 @@ fn quiet_is_silent_and_the_gallery_is_in_the_papers_order() {
     assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
     assert!(GALLERY.windows(2).all(|pair| pair[0].number < pair[1].number));
 }
+
+#[test]
+fn a_report_is_one_page_with_picture_findings_table_and_errata() {
+    let home = folder();
+    let output = tackscope(&["figure", "4", "--quick", "--quiet", "--report"], home.path());
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let page = fs::read_to_string(home.path().join("report.html")).expect("report.html");
+    for part in ["<svg", "Fig. 4", "Table 1", "Dugdale", "What the print got wrong", "0.400643", "</html>"] {
+        assert!(page.contains(part), "{part} is missing");
+    }
+    let findings = fs::read_to_string(home.path().join("findings.csv")).expect("findings.csv");
+    assert!(findings.starts_with("where,quantity,found,expected,source,deviation,tolerance,agrees\n"));
+    assert!(findings.lines().any(|line| line.starts_with("Table 1,") && line.ends_with(",yes")), "{findings}");
+}

@@ -4,6 +4,8 @@
 //! window shows it as plots. Axes and normalisation are the paper's; the stress is turned into its pressure p = -stress where the paper
 //! plots p. May use `experiment` and below; no drawing, files, or threads.
 
+pub mod errata;
+pub mod extent;
 pub mod figure;
 mod figure_02;
 mod figure_03;
@@ -17,10 +19,12 @@ mod figure_10;
 mod figure_11;
 mod flat_loop;
 mod line_cell;
+pub mod overlay;
 mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;
+pub mod ticks;
 pub mod typeset;
 
 pub use figure::{Figure, Table};
