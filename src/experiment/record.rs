@@ -1,5 +1,6 @@
 //! What a walk leaves behind: states, jumps, and the loop with its energy ledger.
 
+use crate::numerics::quadrature::integral;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use std::fmt;
@@ -137,22 +138,47 @@ pub struct LoopRecord {
 impl LoopRecord {
     /// The loop integral of stress du0 over the recorded states, energy per area (E* times length).
     ///
-    /// Trapezoid along branches; at a jump the stress before it holds up to the jump, which is a vertical line. Positive for a closed
-    /// approach and retraction.
+    /// Smooth branches by [`integral`]; at a jump the stress before it holds up to the jump, which is a vertical line. Positive for a
+    /// closed approach and retraction.
     pub fn work(&self) -> f64 {
+        self.branches().iter().map(|branch| integral(branch)).sum()
+    }
+
+    /// The points (u0, stress) of each stretch without a jump or a turn.
+    pub fn branches(&self) -> Vec<Vec<[f64; 2]>> {
         let mut jumps = self.jumps.iter().peekable();
-        let mut sum = 0.0;
+        let mut branches = Vec::new();
+        let mut branch: Vec<[f64; 2]> = Vec::new();
+        let mut way = 0.0;
         for pair in self.states.windows(2) {
-            let (a, b) = (&pair[0], &pair[1]);
-            let du = b.mean_displacement - a.mean_displacement;
-            let jump = jumps
-                .next_if(|j| j.branch == b.branch && j.mean_displacement == b.mean_displacement && j.cause != Cause::PatternChange);
-            sum += match jump {
-                Some(jump) => 0.5 * (a.stress + jump.stress_before) * du,
-                None => 0.5 * (a.stress + b.stress) * du,
-            };
+            let [a, b] = [&pair[0], &pair[1]].map(|state| [state.mean_displacement, state.stress]);
+            if branch.is_empty() {
+                branch.push(a);
+            }
+            let du = b[0] - a[0];
+            let jump = jumps.next_if(|j| j.branch == pair[1].branch && j.mean_displacement == b[0]);
+            if du * way < 0.0 {
+                branches.push(std::mem::replace(&mut branch, vec![a]));
+            }
+            way = du;
+            match jump {
+                Some(jump) if jump.cause != Cause::PatternChange => {
+                    if du != 0.0 {
+                        branch.push([b[0], jump.stress_before]);
+                    }
+                    branches.push(std::mem::replace(&mut branch, vec![b]));
+                }
+                // Somewhere on the way it jumped: a straight line from state to state.
+                Some(_) => {
+                    branches.push(std::mem::replace(&mut branch, vec![b]));
+                    branches.push(vec![a, b]);
+                }
+                None if du == 0.0 => branches.push(std::mem::replace(&mut branch, vec![b])),
+                None => branch.push(b),
+            }
         }
-        sum
+        branches.push(branch);
+        branches
     }
 
     /// Sum of the released energies, in units of gamma.

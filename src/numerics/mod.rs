@@ -12,6 +12,7 @@ pub mod fourier;
 pub mod krylov;
 pub mod memory;
 pub mod precision;
+pub mod quadrature;
 pub mod real;
 pub mod threads;
 pub mod vector;

@@ -56,8 +56,13 @@ impl Tracker {
         } else {
             EigenLimits { pairs: 2, least: 1, most: 12, relative: 0.25, absolute }
         };
-        let found =
-            smallest(|v, out| system.hessian(v, out, ws), start, &removed, |r, out| preconditioner.apply(r, out), limits, cancel);
+        let apply = |r: &[f64], out: &mut [f64]| {
+            preconditioner.apply(r, out);
+            // Amplitudes that belong to no real field have elastic energy alone. In deep compression that is less than any real mode
+            // has, and they would grow out of the rounding.
+            system.make_real(out);
+        };
+        let found = smallest(|v, out| system.hessian(v, out, ws), start, &removed, apply, limits, cancel);
         let stiffness = Stiffness { value: found.values[0], error: found.residual };
         self.modes = found.vectors;
         (stiffness, self.modes[0].clone())

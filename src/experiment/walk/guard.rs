@@ -3,7 +3,6 @@
 use super::Walk;
 use crate::experiment::scene::Model;
 use crate::numerics::cancel::Cancel;
-use crate::physics::indenter::Indenter;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::equilibrium::Stiffness;
@@ -88,9 +87,9 @@ impl Walk {
 
 /// Whether patterns slide on the whole cell of `model`.
 pub(in crate::experiment) fn slides_on(model: &Model) -> Slides {
-    match model.indenter {
-        Indenter::Flat if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
-        Indenter::Flat => Slides::UnlessPinned,
-        _ => Slides::Never,
+    match model.indenter.is_uniform() {
+        [false, false] => Slides::Never,
+        _ if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+        _ => Slides::UnlessPinned,
     }
 }
