@@ -5,6 +5,8 @@
 
 pub mod basis;
 pub mod cancel;
+pub mod chebyshev;
+pub mod cholesky;
 pub mod cosine;
 pub mod eigen;
 pub mod exponential;
@@ -12,7 +14,7 @@ pub mod fourier;
 pub mod krylov;
 pub mod memory;
 pub mod precision;
-pub mod quadrature;
 pub mod real;
+pub mod spherical_bessel;
 pub mod threads;
 pub mod vector;

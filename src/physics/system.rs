@@ -92,7 +92,13 @@ impl System {
         let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
         let height = indenter.even_height(&grid);
         let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
-        Self { grid, law, height, uniform: [false; 2], transforms, elastic, gradient: Vec::new() }
+        Self { grid, law, height, uniform: indenter.is_uniform(), transforms, elastic, gradient: Vec::new() }
+    }
+
+    /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between points here too.
+    pub fn whole(even: &System) -> Self {
+        let height = even.height.as_ref().map(|height| even.unfolded(height));
+        Self { height, uniform: even.uniform, ..Self::new(even.grid, even.law, &Indenter::Flat) }
     }
 
     /// The same in another precision.
@@ -246,7 +252,8 @@ impl System {
 
     /// Along which of x and y patterns can slide; even fields cannot.
     pub fn slides_along(&self) -> [bool; 2] {
-        [self.uniform[0], self.uniform[1] && !self.grid.is_line()]
+        let fixed = self.is_even();
+        [self.uniform[0] && !fixed, self.uniform[1] && !fixed && !self.grid.is_line()]
     }
 
     /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised, as far as the ground is uniform. No transform.
