@@ -51,6 +51,11 @@ impl Roughness {
         synthesis(&waves, grid) - crest
     }
 
+    /// Mean of the height (length), minus the height of the crest above it.
+    pub fn mean_height(&self, grid: &Grid) -> f64 {
+        -crest(&self.waves(grid), grid)
+    }
+
     /// Root mean square of |grad h| (dimensionless).
     pub fn rms_gradient(&self, grid: &Grid) -> f64 {
         let squares = self.waves(grid).iter().map(|w| 0.5 * w.amplitude.norm_sqr() * w.square() * grid.q1().powi(2)).sum::<f64>();
