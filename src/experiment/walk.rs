@@ -168,6 +168,9 @@ impl Walk {
         if even && !model.grid.nx.is_multiple_of(4) {
             return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
+        if even && !model.indenter.is_even() {
+            return Err(refuse("indenter.kind", "\"rough\"", "even ground for a quarter of the cell; rough ground needs the whole"));
+        }
         let system =
             if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;

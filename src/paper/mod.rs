@@ -7,6 +7,7 @@
 pub mod errata;
 pub mod extent;
 pub mod figure;
+mod figure_01;
 mod figure_02;
 mod figure_03;
 mod figure_04;
@@ -17,6 +18,7 @@ mod figure_08;
 mod figure_09;
 mod figure_10;
 mod figure_11;
+mod figure_14;
 mod flat_loop;
 mod line_cell;
 pub mod overlay;
@@ -48,6 +50,7 @@ pub struct Entry {
 
 /// The figures in the paper's order.
 pub const GALLERY: &[Entry] = &[
+    figure_01::ENTRY,
     figure_02::ENTRY,
     figure_03::ENTRY,
     figure_04::ENTRY,
@@ -58,10 +61,11 @@ pub const GALLERY: &[Entry] = &[
     figure_09::ENTRY,
     figure_10::ENTRY,
     figure_11::ENTRY,
+    figure_14::ENTRY,
 ];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
-const LONG: [usize; 2] = [3, 11];
+const LONG: [usize; 3] = [14, 3, 11];
 
 /// The figures with the long ones first: the order in which several are soonest done together.
 pub fn longest_first() -> Vec<&'static Entry> {

@@ -130,7 +130,12 @@ impl Place<'_> {
         let mut start = known;
         start.extend((0..strangers).map(|_| random_smooth(system, rng)));
         let limits = EigenLimits { pairs: 2, least, most, relative, absolute: NEAR_ZERO * system.grid().q1() };
-        let precondition = |r: &[f64], out: &mut [f64]| preconditioner.apply(r, out);
+        let precondition = |r: &[f64], out: &mut [f64]| {
+            preconditioner.apply(r, out);
+            // Amplitudes that belong to no real field have elastic energy alone. In deep compression that is less than any real mode
+            // has, and they would grow out of the rounding.
+            system.make_real(out);
+        };
         smallest(|v, out| system.hessian(v, out, ws), start, removed, precondition, limits, cancel)
     }
 

@@ -107,9 +107,9 @@ pub(super) fn with_coarse(tracker: Tracker, system: &System, constant: f64) -> T
 
 /// Whether patterns slide on the whole cell of `model`.
 pub(in crate::experiment) fn slides_on(model: &Model) -> Slides {
-    match model.indenter {
-        Indenter::Flat if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
-        Indenter::Flat => Slides::UnlessPinned,
-        _ => Slides::Never,
+    match model.indenter.is_uniform() {
+        [false, false] => Slides::Never,
+        _ if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
+        _ => Slides::UnlessPinned,
     }
 }
