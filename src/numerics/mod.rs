@@ -5,6 +5,8 @@
 
 pub mod basis;
 pub mod cancel;
+pub mod chebyshev;
+pub mod cholesky;
 pub mod cosine;
 pub mod eigen;
 pub mod exponential;
@@ -13,5 +15,6 @@ pub mod krylov;
 pub mod memory;
 pub mod precision;
 pub mod real;
+pub mod spherical_bessel;
 pub mod threads;
 pub mod vector;

@@ -5,9 +5,15 @@
 //! plots p. May use `experiment` and below; no drawing, files, or threads.
 
 pub mod figure;
+mod figure_02;
+mod figure_03;
 mod figure_04;
+mod figure_10;
+mod flat_loop;
 pub mod scenes;
+mod table_1;
 pub mod task;
+pub mod typeset;
 
 pub use figure::{Figure, Table};
 pub use task::{Size, Stopped, Task};
@@ -29,4 +35,27 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_04::ENTRY];
+pub const GALLERY: &[Entry] = &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_10::ENTRY];
+
+/// Figures that take longest at full size, the longest first; the others take seconds.
+const LONG: [usize; 1] = [3];
+
+/// The figures with the long ones first: the order in which several are soonest done together.
+pub fn longest_first() -> Vec<&'static Entry> {
+    let mut list: Vec<&'static Entry> = GALLERY.iter().collect();
+    list.sort_by_key(|entry| LONG.iter().position(|number| *number == entry.number).unwrap_or(LONG.len()));
+    list
+}
+
+/// The place of a table.
+pub struct TableEntry {
+    /// The table's number in the paper.
+    pub number: usize,
+    /// One line.
+    pub title: &'static str,
+    /// Computes it.
+    pub compute: fn(&mut Task<'_>) -> Result<Table, Stopped>,
+}
+
+/// The tables.
+pub const TABLES: &[TableEntry] = &[table_1::ENTRY];

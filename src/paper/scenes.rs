@@ -21,3 +21,13 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
         seed: 1,
     }
 }
+
+/// Fig. 2, as the preset `fig2`.
+pub fn figure_2() -> Scene {
+    flat("Fig. 2: four patterns", 256.0, Points::Square(64), 4.2, 0.2, 0.02)
+}
+
+/// Fig. 3, as the preset `fig3`.
+pub fn figure_3() -> Scene {
+    flat("Fig. 3: a longer cell, no bulge", 1024.0, Points::Square(256), 9.0, 0.2, 0.04)
+}

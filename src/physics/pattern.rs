@@ -4,6 +4,7 @@
 //! of winding vectors (turns along x, turns along y); the rank of that lattice is 0 for an island, 1 for a line in any direction
 //! (a diagonal one too), 2 for a net that surrounds the non-contact. Nothing here depends on where the pattern sits.
 
+pub mod centre;
 mod winding;
 
 use super::law::Law;

@@ -4,6 +4,7 @@
 //! per area in the metric mean(v^2), in E* per length; where a record says E*/L they are multiplied by L. Knows neither scenes nor
 //! clocks. May use `physics` and `numerics`.
 
+pub mod boundary_elements;
 pub mod branch;
 pub mod descent;
 pub mod equilibrium;

@@ -2,6 +2,8 @@
 //!
 //! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made dimensionless by [`units`].
 
+pub mod circular;
+pub mod discs;
 pub mod flat;
 pub mod jkr;
 pub mod jkr_periodic;
