@@ -11,9 +11,11 @@ use crate::solver::method::Slides;
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
-/// Largest distance, in ranges, between two looks where an eigenvalue is just clear of zero, and wherever it may be.
+/// Largest distance, in ranges, between two looks where an eigenvalue is just clear of zero.
 const INTERVAL: f64 = 0.1;
-const INTERVAL_MAX: f64 = 0.5;
+/// The same wherever it may be: on flat ground symmetries break, and on uneven ground branches fold.
+const INTERVAL_FLAT: f64 = 0.5;
+const INTERVAL_UNEVEN: f64 = 2.0;
 
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
@@ -50,7 +52,8 @@ impl Guard {
     /// goes with the square of what is left.
     pub(in crate::experiment) fn recent(&self, u0: f64) -> Option<Stiffness> {
         let clear = 0.1 * self.system.grid().q1();
-        let near = |s: Stiffness| (INTERVAL * (s.value / clear).powi(2)).min(INTERVAL_MAX) * self.system.law().range;
+        let most = if self.system.is_flat() { INTERVAL_FLAT } else { INTERVAL_UNEVEN };
+        let near = |s: Stiffness| (INTERVAL * (s.value / clear).powi(2)).min(most) * self.system.law().range;
         self.last.filter(|(at, s)| s.value > clear && (at - u0).abs() < near(*s)).map(|(_, s)| s)
     }
 
