@@ -104,12 +104,14 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
         points: rows.iter().map(|row| [row[0], row[k]]).collect(),
         ..Series::default()
     };
-    let guide = |y: f64| Series { role: Role::Guide, colour: Colour::Grey, points: vec![[left, y], [right, y]], ..Series::default() };
+    let guide =
+        |y: f64| Series { role: Role::Guide, colour: Colour::Grey, points: vec![[left, y], [right, y]], ..Series::default() };
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
     let arrow = |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, dashed: false };
-    let left_arrow = |from: f64, to: f64| Arrow { tail: [0.8 * left, from], head: [0.8 * left, to], colour: Colour::Ink, dashed: false };
+    let left_arrow =
+        |from: f64, to: f64| Arrow { tail: [0.8 * left, from], head: [0.8 * left, to], colour: Colour::Ink, dashed: false };
     let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned() };
     let area = |name: &str, colour, spans| Area { name: name.to_owned(), colour, spans };
     Panel {

@@ -140,10 +140,8 @@ fn words(surfaces: &[Surface], size: Size) -> String {
         format!("{low:.2} to {high:.2}")
     };
     let gamma = surfaces[0].model.law.surface_energy;
-    let weaker: Vec<_> = surfaces
-        .iter()
-        .map(|surface| format!("{:.3}", surface.law.strongest().1 / surface.model.law.traction_max()))
-        .collect();
+    let weaker: Vec<_> =
+        surfaces.iter().map(|surface| format!("{:.3}", surface.law.strongest().1 / surface.model.law.traction_max())).collect();
     let lost: Vec<_> = surfaces.iter().map(|surface| format!("{:.4}", surface.record.released_energy_sum())).collect();
     let count = if size == Size::Quick { "one surface" } else { "three surfaces" };
     format!(

@@ -18,6 +18,8 @@ mod figure_08;
 mod figure_09;
 mod figure_10;
 mod figure_11;
+mod figure_12;
+mod figure_13;
 mod figure_14;
 mod flat_loop;
 mod line_cell;
@@ -27,6 +29,7 @@ pub mod scenes;
 mod table_1;
 pub mod task;
 pub mod ticks;
+mod tips;
 pub mod typeset;
 
 pub use figure::{Figure, Table};
@@ -61,11 +64,13 @@ pub const GALLERY: &[Entry] = &[
     figure_09::ENTRY,
     figure_10::ENTRY,
     figure_11::ENTRY,
+    figure_12::ENTRY,
+    figure_13::ENTRY,
     figure_14::ENTRY,
 ];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
-const LONG: [usize; 3] = [14, 3, 11];
+const LONG: [usize; 5] = [13, 12, 14, 3, 11];
 
 /// The figures with the long ones first: the order in which several are soonest done together.
 pub fn longest_first() -> Vec<&'static Entry> {

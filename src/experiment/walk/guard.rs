@@ -14,8 +14,11 @@ use crate::solver::method::Slides;
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
-/// Largest distance, in ranges, between two looks while nothing is soft.
+/// Largest distance, in ranges, between two looks where an eigenvalue is just clear of zero.
 const INTERVAL: f64 = 0.1;
+/// The same wherever it may be: on flat ground symmetries break, and on uneven ground branches fold.
+const INTERVAL_FLAT: f64 = 0.5;
+const INTERVAL_UNEVEN: f64 = 2.0;
 
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
@@ -52,10 +55,13 @@ impl Guard {
         self.last = None;
     }
 
-    /// What it saw last, if that was near enough to `u0` and clear of zero.
+    /// What it saw last, if that was near enough to `u0`. At a fold an eigenvalue vanishes as a square root: the distance from it
+    /// goes with the square of what is left.
     pub(in crate::experiment) fn recent(&self, u0: f64) -> Option<Stiffness> {
-        let clear = |s: Stiffness| s.value > 0.1 * self.system.grid().q1();
-        self.last.filter(|(at, s)| (at - u0).abs() < INTERVAL * self.system.law().range && clear(*s)).map(|(_, s)| s)
+        let clear = 0.1 * self.system.grid().q1();
+        let most = if self.system.is_flat() { INTERVAL_FLAT } else { INTERVAL_UNEVEN };
+        let near = |s: Stiffness| (INTERVAL * (s.value / clear).powi(2)).min(most) * self.system.law().range;
+        self.last.filter(|(at, s)| s.value > clear && (at - u0).abs() < near(*s)).map(|(_, s)| s)
     }
 
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
