@@ -112,7 +112,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 /// Eq. 8: the limits on approach and on retraction.
 fn lines(law: &Law) -> [Series; 2] {
     let critical = flat::critical_length(law);
-    let ratios: Vec<f64> = (0..=400).map(|i| 10f64.powf(3.0 * i as f64 / 400.0)).collect();
+    let ratios: Vec<f64> = (0..=400).map(|i| 10f64.powf(3.0 * (i as f64 / 400.0).powi(2))).collect();
     let line = |name: &str, colour, pick: fn((f64, f64)) -> f64| Series {
         name: name.to_owned(),
         role: Role::Theory,

@@ -10,6 +10,7 @@ use crate::experiment::run::LoopRun;
 use crate::experiment::scene::Scene;
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
+use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 7,
@@ -58,7 +59,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     findings.extend(printed());
     let panel = Panel {
         x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
-        y: Axis::linear("p̃ = p u₀/γ").from_to(-0.7, 0.05),
+        y: Axis::linear("p̃ = p u₀/γ").from_to(-0.62, 0.05),
         series,
         arrows,
         ..Panel::default()
@@ -126,9 +127,9 @@ fn printed() -> Vec<Finding> {
 fn lines() -> Vec<Series> {
     let end = ridge::critical();
     let over = |from: f64, to: f64, p: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
-        // Denser towards the upper end, where the square root is steep.
-        let u = |i: i32| to - (to - from) * (f64::from(i) / 120.0).powi(2);
-        (0..=120).rev().map(u).map(|u| [u, p(u)]).collect()
+        // Denser towards both ends, where the curves are steep.
+        let u = |i: i32| from + (to - from) * (0.5 * PI * f64::from(i) / 120.0).sin().powi(2);
+        (0..=120).map(u).map(|u| [u, p(u)]).collect()
     };
     let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, symbol: None, colour, points };
     let exact = |u: f64| ridge::pressure(u).unwrap_or(f64::NAN);

@@ -30,7 +30,7 @@ const MORSE: [f64; 10] = [0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7];
 const COSINE: [f64; 7] = [0.079, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4];
 /// The same for a quick figure.
 const QUICK_MORSE: [f64; 6] = [0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
-const QUICK_COSINE: [f64; 3] = [0.25, 0.3, 0.4];
+const QUICK_COSINE: [f64; 4] = [0.2, 0.25, 0.3, 0.4];
 /// rho~ below which the theory promises a few per cent, as the largest relative difference.
 const SHORT: f64 = 0.1;
 const PROMISED: f64 = 0.02;
