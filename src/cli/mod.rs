@@ -5,6 +5,7 @@
 //! refusals to standard error. May use every room below.
 
 mod chart;
+mod figure;
 mod presets;
 mod progress;
 mod report;
@@ -56,8 +57,51 @@ enum Command {
     /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a finer mesh with half the step;
     /// failures are rows of the table and marks in the picture. Exit code 0 if the chart is complete, whatever failed in it.
     Chart(ChartArguments),
+    /// Compute the paper's figures anew, beside their theory
+    ///
+    /// Writes figure-NN.csv (data), figure-NN.svg and figure-NN.png into the folder. A figure that cannot be computed does not
+    /// keep the others: exit code 3.
+    Figure(FigureArguments),
+    /// Compute the paper's table anew
+    ///
+    /// Writes table-N.csv, table-N.svg and table-N.png into the folder.
+    Table(TableArguments),
     /// List the built-in scenes
     Presets,
+}
+
+/// What `tackscope figure` is told.
+#[derive(Args, Clone, Debug)]
+struct FigureArguments {
+    /// The figure's number in the paper, or all
+    #[arg(value_name = "N|all")]
+    figure: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and findings.csv
+    #[arg(long)]
+    report: bool,
+    /// Coarse meshes and few points: seconds in place of minutes
+    #[arg(long)]
+    quick: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// What `tackscope table` is told.
+#[derive(Args, Clone, Debug)]
+struct TableArguments {
+    /// The table's number in the paper
+    #[arg(value_name = "N")]
+    table: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
 }
 
 /// What `tackscope chart` is told.
@@ -143,6 +187,8 @@ pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::parse().command {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Chart(arguments)) => chart::chart(&arguments),
+        Some(Command::Figure(arguments)) => figure::figure(&arguments),
+        Some(Command::Table(arguments)) => figure::table(&arguments),
         Some(Command::Presets) => presets::list(),
         None => window_or_default_scene(),
     })

@@ -175,7 +175,7 @@ impl Walk {
         let preconditioner = Preconditioner::new(&system, constant);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
-        let guard = even.then(|| Guard::new(&model, constant, slides, tracker(0x9a4d)));
+        let guard = even.then(|| Guard::new(System::whole(&system), constant, slides, tracker(0x9a4d)));
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
         let state = Equilibrium {

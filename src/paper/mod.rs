@@ -11,14 +11,15 @@ mod figure_04;
 mod figure_05;
 mod figure_06;
 mod figure_09;
+mod figure_10;
 mod flat_loop;
 mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;
+pub mod typeset;
 
 pub use figure::{Figure, Table};
-pub use table_1::table_1;
 pub use task::{Size, Stopped, Task};
 
 use crate::experiment::scene::Scene;
@@ -39,7 +40,27 @@ pub struct Entry {
 
 /// The figures in the paper's order.
 pub const GALLERY: &[Entry] =
-    &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_05::ENTRY, figure_06::ENTRY, figure_09::ENTRY];
+    &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_05::ENTRY, figure_06::ENTRY, figure_09::ENTRY, figure_10::ENTRY];
 
-/// The tables in the paper's order; they cost nothing.
-pub const TABLES: &[fn() -> Table] = &[table_1];
+/// Figures that take longest at full size, the longest first; the others take seconds.
+const LONG: [usize; 1] = [3];
+
+/// The figures with the long ones first: the order in which several are soonest done together.
+pub fn longest_first() -> Vec<&'static Entry> {
+    let mut list: Vec<&'static Entry> = GALLERY.iter().collect();
+    list.sort_by_key(|entry| LONG.iter().position(|number| *number == entry.number).unwrap_or(LONG.len()));
+    list
+}
+
+/// The place of a table.
+pub struct TableEntry {
+    /// The table's number in the paper.
+    pub number: usize,
+    /// One line.
+    pub title: &'static str,
+    /// Computes it.
+    pub compute: fn(&mut Task<'_>) -> Result<Table, Stopped>,
+}
+
+/// The tables.
+pub const TABLES: &[TableEntry] = &[table_1::ENTRY];

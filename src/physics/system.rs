@@ -93,6 +93,12 @@ impl System {
         Self { grid, law, height, transforms, elastic, gradient: Vec::new() }
     }
 
+    /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between points here too.
+    pub fn whole(even: &System) -> Self {
+        let height = even.height.as_ref().map(|height| even.unfolded(height));
+        Self { height, ..Self::new(even.grid, even.law, &Indenter::Flat) }
+    }
+
     /// The same in another precision.
     pub fn with_precision(self, precision: Precision) -> Self {
         Self { transforms: self.transforms.with_precision(precision), ..self }

@@ -1,12 +1,13 @@
 //! Floor 4: the only room that touches the file system.
 //!
-//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`]).
+//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`], [`figure`]).
 //! Every file is written whole or not at all ([`files`]); everything that can go wrong is a [`Failure`], one sentence that names
 //! the file and says how to mend it. May use `experiment`, `solver`, `physics` and `numerics`; computes nothing, opens no dialogs.
 
 pub mod chart;
 pub mod export;
 mod failure;
+pub mod figure;
 pub mod files;
 pub mod picture;
 pub mod presets;

@@ -7,10 +7,11 @@ use super::scene_edit;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::record::Branch;
+use egui::emath::Rangef;
 use egui::{Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{
-    Arrows, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints,
-    PlotUi, Points, Text,
+    Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint,
+    PlotPoints, PlotUi, Points, Text,
 };
 
 /// A click this near to a state means it, in screen points.
@@ -62,7 +63,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
 
 /// A plot whose axes no gesture moves.
 pub fn fixed<'a>(id: &'static str) -> Plot<'a> {
+    // Numbers down to a narrow window; they are short here.
+    let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
     Plot::new(id)
+        .custom_x_axes(vec![x_axis])
         .allow_drag(false)
         .allow_scroll(false)
         .allow_zoom(false)

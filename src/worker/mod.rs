@@ -1,6 +1,7 @@
 //! Floor 4: the solver thread, two that work beside it (measurements, the live loop), and their channels. The caller passes `wake`, called whenever something new can be received.
 
 mod course;
+pub mod crew;
 mod live;
 mod measure;
 pub mod protocol;

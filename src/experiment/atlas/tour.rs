@@ -10,7 +10,7 @@ use crate::experiment::walk::Counts;
 use crate::experiment::walk::guard::{Guard, slides_on};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
-use crate::physics::system::carried;
+use crate::physics::system::{System, carried};
 use crate::solver::Stop;
 use crate::solver::equilibrium::Stiffness;
 use crate::solver::sector::{Measured, Node};
@@ -51,7 +51,7 @@ impl Atlas {
         let mut tour = Tour {
             atlas: self,
             model,
-            guard: Guard::new(model, 0.25 * well, slides_on(model), tracker),
+            guard: Guard::new(System::new(model.grid, model.law, &model.indenter), 0.25 * well, slides_on(model), tracker),
             flat: FlatBranch::new(law, model.grid.length),
             last: None,
             watched: None,

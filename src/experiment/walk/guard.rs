@@ -29,8 +29,8 @@ pub(in crate::experiment) struct Guard {
 }
 
 impl Guard {
-    pub(in crate::experiment) fn new(model: &Model, constant: f64, slides: Slides, tracker: Tracker) -> Self {
-        let system = System::new(model.grid, model.law, &model.indenter);
+    /// Watches `system`, a whole cell.
+    pub(in crate::experiment) fn new(system: System, constant: f64, slides: Slides, tracker: Tracker) -> Self {
         Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), last: None, system }
     }
 

@@ -41,12 +41,19 @@ pub fn write_gap_png_scaled(path: &Path, gap: &Array2<f64>, scale: Scale) -> Res
 /// band; values that are not finite are red.
 pub fn gap_image(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
     let (rows, columns) = gap.dim();
-    let across = SIDE_MIN.div_ceil(columns.max(1));
-    let up = if rows == 1 { (across * columns).div_ceil(4) } else { across };
+    let across = SIDE_MIN.div_ceil(columns.max(1)) as u32;
+    let up = if rows == 1 { (across * columns as u32).div_ceil(4) } else { across };
+    let points = gap_pixels(gap, (low, high));
+    RgbImage::from_fn(columns as u32 * across, rows as u32 * up, |x, y| *points.get_pixel(x / across, y / up))
+}
+
+/// The same with one pixel for each point.
+pub(in crate::storage) fn gap_pixels(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
+    let (rows, columns) = gap.dim();
     // Without contrast there is no pattern to show: dark, as contact is.
     let span = if high - low > CONTRAST_MIN * low.abs().max(high.abs()) { high - low } else { f64::INFINITY };
-    RgbImage::from_fn((columns * across) as u32, (rows * up) as u32, |x, y| {
-        let g = gap[[rows - 1 - y as usize / up, x as usize / across]];
+    RgbImage::from_fn(columns as u32, rows as u32, |x, y| {
+        let g = gap[[rows - 1 - y as usize, x as usize]];
         if !g.is_finite() {
             return Rgb([255, 0, 0]);
         }

@@ -7,6 +7,7 @@ mod metadata;
 #[cfg(test)]
 mod tests;
 
+pub(super) use gap::gap_pixels;
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
 pub(super) use loop_plot::register_font;
 pub use loop_plot::{write_loop_png, write_loop_svg};
@@ -19,7 +20,12 @@ use std::path::Path;
 
 /// Encodes as PNG and writes the file whole.
 pub(super) fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
+    files::write_whole(path, &encode_png(image).map_err(|error| Failure::write(path, error))?)
+}
+
+/// The bytes of a PNG.
+pub(super) fn encode_png(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| Failure::write(path, error))?;
-    files::write_whole(path, bytes.get_ref())
+    image.write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
 }

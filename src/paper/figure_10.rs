@@ -1,0 +1,157 @@
+//! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
+
+use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::task::{Stopped, Task};
+use super::{Entry, scenes};
+use crate::experiment::atlas::Atlas;
+use crate::experiment::plan;
+use crate::experiment::scene::{Scene, Turn};
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::asymptotes;
+use crate::physics::theory::circular::{self, Part};
+use crate::physics::theory::units::Units;
+
+pub(super) const ENTRY: Entry = Entry {
+    number: 10,
+    title: "The dimple: p(u₀) tends to one curve as the range shrinks",
+    look_for: "In units of the cell and the surface energy both ranges fall on nearly one curve, that of an adhesion without range. \
+               Watch the dimple end: on the way up it stretches into a ridge long before its own fold.",
+    scene: scenes::figure_2,
+    compute,
+};
+
+/// Points of a curve.
+const POINTS: usize = 300;
+/// Where the two ranges are held against the curve without range: both have a stable dimple there.
+const COMPARED: [f64; 2] = [0.2, 0.33];
+
+/// The stable dimple of a scene: its reduced range, and (u~, p~) by growing u~.
+struct Branch {
+    range: f64,
+    points: Vec<[f64; 2]>,
+}
+
+fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, Stopped> {
+    let failed = |what: String| Stopped::Failed(format!("{}: {what}", scene.title));
+    let model = scene.model().map_err(|error| failed(error.to_string()))?;
+    let Turn::At(turn) = scene.drive.turn else { return Err(failed("turns at zero load".to_owned())) };
+    task.tell(0.0, &scene.title)?;
+    let mut atlas = Atlas::new(plan::chart(&model.law, model.grid.length, points, scene.seed));
+    atlas.obey(task.cancel);
+    let cycle = atlas.cycle(scene.drive.start, turn);
+    task.tell(1.0, &scene.title)?;
+    cycle.map_err(|error| failed(error.to_string()))?;
+    let known = atlas.branches().iter().find(|branch| branch.pattern == Pattern::Dimple);
+    let branch = known.ok_or_else(|| failed("there is no dimple".to_owned()))?;
+    let units = Units { length: model.grid.length, surface_energy: model.law.surface_energy };
+    let (low, high) = branch.extent();
+    let points = (0..=POINTS).map(|i| {
+        let u0 = low + (high - low) * i as f64 / POINTS as f64;
+        [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]
+    });
+    Ok(Branch { range: units.reduce(model.law.range), points: points.collect() })
+}
+
+/// Largest deviation of p~ from the curve without range over [`COMPARED`].
+fn deviation(branch: &Branch) -> f64 {
+    let [low, high] = COMPARED;
+    let compared = branch.points.iter().filter(|p| (low..=high).contains(&p[0]));
+    let deviation = |p: &[f64; 2]| circular::dimple().at(p[0], Part::Stable).map_or(f64::NAN, |s| (p[1] - s.pressure).abs());
+    compared.map(deviation).fold(f64::NAN, f64::max)
+}
+
+/// p~ next to the fold of the radial dimple, to leading order: p_c~ + c sqrt(u_c~ - u~), c from the curve itself.
+fn critical(fold: circular::State) -> Vec<[f64; 2]> {
+    let step = 1e-3;
+    let [before, after] = [-step, step].map(|d| circular::dimple().state(fold.size + d));
+    let bend = (before.displacement - 2.0 * fold.displacement + after.displacement) / (step * step);
+    let slope = (after.pressure - before.pressure) / (2.0 * step);
+    let c = -slope * (-2.0 / bend).sqrt();
+    let near = (0..=POINTS).map(|i| 0.1 * (i as f64 / POINTS as f64).powi(2));
+    near.map(|d| [fold.displacement - d, fold.pressure + c * d.sqrt()]).collect()
+}
+
+fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
+    let (small, large) = (scenes::figure_2(), scenes::figure_3());
+    let wide = dimple(&small, 64, &mut task.part(0.0, 0.1))?;
+    let narrow = dimple(&large, task.choose(192, 256), &mut task.part(0.1, 1.0))?;
+    let pattern = circular::dimple();
+    let (fold, ellipse) = (pattern.fold(), pattern.elliptic_limit());
+    let sizes = (1..=POINTS).map(|i| 0.02 + (fold.size - 0.02) * i as f64 / POINTS as f64);
+    let exact = sizes.map(|size| pattern.state(size)).map(|s| [s.displacement, s.pressure]).collect();
+    let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
+    let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
+    let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
+    let symbols = |branch: &Branch, symbol, colour| Series {
+        name: format!("ρ̃ = {:.4}", branch.range),
+        role: Role::Simulation,
+        symbol: Some(symbol),
+        colour,
+        points: branch.points.iter().step_by(POINTS / 25).copied().collect(),
+    };
+    let panel = Panel {
+        x: Axis::linear("reduced displacement ũ₀").from_to(0.0, 0.5),
+        y: Axis::linear("reduced pressure p̃").from_to(-0.9, 0.0),
+        series: vec![
+            line("no range, stable until the fold", Role::Theory, Colour::Ink, exact),
+            line("small dimples, Eq. 29 corrected (1.793 ũ₀)", Role::Theory, Colour::Blue, power(asymptotes::dimple_pressure)),
+            line(
+                "small dimples, Eq. 29 as printed (4 ũ₀/3)",
+                Role::Printed,
+                Colour::Blue,
+                power(asymptotes::dimple_pressure_printed),
+            ),
+            line("next to the fold", Role::Theory, Colour::Orange, critical(fold)),
+            symbols(&wide, Symbol::Circle, Colour::Green),
+            symbols(&narrow, Symbol::Square, Colour::Red),
+        ],
+        ..Panel::default()
+    };
+    let (far, near) = (deviation(&wide), deviation(&narrow));
+    let [low, high] = COMPARED;
+    let end = |branch: &Branch| branch.points.last().map_or(f64::NAN, |p| p[0]);
+    let finding = |quantity: String, found, expected, source: &str, tolerance| Finding {
+        quantity,
+        found,
+        expected,
+        source: source.to_owned(),
+        tolerance,
+    };
+    let findings = vec![
+        finding(format!("largest |p̃ - exact| on {low} < ũ₀ < {high}, ρ̃ = {:.4}", wide.range), far, 0.0, "no range", None),
+        finding(
+            format!("the same, ρ̃ = {:.4}: less than three quarters of it", narrow.range),
+            near,
+            0.0,
+            "no range",
+            Some(0.75 * far),
+        ),
+        finding(
+            format!("ũ₀ where the dimple ends, ρ̃ = {:.4}", narrow.range),
+            end(&narrow),
+            ellipse.displacement,
+            "it stretches, no range",
+            None,
+        ),
+        finding(
+            "ũ₀ of the fold of a round dimple".to_owned(),
+            fold.displacement,
+            0.4891,
+            "radial fold, boundary elements",
+            Some(2e-4),
+        ),
+    ];
+    let words = format!(
+        "The dimple's pressure against displacement in reduced units, where an adhesion without range has one curve for all cells. It \
+         is left by at most {far:.3} (ρ̃ = {:.4}) and {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow \
+         p̃ = -(1.7930 ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its fold at ũ₀ = {:.4}, but \
+         stretches already at {:.3}; with range it ends at {:.3} and {:.3}.",
+        wide.range,
+        narrow.range,
+        fold.displacement,
+        ellipse.displacement,
+        end(&wide),
+        end(&narrow),
+    );
+    Ok(Figure { number: 10, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+}

@@ -1,0 +1,248 @@
+//! One diagram: frame and ticks, areas, curves, symbols, arrows, words, and the pictures inside it.
+
+use super::axis::Scale;
+use super::clip::{self, Sides};
+use super::legend::Legend;
+use super::marks::{GRID, INK, PAPER, ZERO, head, shade, stroke, symbol};
+use super::sheet::{Anchor, Mark, Place, Sheet, Stroke, frame, rectangle, set, width};
+use crate::paper::figure::{Area, Arrow, Axis, Content, Inset, Panel, Role, Series};
+use crate::storage::picture::{self, common_scale, gap_pixels};
+
+/// Sizes of letters: ticks, names of axes, headings, words in the diagram.
+const TICK: f64 = 12.5;
+const NAME: f64 = 14.5;
+const HEADING: f64 = 14.5;
+const WORD: f64 = 12.5;
+
+/// A diagram placed on the sheet.
+struct Plot<'a> {
+    panel: &'a Panel,
+    x: Scale,
+    y: Scale,
+    /// Left, top, right, bottom of the frame.
+    sides: Sides,
+    /// 1 in a diagram of full size.
+    size: f64,
+}
+
+/// Draws a diagram into a place given by left, top, right, bottom, with its `legend` beneath it in a strip `room` high.
+pub(super) fn draw(sheet: &mut Sheet, panel: &Panel, heading: &str, place: Sides, (legend, room): (&Legend, f64), size: f64) {
+    let [left, top, right, bottom] = place;
+    let (x, y) = scales(panel);
+    let labels = y.ticks().0.into_iter().filter_map(|tick| tick.label);
+    let widest = labels.map(|label| width(&set(&label), TICK * size)).fold(0.0, f64::max);
+    let named = |axis: &Axis| if axis.label.is_empty() { 0.0 } else { (NAME + 8.0) * size };
+    let above = if heading.is_empty() { 8.0 * size } else { (HEADING + 14.0) * size };
+    let inside = [
+        left + widest + 12.0 * size + named(&panel.y),
+        top + above,
+        right - 12.0 * size,
+        bottom - (TICK + 12.0) * size - named(&panel.x) - room,
+    ];
+    let plot = Plot { panel, x, y, sides: inside, size };
+    if !heading.is_empty() {
+        sheet.words([inside[0], top + 0.5 * above], &set(heading), HEADING * size, INK, Anchor::Start);
+    }
+    plot.axes(sheet, left);
+    plot.contents(sheet);
+    let beneath = inside[3] + (TICK + 12.0) * size + named(&panel.x);
+    legend.draw(sheet, [left + 6.0 * size, beneath], right - left - 12.0 * size);
+}
+
+/// Every place that must be seen.
+fn data(panel: &Panel) -> impl Iterator<Item = Place> + '_ {
+    let points = panel.series.iter().flat_map(|s| s.points.iter().copied());
+    let areas = panel.areas.iter().flat_map(|a| a.spans.iter().flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]));
+    let arrows = panel.arrows.iter().flat_map(|a| [a.tail, a.head]);
+    points.chain(areas).chain(arrows).chain(panel.labels.iter().map(|label| label.at))
+}
+
+/// Both scales; where one axis is given, only what it shows counts for the other.
+fn scales(panel: &Panel) -> (Scale, Scale) {
+    let given = panel.y.range.map(|_| Scale::new(&panel.y, std::iter::empty()));
+    let seen = |p: &Place| given.is_none_or(|y| y.shows(p[1]));
+    let x = Scale::new(&panel.x, data(panel).filter(seen).map(|p| p[0]));
+    let y = Scale::new(&panel.y, data(panel).filter(|p| x.shows(p[0])).map(|p| p[1]));
+    (x, y)
+}
+
+impl Plot<'_> {
+    fn place(&self, [x, y]: Place) -> Option<Place> {
+        let [left, top, right, bottom] = self.sides;
+        Some([left + self.x.place(x)? * (right - left), bottom - self.y.place(y)? * (bottom - top)])
+    }
+
+    fn axes(&self, sheet: &mut Sheet, outer: f64) {
+        let [left, top, right, bottom] = self.sides;
+        let size = self.size;
+        let (xs, x_factor) = self.x.ticks();
+        let (ys, y_factor) = self.y.ticks();
+        let at_x = |share: f64| left + share * (right - left);
+        let at_y = |share: f64| bottom - share * (bottom - top);
+        for tick in xs.iter().filter(|tick| tick.label.is_some()) {
+            sheet.line([[at_x(tick.at), top], [at_x(tick.at), bottom]], Stroke::solid(GRID, size));
+        }
+        for tick in ys.iter().filter(|tick| tick.label.is_some()) {
+            sheet.line([[left, at_y(tick.at)], [right, at_y(tick.at)]], Stroke::solid(GRID, size));
+        }
+        if let Some(zero) = self.y.zero() {
+            sheet.line([[left, at_y(zero)], [right, at_y(zero)]], Stroke::solid(ZERO, size));
+        }
+        let stroke = Stroke::solid(INK, size);
+        for tick in &xs {
+            let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
+            sheet.line([[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]], stroke);
+            if let Some(label) = &tick.label {
+                sheet.words([at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size], &set(label), TICK * size, INK, Anchor::Middle);
+            }
+        }
+        for tick in &ys {
+            let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
+            sheet.line([[left, at_y(tick.at)], [left + long, at_y(tick.at)]], stroke);
+            if let Some(label) = &tick.label {
+                sheet.words([left - 6.0 * size, at_y(tick.at)], &set(label), TICK * size, INK, Anchor::End);
+            }
+        }
+        let named = |axis: &Axis, factor: i32| match (axis.label.as_str(), factor) {
+            (label, 0) => label.to_owned(),
+            (label, factor) => format!("{label}  (×10^{{{}}})", factor.to_string().replace('-', "\u{2212}")),
+        };
+        let below = bottom + (12.0 + TICK + 0.5 * NAME) * size;
+        let name = |text: &str, room: f64| {
+            let runs = set(text);
+            let fits = (room / width(&runs, NAME * size)).min(1.0);
+            (runs, NAME * size * fits)
+        };
+        let (runs, letters) = name(&named(&self.panel.x, x_factor), right - outer);
+        sheet.words([0.5 * (left + right), below], &runs, letters, INK, Anchor::Middle);
+        let (runs, letters) = name(&named(&self.panel.y, y_factor), 1.1 * (bottom - top));
+        sheet.upright([outer + (0.5 * NAME + 2.0) * size, 0.5 * (top + bottom)], &runs, letters, INK);
+        sheet.line(frame(self.sides), stroke);
+    }
+
+    fn contents(&self, sheet: &mut Sheet) {
+        for area in &self.panel.areas {
+            self.area(sheet, area);
+        }
+        // What is thin lies on what is broad, and symbols on both.
+        for role in [Role::Guide, Role::Simulation, Role::Theory, Role::Printed] {
+            for series in self.panel.series.iter().filter(|s| s.role == role && s.symbol.is_none()) {
+                self.line(sheet, series);
+            }
+        }
+        for series in &self.panel.series {
+            if let Some(shape) = series.symbol {
+                let shown = series.points.iter().filter(|p| self.x.shows(p[0]) && self.y.shows(p[1]));
+                for at in shown.filter_map(|p| self.place(*p)) {
+                    symbol(sheet, shape, at, series.colour, 4.5 * self.size);
+                }
+            }
+        }
+        for arrow in &self.panel.arrows {
+            self.arrow(sheet, arrow);
+        }
+        for inset in &self.panel.insets {
+            self.inset(sheet, inset);
+        }
+        for label in &self.panel.labels {
+            if let Some([x, y]) = self.place(label.at) {
+                let runs = set(&label.text);
+                let (half, high) = (0.5 * width(&runs, WORD * self.size) + 2.0, 0.62 * WORD * self.size);
+                let clear = clip::polygon(&rectangle([x - half, y - high, x + half, y + high]), self.sides);
+                sheet.fill(clear, PAPER, 0.7);
+                sheet.words([x, y], &runs, WORD * self.size, INK, Anchor::Middle);
+            }
+        }
+    }
+
+    fn line(&self, sheet: &mut Sheet, series: &Series) {
+        let stroke = stroke(series.role, series.colour, self.size);
+        for mut piece in clip::line(series.points.iter().map(|p| self.place(*p)), self.sides) {
+            thin(&mut piece);
+            sheet.line(piece, stroke);
+        }
+    }
+
+    fn area(&self, sheet: &mut Sheet, area: &Area) {
+        for piece in area.spans.split(|span| !span.iter().all(|v| v.is_finite())) {
+            let edge = |k: usize| piece.iter().filter_map(move |span| self.place([span[0], span[k]]));
+            let mut outline: Vec<Place> = edge(1).collect();
+            let mut upper: Vec<Place> = edge(2).collect();
+            upper.reverse();
+            outline.append(&mut upper);
+            let shape = clip::polygon(&outline, self.sides);
+            if shape.len() > 2 {
+                sheet.fill(shape, shade(area.colour), 0.45);
+            }
+        }
+    }
+
+    fn arrow(&self, sheet: &mut Sheet, arrow: &Arrow) {
+        let (Some(tail), Some(tip)) = (self.place(arrow.tail), self.place(arrow.head)) else { return };
+        let Some((a, b)) = clip::segment(tail, tip, self.sides) else { return };
+        let colour = shade(arrow.colour);
+        let dash = arrow.dashed.then_some([4.0 * self.size, 3.0 * self.size]);
+        sheet.line([a, b], Stroke { colour, width: 1.3 * self.size, dash });
+        if b == tip {
+            head(sheet, a, b, colour, self.size);
+        }
+    }
+
+    /// One scale of colours for all maps of the diagram, so that they can be compared.
+    fn gap_scale(&self) -> picture::Scale {
+        common_scale(self.panel.insets.iter().filter_map(|inset| match &inset.content {
+            Content::Map { gap, .. } => Some(gap),
+            Content::Diagram(_) => None,
+        }))
+    }
+
+    fn inset(&self, sheet: &mut Sheet, inset: &Inset) {
+        let [left, top, right, bottom] = self.sides;
+        let [x, y, w, h] = inset.place;
+        let (wide, high) = (w * (right - left), h * (bottom - top));
+        let (left, top) = (left + x * (right - left), bottom - y * (bottom - top) - high);
+        match &inset.content {
+            Content::Diagram(panel) => {
+                let sides = [left, top, left + wide, top + high];
+                sheet.fill(rectangle(sides), PAPER, 0.9);
+                let size = 0.8 * self.size;
+                let legend = Legend::of(panel, size);
+                let room = legend.height(wide - 12.0 * size);
+                draw(sheet, panel, &panel.title, sides, (&legend, room), size);
+            }
+            Content::Map { letter, gap } => {
+                let image = gap_pixels(gap, self.gap_scale());
+                let (columns, rows) = (f64::from(image.width().max(1)), f64::from(image.height().max(1)));
+                // A square cell is a square; a line cell fills its place.
+                let scale = (wide / columns).min(high / rows);
+                let (wide, high) = if rows == 1.0 { (wide, high) } else { (columns * scale, rows * scale) };
+                sheet.marks.push(Mark::Picture { place: [left, top, wide, high], image });
+                sheet.line(frame([left, top, left + wide, top + high]), Stroke::solid(INK, self.size));
+                let runs = set(letter);
+                let room = width(&runs, WORD * self.size) + 6.0 * self.size;
+                if !letter.is_empty() {
+                    let tall = 1.3 * WORD * self.size;
+                    sheet.fill(rectangle([left, top, left + room, top + tall]), PAPER, 1.0);
+                    sheet.line(frame([left, top, left + room, top + tall]), Stroke::solid(INK, 0.7 * self.size));
+                    sheet.words([left + 0.5 * room, top + 0.5 * tall], &runs, WORD * self.size, INK, Anchor::Middle);
+                }
+            }
+        }
+    }
+}
+
+/// Drops points that nobody can see beside their neighbours.
+fn thin(piece: &mut Vec<Place>) {
+    const NEAR: f64 = 0.15;
+    let last = piece.len() - 1;
+    let mut kept = [f64::INFINITY; 2];
+    let mut i = 0;
+    piece.retain(|p| {
+        let keep = i == 0 || i == last || (p[0] - kept[0]).abs().max((p[1] - kept[1]).abs()) > NEAR;
+        if keep {
+            kept = *p;
+        }
+        i += 1;
+        keep
+    });
+}

@@ -1,0 +1,209 @@
+//! Figures made up for the purpose: drawn, written, and looked into.
+
+use super::*;
+use crate::paper::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Label, Role, Series, Symbol};
+use ndarray::Array2;
+
+fn series(name: &str, role: Role, symbol: Option<Symbol>, colour: Colour, curve: impl Fn(f64) -> [f64; 2]) -> Series {
+    let count = if symbol.is_some() { 12 } else { 200 };
+    let points = (0..=count).map(|i| curve(f64::from(i) / f64::from(count))).collect();
+    Series { name: name.to_owned(), role, symbol, colour, points }
+}
+
+fn bump() -> Array2<f64> {
+    Array2::from_shape_fn((24, 24), |(j, i)| {
+        let (x, y) = (i as f64 / 12.0 - 1.0, j as f64 / 12.0 - 1.0);
+        3.0 * (-4.0 * (x * x + y * y)).exp()
+    })
+}
+
+/// A loop with areas, arrows, labels, maps and a diagram inside.
+fn loop_panel() -> Panel {
+    let inner = Panel {
+        x: Axis::linear("t"),
+        y: Axis::linear("s"),
+        series: vec![series("", Role::Theory, None, Colour::Purple, |t| [t, t * t])],
+        ..Panel::default()
+    };
+    Panel {
+        title: "a loop: gamma_hys".to_owned(),
+        x: Axis::linear("mean displacement u0/rho").from_to(0.0, 4.0),
+        y: Axis::linear("pressure p/sigma_max"),
+        areas: vec![Area {
+            name: "lost energy".to_owned(),
+            colour: Colour::Gold,
+            spans: (0..=50).map(|i| 1.0 + f64::from(i) / 25.0).map(|x| [x, -0.3 * x, 0.2 * x]).collect(),
+        }],
+        series: vec![
+            series("approach", Role::Simulation, None, Colour::Blue, |t| [5.0 * t, -t]),
+            series("retraction", Role::Simulation, None, Colour::Red, |t| [4.0 * t, t * t - 0.5]),
+            series("flat state", Role::Guide, None, Colour::Grey, |t| [4.0 * t, 0.4 * (9.0 * t).sin()]),
+        ],
+        arrows: vec![
+            Arrow { tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, dashed: false },
+            Arrow { tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, dashed: true },
+        ],
+        labels: vec![Label { at: [2.0, -0.8], text: "ridge, p~ = -(4/pi)^{1/3} u~^{2/3}".to_owned() }],
+        insets: vec![
+            Inset { place: [0.02, 0.72, 0.2, 0.25], content: Content::Map { letter: "a".to_owned(), gap: bump() } },
+            Inset { place: [0.62, 0.6, 0.36, 0.38], content: Content::Diagram(Box::new(inner)) },
+        ],
+    }
+}
+
+/// Every role and symbol over logarithmic axes, leaving the frame.
+fn power_panel() -> Panel {
+    let symbols = [Symbol::Circle, Symbol::Square, Symbol::Diamond, Symbol::Triangle, Symbol::Cross, Symbol::Dot];
+    let colours = [Colour::Ink, Colour::Green, Colour::Orange, Colour::Purple, Colour::Teal, Colour::Blue];
+    let law = |factor: f64| move |t: f64| [10f64.powf(4.0 * t - 2.0), factor * 10f64.powf(8.0 * t / 3.0 - 6.0)];
+    let mut list = vec![
+        series("exact, vhat(alpha)", Role::Theory, None, Colour::Ink, law(1.0)),
+        series("as printed", Role::Printed, None, Colour::Ink, law(3.0)),
+        series("slope 2/3", Role::Guide, None, Colour::Grey, law(30.0)),
+    ];
+    for (i, (symbol, colour)) in symbols.into_iter().zip(colours).enumerate() {
+        let name = format!("n = {}", 64 << i);
+        list.push(series(&name, Role::Simulation, Some(symbol), colour, law(0.8 / (i + 1) as f64)));
+    }
+    Panel {
+        x: Axis::logarithmic("u~"),
+        y: Axis::logarithmic("energy per area v/(E* u_0^2/L)").from_to(1e-6, 1e-3),
+        series: list,
+        ..Panel::default()
+    }
+}
+
+fn single() -> Figure {
+    Figure { number: 98, title: "All that can be drawn <&>".to_owned(), panels: vec![loop_panel()], ..Figure::default() }
+}
+
+fn several(count: usize) -> Figure {
+    let panels = (0..count).map(|i| if i % 2 == 0 { loop_panel() } else { power_panel() }).collect();
+    Figure { number: 99, title: "Several diagrams".to_owned(), panels, ..Figure::default() }
+}
+
+#[test]
+fn figures_become_svg_and_png_twice_the_same() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // A folder to look at the pictures: TACKSCOPE_LOOK=/tmp/look cargo test figures_become.
+    let kept = std::env::var_os("TACKSCOPE_LOOK").map(std::path::PathBuf::from);
+    let out = kept.as_deref().unwrap_or(folder.path());
+    for (name, figure) in [("one", single()), ("two", several(2)), ("five", several(5))] {
+        let (svg, png) = (out.join(format!("{name}.svg")), out.join(format!("{name}.png")));
+        write_figure_svg(&svg, &figure).expect("an SVG");
+        write_figure_png(&png, &figure).expect("a PNG");
+        let text = std::fs::read_to_string(&svg).expect("text");
+        assert_eq!(text, figure_svg(&figure));
+        assert!(text.contains("lost energy") && text.contains("data:image/png;base64,") && text.contains("γ"), "{name}");
+        let picture = image::open(&png).expect("a picture").into_rgb8();
+        assert!(picture.width() >= 1600, "{:?}", picture.dimensions());
+        let red = picture.pixels().filter(|p| p.0[0] > 150 && p.0[2] < 150 && p.0[1] < 150).count();
+        let bytes = std::fs::read(&png).expect("bytes");
+        write_figure_png(&png, &figure).expect("a PNG");
+        assert!(red > 500 && std::fs::read(&png).expect("bytes") == bytes, "{name}: {red} red pixels");
+    }
+}
+
+#[test]
+fn nothing_is_drawn_outside_the_frame_of_a_diagram() {
+    let mut figure = Figure { number: 1, panels: vec![power_panel()], ..Figure::default() };
+    figure.panels[0].series.retain(|s| s.symbol.is_none());
+    for s in &mut figure.panels[0].series {
+        s.name.clear();
+    }
+    let sheet = figure_sheet(&figure);
+    let lines = |width: f64| {
+        sheet.marks.iter().filter_map(move |mark| match mark {
+            sheet::Mark::Line { points, stroke } if stroke.width == width => Some(points),
+            _ => None,
+        })
+    };
+    // The frame is the only closed outline.
+    let frame = lines(1.0).find(|points| points.len() == 5 && points[0] == points[4]).expect("a frame");
+    let (low, high) = (frame[0], frame[2]);
+    let mut seen = 0;
+    for p in lines(1.5).chain(lines(1.7)).chain(lines(0.8)).flatten() {
+        seen += 1;
+        assert!((0..2).all(|k| p[k] >= low[k] - 1e-9 && p[k] <= high[k] + 1e-9), "{p:?} outside {low:?} {high:?}");
+    }
+    assert!(seen > 200);
+}
+
+#[test]
+fn roles_differ_without_colour() {
+    let text = figure_svg(&Figure { panels: vec![power_panel()], ..Figure::default() });
+    let of = |colour: &str, what: &str| text.lines().filter(|l| l.contains(colour) && l.contains(what)).count();
+    assert!(of("#222222", "stroke-dasharray") >= 2, "the printed curve and its sample in the legend");
+    assert!(of("#222222", "stroke-width=\"1.5\"") >= 2 && of("#8c8c8c", "stroke-width=\"0.8\"") >= 2);
+}
+
+#[test]
+fn broken_numbers_and_empty_figures_are_drawn_too() {
+    let mut panel = loop_panel();
+    panel.series[0].points[3] = [f64::NAN, 1.0];
+    panel.series[1].points[5] = [1.0, f64::INFINITY];
+    panel.areas[0].spans[7] = [f64::NAN; 3];
+    panel.arrows[0].head = [f64::NAN, 0.0];
+    panel.insets.push(Inset {
+        place: [0.0, 0.0, 0.1, 0.1],
+        content: Content::Map { letter: String::new(), gap: Array2::from_elem((1, 4), f64::NAN) },
+    });
+    panel.x = Axis::logarithmic("x");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (i, panels) in [vec![], vec![Panel::default()], vec![panel]].into_iter().enumerate() {
+        let figure = Figure { panels, title: "bell \u{7}".to_owned(), ..Figure::default() };
+        assert!(!figure_svg(&figure).contains(['\u{7}']) && !figure_svg(&figure).contains("NaN"));
+        write_figure_png(&folder.path().join(format!("{i}.png")), &figure).expect("a picture");
+    }
+}
+
+#[test]
+fn the_csv_has_a_row_for_every_point_and_a_matrix_for_every_map() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("figure-98.csv");
+    write_figure_csv(&path, &single()).expect("a CSV");
+    let text = std::fs::read_to_string(&path).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "# Fig. 98: All that can be drawn <&>");
+    assert_eq!(lines[1], "# panel a: x = mean displacement u0/rho, y = pressure p/sigma_max: a loop: gamma_hys");
+    assert_eq!(lines[3], FIGURE_COLUMNS);
+    let count = |part: &str| lines.iter().filter(|line| line.starts_with(part)).count();
+    assert_eq!(
+        ["a,approach,simulation,", "a,flat state,guide,", "a,lost energy,area,", "a inset 1,"].map(count),
+        [201, 201, 51, 201]
+    );
+    assert!(lines.contains(&"a,retraction,arrow,3.0,0.3,2.6,-0.4"));
+    let matrix = std::fs::read_to_string(folder.path().join("figure-98-a-map-a.csv")).expect("a matrix");
+    let rows: Vec<Vec<f64>> = matrix.lines().map(|l| l.split(',').map(|c| c.parse().expect("a number")).collect()).collect();
+    assert_eq!((rows.len(), rows[3][5]), (24, bump()[[3, 5]]));
+}
+
+#[test]
+fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = |name: &str| folder.path().join(name);
+    let cells = |cells: &[&str]| cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>();
+    let table = Table {
+        number: 1,
+        title: "values of mu_rho".to_owned(),
+        columns: cells(&["author", "mu_rho"]),
+        rows: vec![cells(&["Hillerborg, 1976", "0.5"]), cells(&["Hui", "1.09"])],
+        ..Table::default()
+    };
+    write_table_csv(&out("t.csv"), &table).expect("a CSV");
+    let csv = std::fs::read_to_string(out("t.csv")).expect("text");
+    assert_eq!(csv, "# Table 1: values of mu_rho\nauthor,mu_rho\n\"Hillerborg, 1976\",0.5\nHui,1.09\n");
+    write_table_svg(&out("t.svg"), &table).expect("an SVG");
+    assert!(std::fs::read_to_string(out("t.svg")).expect("text").contains("Hillerborg, 1976"));
+    write_table_png(&out("t.png"), &table).expect("a PNG");
+    assert!(image::open(out("t.png")).expect("a picture").width() >= 1600);
+    let finding =
+        |found, tolerance| Finding { quantity: "p".to_owned(), found, expected: 1.0, source: "Eq. 8".to_owned(), tolerance };
+    let findings = [finding(1.25, Some(0.5)), finding(3.0, Some(0.5)), finding(2.0, None)];
+    write_findings_csv(&out("f.csv"), findings.iter().map(|f| ("Fig. 4".to_owned(), f))).expect("a CSV");
+    let csv = std::fs::read_to_string(out("f.csv")).expect("text");
+    assert_eq!(
+        csv.lines().skip(1).collect::<Vec<_>>(),
+        ["Fig. 4,p,1.25,1.0,Eq. 8,0.25,0.5,yes", "Fig. 4,p,3.0,1.0,Eq. 8,2.0,0.5,no", "Fig. 4,p,2.0,1.0,Eq. 8,1.0,,stated"]
+    );
+}
