@@ -123,7 +123,7 @@ fn at_mu_rho_one_the_mesh_adds_dozens_of_small_jumps_and_the_ledger_still_closes
 
 #[test]
 fn deep_compression_stays_finite_and_follows_periodic_jkr() {
-    // Pressed in by a twelfth of the radius, with force twelve times that of pull-off: the contact fills half of the cell's width.
+    // Twice as deep as zero load.
     let mut scene = scenes::tip(32, 0.5);
     scene.drive.turn = Turn::At(-0.03);
     let run = run(&scene, Reduction::Quarter);

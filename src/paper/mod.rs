@@ -8,10 +8,14 @@ pub mod figure;
 mod figure_02;
 mod figure_03;
 mod figure_04;
+mod figure_05;
+mod figure_06;
+mod figure_09;
 mod figure_10;
 mod figure_12;
 mod figure_13;
 mod flat_loop;
+mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;
@@ -38,8 +42,17 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] =
-    &[figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_10::ENTRY, figure_12::ENTRY, figure_13::ENTRY];
+pub const GALLERY: &[Entry] = &[
+    figure_02::ENTRY,
+    figure_03::ENTRY,
+    figure_04::ENTRY,
+    figure_05::ENTRY,
+    figure_06::ENTRY,
+    figure_09::ENTRY,
+    figure_10::ENTRY,
+    figure_12::ENTRY,
+    figure_13::ENTRY,
+];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
 const LONG: [usize; 3] = [13, 12, 3];

@@ -32,6 +32,11 @@ pub fn figure_3() -> Scene {
     flat("Fig. 3: a longer cell, no bulge", 1024.0, Points::Square(256), 9.0, 0.2, 0.04)
 }
 
+/// The ridge alone, as the preset `ridge-line`: fields uniform along y.
+pub fn ridge_line() -> Scene {
+    flat("A line cell: only the ridge", 256.0, Points::Line(256), 4.4, 0.2, 0.02)
+}
+
 /// gamma of the tip in units of E* R.
 pub const TIP_SURFACE_ENERGY: f64 = 0.5859e-3;
 
@@ -44,8 +49,8 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         cell: Cell { length: 1.0, points: Points::Square(points) },
         law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
         indenter: Indenter::Hertz { radius: 1.0 },
-        // JKR lets go at 0.0113; a mesh that traps the edge of the contact holds on for longer.
-        drive: Drive { start: 0.012 + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.3 * range },
+        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
+        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.3 * range },
         accuracy: 0.01,
         seed: 1,
     }

@@ -6,7 +6,7 @@ use super::legend::Legend;
 use super::marks::{GRID, INK, PAPER, ZERO, head, shade, stroke, symbol};
 use super::sheet::{Anchor, Mark, Place, Sheet, Stroke, frame, rectangle, set, width};
 use crate::paper::figure::{Area, Arrow, Axis, Content, Inset, Panel, Role, Series};
-use crate::storage::picture::{common_scale, gap_pixels};
+use crate::storage::picture::{self, common_scale, gap_pixels};
 
 /// Sizes of letters: ticks, names of axes, headings, words in the diagram.
 const TICK: f64 = 12.5;
@@ -188,6 +188,14 @@ impl Plot<'_> {
         }
     }
 
+    /// One scale of colours for all maps of the diagram, so that they can be compared.
+    fn gap_scale(&self) -> picture::Scale {
+        common_scale(self.panel.insets.iter().filter_map(|inset| match &inset.content {
+            Content::Map { gap, .. } => Some(gap),
+            Content::Diagram(_) => None,
+        }))
+    }
+
     fn inset(&self, sheet: &mut Sheet, inset: &Inset) {
         let [left, top, right, bottom] = self.sides;
         let [x, y, w, h] = inset.place;
@@ -203,7 +211,7 @@ impl Plot<'_> {
                 draw(sheet, panel, &panel.title, sides, (&legend, room), size);
             }
             Content::Map { letter, gap } => {
-                let image = gap_pixels(gap, common_scale([gap]));
+                let image = gap_pixels(gap, self.gap_scale());
                 let (columns, rows) = (f64::from(image.width().max(1)), f64::from(image.height().max(1)));
                 // A square cell is a square; a line cell fills its place.
                 let scale = (wide / columns).min(high / rows);
