@@ -56,7 +56,7 @@ fn panel(title: &str, loops: &[&Tip]) -> Panel {
     Panel {
         title: title.to_owned(),
         x: Axis::linear("displacement u₀/R").from_to(-0.0145, end + 0.002),
-        y: Axis::linear("force F/F_pull,JKR"),
+        y: Axis::linear("force F/F_{pull,JKR}"),
         series,
         ..Panel::default()
     }

@@ -36,8 +36,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let periodic = tips::periodic();
     let references = [periodic.pull_off().force / TIP.pull_off_force(), periodic.dissipation() / TIP.dissipation()];
     let panels = vec![
-        panel("(a) pull-off force", "F_pull/F_pull,JKR", references[0], &tips, |tip| tip.pull_off),
-        panel("(b) dissipated energy", "V_hys/V_hys,JKR", references[1], &tips, |tip| tip.released),
+        panel("(a) pull-off force", "F_pull/F_{pull,JKR}", references[0], &tips, |tip| tip.pull_off),
+        panel("(b) dissipated energy", "V_hys/V_{hys,JKR}", references[1], &tips, |tip| tip.released),
     ];
     let words = format!(
         "Largest tensile force and energy lost in a loop to zero load and back, over those of JKR, against the mesh over the critical \
@@ -68,7 +68,7 @@ fn panel(title: &str, y: &str, reference: f64, tips: &[Tip], pick: fn(&Tip) -> f
         let points = mine.map(|tip| [1.0 / (tip.points as f64 * radius), pick(tip)]).collect();
         series.push(Series { name: format!("mu_rho = {mu}"), role: Role::Simulation, colour, symbol: Some(symbol), points });
     }
-    Panel { title: title.to_owned(), x: Axis::logarithmic("Delta a/a_c"), y: Axis::linear(y), series, ..Panel::default() }
+    Panel { title: title.to_owned(), x: Axis::logarithmic("Δa/a_c"), y: Axis::linear(y), series, ..Panel::default() }
 }
 
 fn findings(tips: &[Tip], [force, loss]: [f64; 2]) -> Vec<Finding> {
@@ -81,9 +81,9 @@ fn findings(tips: &[Tip], [force, loss]: [f64; 2]) -> Vec<Finding> {
     state("F_pull of JKR in the cell over that without images".to_owned(), force, 1.0041178, "boundary elements", Some(1e-6));
     state("V_hys of JKR in the cell over that without images".to_owned(), loss, 0.8210066, "boundary elements", Some(1e-6));
     let worst = tips.iter().map(|tip| (tip.integral - tip.released).abs()).fold(0.0, f64::max);
-    state("largest |loop integral - sum of releases|/V_hys,JKR".to_owned(), worst, 0.0, "energy ledger", Some(1e-3));
+    state("largest |loop integral - sum of releases|/V_{hys,JKR}".to_owned(), worst, 0.0, "energy ledger", Some(1e-3));
     let least = tips.iter().flat_map(|tip| &tip.jumps).fold(0.0, |least: f64, jump| least.min(*jump));
-    state("most negative release/V_hys,JKR".to_owned(), least, 0.0, "no jump gains energy", Some(0.0));
+    state("most negative release/V_{hys,JKR}".to_owned(), least, 0.0, "no jump gains energy", Some(0.0));
     for mu in [0.5, 0.7] {
         let mine = of(mu);
         let Some(finest) = mine.last() else { continue };

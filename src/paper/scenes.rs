@@ -81,8 +81,8 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         cell: Cell { length: 1.0, points: Points::Square(points) },
         law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
         indenter: Indenter::Hertz { radius: 1.0 },
-        // JKR lets go at 0.0113; a mesh that traps the edge of the contact holds on for longer.
-        drive: Drive { start: 0.012 + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.3 * range },
+        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
+        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.15 * range },
         accuracy: 0.01,
         seed: 1,
     }
