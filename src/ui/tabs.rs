@@ -16,7 +16,7 @@ const TABS: [(Tab, &str, &str); 5] = [
 
 /// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
-    let narrow = ui.available_width() < 390.0;
+    let narrow = ui.available_width() < 480.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for (tab, name, what) in TABS {
