@@ -21,7 +21,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         ui.spacing_mut().item_spacing.x = 2.0;
         for (tab, name, what) in TABS {
             let chosen = state.view.tab == tab;
-            let short = if tab == Tab::Accuracy && narrow { "Accuracy" } else { name };
+            let short = match tab {
+                Tab::Accuracy if narrow => "Accuracy",
+                Tab::EnergyWell if narrow => "Well",
+                _ => name,
+            };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
             response.widget_info(|| WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab")));
             if response.clicked() && !chosen {
