@@ -82,12 +82,19 @@ fn try_figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     if !arguments.quiet {
         say(&closing_words(&harvest, out));
     }
-    let cancelled = harvest.missing.iter().any(|(_, why)| *why == Stopped::Cancelled);
-    if cancelled {
+    let code = exit_code(&harvest.missing);
+    if code == INTERRUPTED {
         eprintln!("tackscope: interrupted; what was computed is in {}", out.display());
-        return Ok(INTERRUPTED);
     }
-    Ok(if harvest.missing.is_empty() { DONE } else { NOT_CONVERGED })
+    Ok(code)
+}
+
+fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
+    match missing {
+        [] => DONE,
+        _ if missing.iter().any(|(_, why)| *why == Stopped::Cancelled) => INTERRUPTED,
+        _ => NOT_CONVERGED,
+    }
 }
 
 /// Computes, and writes each figure as soon as it is there.
@@ -200,4 +207,16 @@ fn write_table(out: &Path, table: &Table) -> Result<(), Failure> {
     paint::write_table_csv(&name("csv"), table)?;
     paint::write_table_svg(&name("svg"), table)?;
     paint::write_table_png(&name("png"), table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_decides_on_the_exit_code() {
+        let failed = (5, Stopped::Failed("no convergence".to_owned()));
+        let codes = [vec![], vec![failed.clone()], vec![failed, (6, Stopped::Cancelled)]].map(|missing| exit_code(&missing));
+        assert_eq!(codes, [0, 3, 130]);
+    }
 }

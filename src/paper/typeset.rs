@@ -74,7 +74,7 @@ pub fn runs(text: &str) -> Vec<Run> {
         } else {
             let end = (i + 1..c.len()).find(|&k| !c[k].is_alphabetic() || !c[i].is_alphabetic()).unwrap_or(c.len());
             let opens = i == 0 || " (=".contains(c[i - 1]);
-            let minus = c[i] == '-' && opens && c.get(i + 1).is_some_and(|next| *next != ' ');
+            let minus = c[i] == '-' && opens && i + 1 < c.len();
             // A sign, where it is no hyphen.
             push(&mut list, &if minus { "\u{2212}".to_owned() } else { words(&c[i..end]) }, Script::Base);
             i = end;
@@ -189,6 +189,7 @@ mod tests {
             ("10^-3", "10<\u{2212}3>"),
             ("p~ = -(4/pi), two-fold", "p\u{303} = \u{2212}(4/π), two-fold"),
             ("E*/L", "E*/L"),
+            ("ln(x) - 8c", "ln(x) \u{2212} 8c"),
             ("vhat(alpha)", "v\u{302}(α)"),
             ("gamma_hys/gamma", "γ[hys]/γ"),
             ("abar", "α\u{304}"),

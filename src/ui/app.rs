@@ -118,7 +118,7 @@ impl App {
             } else {
                 0.62
             };
-            let height = (share * whole).max(230.0);
+            let height = (share * whole).max(if state.view.tab == Tab::Paper { 215.0 } else { 230.0 });
             loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
             ui.separator();
             tabs::show(ui, state, actions, &self.announced.0);

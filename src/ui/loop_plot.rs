@@ -207,11 +207,14 @@ fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
 /// What theory says of this scene, thin, with its names on the curves.
 fn theory(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let bounds = plot.plot_bounds();
+    // Names stand on different parts of curves that lie close together.
+    let shares = [("ridge", 0.3), ("dimple", 0.6), ("bulge", 0.9)];
     for (name, points) in state.overlay() {
-        plot.line(line("theory", &points, palette.now, 1.2).allow_hover(false));
+        plot.line(line("theory", &points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
         let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > bounds.min()[k] && p[k] < bounds.max()[k]);
         let seen: Vec<&[f64; 2]> = points.iter().filter(inside).collect();
-        if let (Some(at), true) = (seen.get(2 * seen.len() / 3), name != "flat") {
+        let share = shares.iter().find(|(known, _)| *known == name).map(|(_, share)| share * seen.len() as f64);
+        if let Some(at) = share.and_then(|index| seen.get(index as usize)) {
             let word = Text::new("theory", PlotPoint::new(at[0], at[1]), RichText::new(format!(" {name}, theory")).small());
             plot.text(word.color(palette.now).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
         }

@@ -15,7 +15,8 @@ use egui::{Context, ProgressBar, RichText, Role, ScrollArea, Ui, WidgetInfo};
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     pages(ui, state, actions);
-    ScrollArea::vertical().auto_shrink([false, false]).id_salt("paper").show(ui, |ui| page(ui, state, actions, false));
+    buttons(ui, state, actions, false);
+    ScrollArea::vertical().auto_shrink([false, false]).id_salt("paper").show(ui, |ui| page(ui, state, actions));
 }
 
 /// The page in a window of its own, if it is open.
@@ -25,10 +26,11 @@ pub fn window(ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
     }
     let mut open = true;
     let room = ctx.content_rect().size();
-    let shown = egui::Window::new("The paper").id(egui::Id::new("paper, large")).open(&mut open).resizable(true);
+    let shown = egui::Window::new("The paper").id(egui::Id::unique("paper, large")).open(&mut open).resizable(true);
     shown.default_size([(0.72 * room.x).min(980.0), 0.8 * room.y - 60.0]).default_pos([0.14 * room.x, 50.0]).show(ctx, |ui| {
         pages(ui, state, actions);
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| page(ui, state, actions, true));
+        buttons(ui, state, actions, true);
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| page(ui, state, actions));
     });
     if !open {
         actions.push(Action::EnlargePage(false));
@@ -61,13 +63,12 @@ fn pages(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
 }
 
-fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: bool) {
+fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let paper = &state.paper;
     if let Some(entry) = paper.entry() {
         let text = ui.visuals().text_color();
         ui.label(RichText::new(format!("Fig. {}: {}", entry.number, entry.title)).strong());
         ui.label(set(entry.look_for, 12.5, text));
-        buttons(ui, state, actions, large);
     }
     progress(ui, state, actions);
     match paper.page {
@@ -88,7 +89,9 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: bool) 
 
 fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: bool) {
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Open this scene").on_hover_text("play this figure by hand (Ctrl+Z brings the old scene back)").clicked() {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let scene = ui.add_enabled(state.paper.entry().is_some(), egui::Button::new("Open this scene"));
+        if scene.on_hover_text("play this figure by hand (Ctrl+Z brings the old scene back)").clicked() {
             actions.push(Action::OpenPageScene);
         }
         let mut overlay = state.paper.overlay;

@@ -71,8 +71,8 @@ fn panel(ui: &mut Ui, panel: &Panel, heading: &str, name: &str, key: (usize, usi
             .auto_bounds(false)
             .show_crosshair(false)
             .y_axis_min_width(30.0)
-            .height((0.66 * width).clamp(150.0, 430.0))
-            .grid_color(text.gamma_multiply(0.45))
+            .height((0.66 * width).min(0.5 * ui.ctx().content_rect().height()).max(150.0))
+            .grid_color(text.gamma_multiply(0.2))
             .x_axis_label(set(&label(&panel.x.label, x_factor), 12.0, text))
             .y_axis_label(set(&label(&panel.y.label, y_factor), 12.0, text))
             .x_grid_spacer(move |_| x_grid.clone())
@@ -161,7 +161,7 @@ fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
     let colours = common_scale(gaps);
     for (i, inset) in panel.insets.iter().enumerate() {
         let Content::Map { letter, gap } = &inset.content else { continue };
-        let store = Id::new("paper maps");
+        let store = Id::unique("paper maps");
         let known = ui.ctx().data_mut(|data| data.get_temp_mut_or_default::<Pictures>(store).get(&(key.0, key.1, i)).cloned());
         let texture = known.unwrap_or_else(|| {
             let image = gap_image(gap, colours);
@@ -181,6 +181,9 @@ fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
         painter.image(texture.id(), rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
         let visuals = ui.visuals();
         painter.rect_stroke(rect, 0.0, egui::Stroke::new(1.0, visuals.text_color()), egui::StrokeKind::Outside);
+        if letter.is_empty() {
+            continue;
+        }
         let galley = painter.layout_no_wrap(letter.clone(), egui::FontId::proportional(11.0), visuals.text_color());
         painter.rect_filled(Rect::from_min_size(rect.min, galley.size() + vec2(4.0, 0.0)), 0.0, visuals.extreme_bg_color);
         painter.galley(rect.min + vec2(2.0, 0.0), galley, visuals.text_color());

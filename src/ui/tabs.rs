@@ -16,12 +16,16 @@ const TABS: [(Tab, &str, &str); 5] = [
 
 /// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
-    let narrow = ui.available_width() < 390.0;
+    let narrow = ui.available_width() < 480.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for (tab, name, what) in TABS {
             let chosen = state.view.tab == tab;
-            let short = if tab == Tab::Accuracy && narrow { "Accuracy" } else { name };
+            let short = match tab {
+                Tab::Accuracy if narrow => "Accuracy",
+                Tab::EnergyWell if narrow => "Well",
+                _ => name,
+            };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
             response.widget_info(|| WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab")));
             if response.clicked() && !chosen {

@@ -40,6 +40,9 @@ fn compute(page: Page, tell: &dyn Fn(PaperNews), leave: &Leave<'_>) -> Result<Pa
             None => Err(Stopped::Failed(format!("there is no Fig. {number}"))),
         },
         Page::Errata => errata(&mut task).map(|list| PaperNews::Errata(Arc::new(list))),
-        Page::Theory => Ok(PaperNews::Theory(Arc::new(ZeroRange::compute()))),
+        Page::Theory => {
+            task.tell(0.0, "curves of zero range")?;
+            Ok(PaperNews::Theory(Arc::new(ZeroRange::compute())))
+        }
     }
 }

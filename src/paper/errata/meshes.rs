@@ -39,7 +39,7 @@ pub(super) fn equation_9() -> Erratum {
         because: "A mesh that obeys Eq. 9 to the letter is unstable on the scale of its own spacing.",
         evidence: vec![
             Evidence {
-                quantity: "mu_rho by Eq. 10 of a Morse law with the range of Eq. 9",
+                quantity: "mu_rho by Eq. 10 of a Morse law with the range of Eq. 9 (the print recommends 0.5)",
                 found: mesh_rule::mu_rho(&morse(range), spacing),
                 printed: mesh_rule::SAFE,
                 right: PI.sqrt(),
