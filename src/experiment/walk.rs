@@ -169,7 +169,11 @@ impl Walk {
             return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
         if even && !model.indenter.is_even() {
-            return Err(refuse("indenter.kind", "\"rough\"", "even ground for a quarter of the cell; rough ground needs the whole"));
+            return Err(refuse(
+                "indenter.kind",
+                "\"rough\"",
+                "even ground for a quarter of the cell; rough ground needs the whole",
+            ));
         }
         let system =
             if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);

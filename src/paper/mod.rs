@@ -37,7 +37,8 @@ pub struct Entry {
 }
 
 /// The figures in the paper's order.
-pub const GALLERY: &[Entry] = &[figure_01::ENTRY, figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_10::ENTRY, figure_14::ENTRY];
+pub const GALLERY: &[Entry] =
+    &[figure_01::ENTRY, figure_02::ENTRY, figure_03::ENTRY, figure_04::ENTRY, figure_10::ENTRY, figure_14::ENTRY];
 
 /// Figures that take longest at full size, the longest first; the others take seconds.
 const LONG: [usize; 2] = [14, 3];

@@ -70,7 +70,9 @@ impl Indenter {
 
     fn height_at(&self, grid: &Grid, shape: (usize, usize), centred: impl Fn(usize, usize) -> f64) -> Option<Array2<f64>> {
         let field = |h: &dyn Fn(f64, f64) -> f64| {
-            Some(Array2::from_shape_fn(shape, |(j, i)| h(centred(i, shape.1) * grid.spacing(), centred(j, shape.0) * grid.spacing())))
+            Some(Array2::from_shape_fn(shape, |(j, i)| {
+                h(centred(i, shape.1) * grid.spacing(), centred(j, shape.0) * grid.spacing())
+            }))
         };
         match *self {
             Indenter::Flat => None,

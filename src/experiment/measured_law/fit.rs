@@ -108,11 +108,7 @@ fn amplitudes(points: &[[f64; 2]], adhesion_range: f64, repulsion_range: f64) ->
         [aa, ar, rr, ay, ry] = [aa + a * a, ar + a * r, rr + r * r, ay + a * y, ry + r * y];
     }
     let determinant = aa * rr - ar * ar;
-    let law = TwoExponentials {
-        adhesion: (ay * rr - ry * ar) / determinant,
-        repulsion: (ry * aa - ay * ar) / determinant,
-        ..unit
-    };
+    let law = TwoExponentials { adhesion: (ay * rr - ry * ar) / determinant, repulsion: (ry * aa - ay * ar) / determinant, ..unit };
     let squares = points.iter().map(|&[g, y]| (law.traction(g) - y).powi(2)).sum::<f64>();
     (law.adhesion > 0.0 && law.repulsion > 0.0 && squares.is_finite()).then_some((squares, law))
 }
