@@ -30,10 +30,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (grid, profile) = strongest_pull(task)?;
     let Some(height) = scene.indenter.height(&grid) else { return Err(Stopped::Failed("the ground is flat".to_owned())) };
     let place = |i: usize| i as f64 * grid.spacing() - 0.5 * grid.length;
-    let rows: Vec<_> = profile.gap.iter().zip(&height).enumerate().map(|(i, (g, h))| [place(i), *h, h + g]).collect();
+    let mut rows: Vec<_> = profile.gap.iter().zip(&height).enumerate().map(|(i, (g, h))| [place(i), *h, h + g]).collect();
     let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
     let law = scene.model().map_err(|error| Stopped::Failed(error.to_string()))?.law;
     let traction = profile.gap.iter().map(|g| law.at(*g).traction).sum::<f64>() / rows.len() as f64;
+    // The cell closes on itself.
+    rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
     let findings = vec![
         Finding {
             quantity: "mean of the drawn surface".to_owned(),
@@ -113,13 +115,13 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
     let left_arrow =
         |from: f64, to: f64| Arrow { tail: [0.8 * left, from], head: [0.8 * left, to], colour: Colour::Ink, dashed: false };
     let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned() };
-    let area = |name: &str, colour, spans| Area { name: name.to_owned(), colour, spans };
+    let area = |colour, spans| Area { name: String::new(), colour, spans };
     Panel {
         x: Axis::linear("x").from_to(left, right),
         y: Axis::linear("height above the crest").from_to(bottom, top),
         areas: vec![
-            area("elastomer", Colour::Blue, rows.iter().map(|row| [row[0], row[2], top]).collect()),
-            area("rigid indenter", Colour::Grey, rows.iter().map(|row| [row[0], bottom, row[1]]).collect()),
+            area(Colour::Blue, rows.iter().map(|row| [row[0], row[2], top]).collect()),
+            area(Colour::Grey, rows.iter().map(|row| [row[0], bottom, row[1]]).collect()),
         ],
         series: vec![line(1), line(2), guide(mean), guide(0.0)],
         arrows: vec![arrow(middle, at[1]), arrow(middle, at[2]), left_arrow(0.0, mean), left_arrow(mean, 0.0)],

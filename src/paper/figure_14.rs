@@ -13,12 +13,12 @@ pub(super) const ENTRY: Entry = Entry {
     title: "The measured cohesive law of a rough contact",
     look_for: "From far away a rough contact has a cohesive law of its own: weaker than the microscopic one, and of longer range. A \
                difference of two exponentials describes it over the window of the fit.",
-    scene: || scenes::rough(2, 1, TURN),
+    scene: || scenes::rough(1, 1, TURN),
     compute,
 };
 
 /// Mean gap at the turn, in root mean square heights.
-const TURN: f64 = 0.2;
+const TURN: f64 = 0.1;
 /// Windows of the fit: largest compression over largest tension.
 const WINDOWS: [f64; 2] = [1.0, 3.0];
 /// Mean gaps at which both ways are read.
@@ -49,7 +49,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 }
 
 fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
-    let scene = scenes::rough(task.choose(2, 4), seed, TURN);
+    let scene = scenes::rough(task.choose(1, 2), seed, TURN);
     let (run, model) = flat_loop::run(&scene, task, &format!("the loop on rough surface {seed}"))?;
     let mean = match scene.indenter {
         Indenter::Rough(roughness) => roughness.mean_height(&model.grid),
@@ -140,14 +140,18 @@ fn words(surfaces: &[Surface], size: Size) -> String {
         format!("{low:.2} to {high:.2}")
     };
     let gamma = surfaces[0].model.law.surface_energy;
+    let gradient = match surfaces[0].model.indenter {
+        Indenter::Rough(roughness) => roughness.rms_gradient(&surfaces[0].model.grid),
+        _ => 0.0,
+    };
     let weaker: Vec<_> =
         surfaces.iter().map(|surface| format!("{:.3}", surface.law.strongest().1 / surface.model.law.traction_max())).collect();
     let lost: Vec<_> = surfaces.iter().map(|surface| format!("{:.4}", surface.record.released_energy_sum())).collect();
     let count = if size == Size::Quick { "one surface" } else { "three surfaces" };
     format!(
         "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only numbers that the paper gives. It leaves the spectrum, γ \
-         and the window of the fit open; here the Hurst exponent is 0.8, the spectrum is flat above a wavelength of 8 h_std and ends \
-         at 2 h_std (root mean square gradient 1.1), γ = {gamma} E*h_std, and the windows reach to p = σ_max and p = 3 σ_max of the \
+         and the window of the fit open; here the Hurst exponent is 0.8, the spectrum is flat above a wavelength of 16 h_std and ends \
+         at 2 h_std (root mean square gradient {gradient:.2}), γ = {gamma} E*h_std, and the windows reach to p = σ_max and p = 3 σ_max of the \
          measured law. Over surfaces and windows the range of adhesion is {} ρ (printed: close to 4) and that of repulsion {} times \
          ρ/2 (printed: 1.6): the fit depends on its window more than its own uncertainties say, so that agreement in kind is all that \
          can be asked for. The largest mean tension is {} of the microscopic σ_max, the loss {} γ.",
