@@ -75,7 +75,18 @@ impl Paint {
         let style = stroke.colour.stroke_width(self.px(stroke.width).max(1) as u32);
         let points = self.places(points);
         match stroke.dash {
-            None => ground.draw(&PathElement::new(points, style))?,
+            // Plotters draws a sharp corner as a spike many times as long as the line is wide: there the line is cut and rounded.
+            None => {
+                let sharp: Vec<usize> = (1..points.len().saturating_sub(1)).filter(|&i| is_sharp(&points[i - 1..=i + 1])).collect();
+                let mut from = 0;
+                for to in sharp.into_iter().chain(points.len().checked_sub(1)) {
+                    ground.draw(&PathElement::new(points[from..=to].to_vec(), style))?;
+                    if from > 0 {
+                        ground.draw(&Circle::new(points[from], self.px(0.5 * stroke.width), stroke.colour.filled()))?;
+                    }
+                    from = to;
+                }
+            }
             Some([on, off]) => ground.draw(&DashedPathElement::new(points, self.px(on), self.px(off), style))?,
         }
         Ok(())
@@ -112,4 +123,10 @@ impl Paint {
         }
         Ok(())
     }
+}
+
+/// True if the way through three places turns back by more than a right angle.
+fn is_sharp(places: &[(i32, i32)]) -> bool {
+    let [a, b, c] = [0, 1, 2].map(|i| (f64::from(places[i].0), f64::from(places[i].1)));
+    (b.0 - a.0) * (c.0 - b.0) + (b.1 - a.1) * (c.1 - b.1) < 0.0
 }
