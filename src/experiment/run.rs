@@ -100,7 +100,7 @@ pub fn run_planned(
     let mut atlas = Atlas::new(chart);
     let toured = match scene.drive.turn {
         Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for a tip".to_owned())),
+        Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for uneven ground".to_owned())),
     };
     match toured {
         Ok(run) => Ok((run, None)),

@@ -27,7 +27,7 @@ use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use guard::{Guard, slides_on};
+use guard::{Guard, slides_on, with_coarse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
@@ -172,6 +172,13 @@ impl Walk {
         if even && !model.grid.nx.is_multiple_of(4) {
             return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
+        if even && !model.indenter.is_even() {
+            return Err(refuse(
+                "indenter.kind",
+                "\"rough\"",
+                "even ground for a quarter of the cell; rough ground needs the whole",
+            ));
+        }
         let system =
             if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
@@ -203,7 +210,7 @@ impl Walk {
             method,
             flat,
             guard,
-            tracker: tracker(0x5eed),
+            tracker: with_coarse(tracker(0x5eed), &system, constant),
             rng,
             ws: system.workspace(),
             history: History::starting(start, state.field.clone()),
@@ -302,7 +309,7 @@ impl Walk {
     }
 
     fn transforms(&self) -> usize {
-        self.ws.transforms + self.guard.as_ref().map_or(0, Guard::transforms)
+        self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.

@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use std::error::Error;
 
 /// Pixels drawn for each of the picture's along a side.
-const OVERSAMPLING: u32 = 2;
+const OVERSAMPLING: u32 = 3;
 /// Least pixels of the picture across, and for each unit.
 const WIDTH_MIN: f64 = 1800.0;
 const PIXELS_MIN: f64 = 1.5;
