@@ -41,6 +41,23 @@ struct Paint {
     scale: f64,
 }
 
+/// The line in pieces, cut where it turns by more than a right angle: plotters draws corners as mitres, and one of a line that nearly
+/// turns back has no end.
+fn blunt(points: &[(i32, i32)]) -> Vec<Vec<(i32, i32)>> {
+    let mut pieces = vec![Vec::new()];
+    for (i, &point) in points.iter().enumerate() {
+        if let (Some(before), Some(&after)) = (i.checked_sub(1).map(|i| points[i]), points.get(i + 1)) {
+            let steps = [(before, point), (point, after)].map(|(a, b)| [i64::from(b.0 - a.0), i64::from(b.1 - a.1)]);
+            if steps[0][0] * steps[1][0] + steps[0][1] * steps[1][1] < 0 {
+                pieces.last_mut().expect("never empty").push(point);
+                pieces.push(Vec::new());
+            }
+        }
+        pieces.last_mut().expect("never empty").push(point);
+    }
+    pieces
+}
+
 impl Paint {
     fn px(&self, units: f64) -> i32 {
         (units * self.scale).round() as i32
@@ -75,16 +92,9 @@ impl Paint {
         let style = stroke.colour.stroke_width(self.px(stroke.width).max(1) as u32);
         let points = self.places(points);
         match stroke.dash {
-            // Plotters draws a sharp corner as a spike many times as long as the line is wide: there the line is cut and rounded.
             None => {
-                let sharp: Vec<usize> = (1..points.len().saturating_sub(1)).filter(|&i| is_sharp(&points[i - 1..=i + 1])).collect();
-                let mut from = 0;
-                for to in sharp.into_iter().chain(points.len().checked_sub(1)) {
-                    ground.draw(&PathElement::new(points[from..=to].to_vec(), style))?;
-                    if from > 0 {
-                        ground.draw(&Circle::new(points[from], self.px(0.5 * stroke.width), stroke.colour.filled()))?;
-                    }
-                    from = to;
+                for piece in blunt(&points) {
+                    ground.draw(&PathElement::new(piece, style))?;
                 }
             }
             Some([on, off]) => ground.draw(&DashedPathElement::new(points, self.px(on), self.px(off), style))?,
@@ -123,10 +133,4 @@ impl Paint {
         }
         Ok(())
     }
-}
-
-/// True if the way through three places turns back by more than a right angle.
-fn is_sharp(places: &[(i32, i32)]) -> bool {
-    let [a, b, c] = [0, 1, 2].map(|i| (f64::from(places[i].0), f64::from(places[i].1)));
-    (b.0 - a.0) * (c.0 - b.0) + (b.1 - a.1) * (c.1 - b.1) < 0.0
 }
