@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+use tackscope::physics::roughness::Roughness;
 use tackscope::storage::{Failure, presets, scene_file};
 
 const NAME: &str = "my scene.toml";
@@ -32,7 +33,7 @@ fn says(sentence: &str, parts: &[&str]) {
 #[test]
 fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
     let names: Vec<_> = presets::all().iter().map(|preset| preset.name).collect();
-    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line"]);
+    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line", "hertz", "wavy", "rough"]);
     for preset in presets::all() {
         let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
         assert!(!scene.title.is_empty() && !scene.source.is_empty());
@@ -113,12 +114,44 @@ fn a_law_has_its_own_keys_and_limits() {
     says(&refusal("range = 1.0", ""), &["law.range is missing", "mu_rho"]);
 }
 
+const ROUGH: &str = "kind = \"rough\"\nhurst = 0.8\nrms = 1\nlongest = 64\nshortest = 8.0\nseed = 3";
+
 #[test]
-fn indenters_that_are_not_built_yet_are_refused_in_words() {
-    for kind in ["wave", "rough"] {
-        let sentence = refusal("kind = \"flat\"", &format!("kind = \"{kind}\"\nrms = 1.0"));
-        says(&sentence, &["indenter.kind", kind, "not built yet", "\"flat\" and \"hertz\""]);
-    }
+fn wavy_and_rough_ground_are_read() {
+    let with =
+        |indenter: &str| scene_file::parse(&fig2().replacen("kind = \"flat\"", indenter, 1), NAME).expect("allowed").indenter;
+    let wave = |periods| Indenter::Wave { amplitude: 0.5, periods };
+    assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = 2"), wave([2, 0]));
+    assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = [1, 3]"), wave([1, 3]));
+    let rough = Roughness { hurst: 0.8, rms: 1.0, longest: 64.0, shortest: 8.0, seed: 3 };
+    assert_eq!(with(ROUGH), Indenter::Rough(rough));
+    assert_eq!(with(&ROUGH.replace("\nseed = 3", "")), Indenter::Rough(Roughness { seed: 1, ..rough }));
+}
+
+#[test]
+fn an_indenter_has_its_own_keys_and_limits() {
+    let wave = |periods| refusal("kind = \"flat\"", &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"));
+    says(&wave("-1"), &["indenter.periods = -1", "whole number", "[2, 1]"]);
+    says(&wave("[1, 2, 3]"), &["indenter.periods", "[2, 1]"]);
+    says(&wave("0"), &["indenter.periods = [0, 0]", "above 0 along x or y"]);
+    says(&wave("17"), &["indenter.periods = [17, 0]", "a quarter of the points along a side (16)"]);
+    says(&refusal("kind = \"flat\"", "kind = \"wave\"\nperiods = 1"), &["indenter.amplitude is missing"]);
+    let rough = |from, to| refusal("kind = \"flat\"", &ROUGH.replacen(from, to, 1));
+    says(&rough("hurst = 0.8", "hurst = 1.2"), &["indenter.hurst = 1.2", "at most 1"]);
+    says(&rough("rms = 1", "rms = -1"), &["indenter.rms = -1", "above 0"]);
+    says(&rough("rms = 1", ""), &["indenter.rms is missing", "root mean square height"]);
+    says(&rough("longest = 64", "longest = 300"), &["indenter.longest = 300", "at most cell.length = 256"]);
+    says(&rough("shortest = 8.0", "shortest = 65"), &["indenter.shortest = 65", "to indenter.longest = 64"]);
+    says(&rough("shortest = 8.0", "shortest = 0.4"), &["indenter.shortest = 0.4", "from 0.5 (cell.length/512)"]);
+    says(&rough("seed = 3", "seed = -3"), &["indenter.seed = -3", "whole number from 0"]);
+    says(&rough("rms = 1", "rms = 1\nradius = 2"), &["indenter.radius", "hurst, rms, longest, shortest, seed"]);
+    says(&refusal("kind = \"flat\"", "kind = \"ruff\""), &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""]);
+    let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
+    let line = line.replacen("kind = \"flat\"", "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]", 1);
+    says(
+        &scene_file::parse(&line, NAME).expect_err("refused").to_string(),
+        &["indenter.periods = [1, 1]", "along x alone on a line cell"],
+    );
 }
 
 #[test]
@@ -185,13 +218,22 @@ fn meshes() -> impl Strategy<Value = (Points, Range)> {
     ]
 }
 
+fn grounds() -> impl Strategy<Value = Indenter> {
+    prop_oneof![
+        Just(Indenter::Flat),
+        (1e-3..1e6).prop_map(|radius| Indenter::Hertz { radius }),
+        (1e-3..1e3).prop_map(|amplitude| Indenter::Wave { amplitude, periods: [1, 0] }),
+        (0.01..1.0, 1e-6..1e6, 10.0..50.0, 1.0..10.0, 0..=i64::MAX as u64)
+            .prop_map(|(hurst, rms, longest, shortest, seed)| Indenter::Rough(Roughness { hurst, rms, longest, shortest, seed })),
+    ]
+}
+
 prop_compose! {
     fn scenes()(
         title in any::<String>(), source in "\\PC*", length in 50.0..500.0, (points, range) in meshes(), shape in shapes(),
-        surface_energy in 0.01..0.5, radius in prop::option::of(1e-3..1e6), turn in prop::option::of(1e-6..3.0),
+        surface_energy in 0.01..0.5, indenter in grounds(), turn in prop::option::of(1e-6..3.0),
         drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
     ) -> Scene {
-        let indenter = radius.map_or(Indenter::Flat, |radius| Indenter::Hertz { radius });
         let turn = if indenter == Indenter::Flat { Turn::At(turn.unwrap_or(0.5)) } else { turn.map_or(Turn::ZeroLoad, Turn::At) };
         let bottom = if let Turn::At(turn) = turn { turn } else { 0.0 };
         Scene {

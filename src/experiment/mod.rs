@@ -7,6 +7,7 @@ pub mod chart;
 pub mod flat_branch;
 pub mod forecast;
 pub mod live_loop;
+pub mod measured_law;
 pub mod plan;
 pub mod record;
 pub mod run;

@@ -165,9 +165,10 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     };
     match (wish, obstacle) {
         (Wish::Whole, _) => by_walk(Reduction::Whole, "asked for"),
+        (Wish::Quarter, _) if !model.indenter.is_even() => by_walk(Reduction::Whole, "rough ground has no mirror symmetry"),
         (Wish::Quarter, _) => by_walk(Reduction::Quarter, "asked for"),
-        (Wish::Plan, Some(why)) if !flat && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) && !model.grid.is_line() => {
-            by_walk(Reduction::Quarter, &format!("{why}, and a tip keeps its mirror symmetry at this mu_rho"))
+        (Wish::Plan, Some(why)) if has_one_crest(model) && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
+            by_walk(Reduction::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
         }
         (Wish::Plan, Some(why)) => by_walk(Reduction::Whole, &why),
         (Wish::Atlas, _) | (Wish::Plan, None) => {
@@ -215,10 +216,20 @@ fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
     } else if !n.is_multiple_of(4) || n < 16 {
         Some(format!("{n} points are no multiple of 4 from 16 on"))
     } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
-        Some("the turn at zero load is for a tip".to_owned())
+        Some("the turn at zero load is for uneven ground".to_owned())
     } else {
         None
     }
+}
+
+/// True over a square cell of uneven ground with one crest: nothing tells its sides apart. Two crests may take turns.
+fn has_one_crest(model: &Model) -> bool {
+    let one = match model.indenter {
+        Indenter::Hertz { .. } => true,
+        Indenter::Wave { periods, .. } => periods.iter().all(|&p| p <= 1),
+        Indenter::Flat | Indenter::Rough(_) => false,
+    };
+    one && !model.grid.is_line()
 }
 
 /// u0 from the start to the turn, or what it may be for a tip (length).

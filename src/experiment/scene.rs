@@ -1,10 +1,11 @@
 //! What to compute: the scene, as a file or the window describes it.
 
-use super::plan::points_for;
+use super::plan::{next_fast, points_for};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
 use crate::physics::mesh_rule;
+use crate::physics::roughness::WAVES_MAX;
 
 /// A complete description of an experiment. The contact modulus E* is 1; lengths are in any one unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,16 +104,24 @@ pub struct Model {
 }
 
 impl Model {
-    /// What a reader of the results must know, in words: jumps that belong to the mesh.
+    /// What a reader of the results must know, in words: jumps that belong to the mesh, waves of the ground that it cannot show.
     pub fn warning(&self) -> Option<String> {
-        (self.mu_rho > 1.001 * mesh_rule::SAFE).then(|| {
+        let law = (self.mu_rho > 1.001 * mesh_rule::SAFE).then(|| {
             format!(
                 "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the jumps may belong to the mesh and not \
                  to the physics",
                 self.mu_rho,
                 mesh_rule::SAFE
             )
-        })
+        });
+        let ground = match self.indenter {
+            Indenter::Rough(roughness) if !roughness.fits(&self.grid) => {
+                Some(format!("the mesh is too coarse for waves of length {}: the shortest ones are left out", roughness.shortest))
+            }
+            _ => None,
+        };
+        let words: Vec<_> = law.into_iter().chain(ground).collect();
+        (!words.is_empty()).then(|| words.join("; "))
     }
 }
 
@@ -149,9 +158,7 @@ impl Scene {
         let surface_energy = positive("law.surface_energy", self.law.surface_energy)?;
         self.check_shape()?;
         self.check_drive()?;
-        if let Indenter::Hertz { radius } = self.indenter {
-            positive("indenter.radius", radius)?;
-        }
+        self.check_indenter()?;
         if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
             return Err(refuse("accuracy.target", self.accuracy, "a number above 0 and below 1, as in 0.01"));
         }
@@ -166,7 +173,7 @@ impl Scene {
             (Points::Auto, Range::Length(range)) => {
                 let range = positive("law.range", range)?;
                 let law = Law { range, ..unit };
-                let n = points_for(&law, length, self.accuracy);
+                let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.points_needed(length)));
                 let mu = mesh_rule::mu_rho(&law, length / n as f64);
                 if n > POINTS_MAX {
                     let allowed = format!(
@@ -182,6 +189,13 @@ impl Scene {
             Range::Length(range) => positive("law.range", range)?,
             Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), positive("law.mu_rho", mu)?),
         };
+        if let Indenter::Wave { periods, .. } = self.indenter
+            && (periods.iter().any(|&p| 4 * p > grid.nx) || grid.is_line() && periods[1] > 0)
+        {
+            let allowed = if grid.is_line() { "along x alone on a line cell, and " } else { "" };
+            let allowed = format!("{allowed}at most a quarter of the points along a side ({})", grid.nx / 4);
+            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
+        }
         let law = Law { range, ..unit };
         let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
         if let Turn::At(turn) = self.drive.turn
@@ -209,6 +223,35 @@ impl Scene {
         Ok(())
     }
 
+    fn check_indenter(&self) -> Result<(), SceneError> {
+        let length = self.cell.length;
+        match self.indenter {
+            Indenter::Flat => {}
+            Indenter::Hertz { radius } => drop(positive("indenter.radius", radius)?),
+            Indenter::Wave { amplitude, periods } => {
+                positive("indenter.amplitude", amplitude)?;
+                if periods == [0, 0] {
+                    return Err(refuse("indenter.periods", "[0, 0]", "a whole number above 0 along x or y, as in 2 or [2, 1]"));
+                }
+            }
+            Indenter::Rough(rough) => {
+                if !(rough.hurst > 0.0 && rough.hurst <= 1.0) {
+                    return Err(refuse("indenter.hurst", rough.hurst, "a number above 0, at most 1, as in 0.8"));
+                }
+                positive("indenter.rms", rough.rms)?;
+                if !(rough.longest > 0.0 && rough.longest <= length) {
+                    return Err(refuse("indenter.longest", rough.longest, &format!("above 0, at most cell.length = {length}")));
+                }
+                let least = length / WAVES_MAX as f64;
+                if !(rough.shortest >= least && rough.shortest <= rough.longest) {
+                    let allowed = format!("from {least} (cell.length/{WAVES_MAX}) to indenter.longest = {}", rough.longest);
+                    return Err(refuse("indenter.shortest", rough.shortest, &allowed));
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn check_drive(&self) -> Result<(), SceneError> {
         let Drive { start, turn, step } = self.drive;
         if !start.is_finite() {
@@ -226,7 +269,7 @@ impl Scene {
                 return Err(refuse("drive.turn", turn, "above 0: the Mie law is infinite at zero gap"));
             }
         } else if self.indenter == Indenter::Flat {
-            return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for a tip"));
+            return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
         }
         Ok(())
     }

@@ -54,8 +54,8 @@ fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl 
 fn lines() -> Vec<Series> {
     let thin = |c| move |abar: f64| asymptotes::ridge_thin(abar, c);
     vec![
-        curve("exact", Role::Theory, Colour::Ink, [0.01, 0.98], |abar| ridge::elastic_energy(1.0 - abar)[0]),
-        curve("thick, Eq. 22", Role::Theory, Colour::Blue, [0.01, 0.98], |abar| asymptotes::ridge_thick(1.0 - abar)),
+        curve("exact", Role::Theory, Colour::Ink, [0.01, 0.95], |abar| ridge::elastic_energy(1.0 - abar)[0]),
+        curve("thick, Eq. 22", Role::Theory, Colour::Blue, [0.01, 0.95], |abar| asymptotes::ridge_thick(1.0 - abar)),
         curve("thin, Eq. 22 corrected", Role::Theory, Colour::Red, [0.01, 0.45], thin(THIN_CONSTANT)),
         curve("thin, Eq. A7 printed", Role::Printed, Colour::Red, [0.01, 0.45], thin(THIN_CONSTANT_PRINTED)),
     ]
@@ -75,7 +75,7 @@ fn inset(slopes: &[Sample]) -> Panel {
     let right = asymptotes::flattening();
     Panel {
         x: Axis::linear("α").from_to(range[0], range[1]),
-        y: Axis::linear("v̂′").from_to(-2.5, -2.2),
+        y: Axis::linear("v̂′").from_to(-2.42, -2.24),
         series: vec![
             curve("", Role::Theory, Colour::Ink, range, |alpha| ridge::elastic_energy(alpha)[1]),
             curve("third order, corrected", Role::Theory, Colour::Orange, range, |alpha| right.slope_at(alpha)),

@@ -11,7 +11,7 @@ pub(super) const ENTRY: Entry = Entry {
     number: 6,
     title: "Width of a ridge at zero range",
     look_for: "Pulling opens the gap beside the ridge faster and faster, until at u₀ = 0.6656 (γL/E*)^½ a tenth of the cell still \
-               sticks and the ridge flattens. The cube-root law of a thick ridge is good to 7 % nearly all the way.",
+               sticks and the ridge flattens. The cube-root law of a thick ridge is off by less than a tenth all the way.",
     scene: scenes::ridge_line,
     compute,
 };
@@ -57,7 +57,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let words = format!(
         "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 with slopes of v̂ by boundary elements; \
          they agree with the exact curve to {worst:.0e} in α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to \
-         the end at ũ_c = {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) opens the parabola 5 % too narrow; −131.92 is right.",
+         the end at ũ_c = {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) draws the parabola 5 % too narrow; −131.92 is right.",
         100.0 * thick,
         end.displacement,
     );

@@ -34,9 +34,9 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let words = format!(
         "Elastic energy of a dimple (disc of diameter αL out of contact) and of a bulge (disc of diameter (1 − α)L in contact) in a \
          square cell, at zero range. Lines: displacement (dimple) or stress (bulge) as a series that meets the edge exactly, summed \
-         over the lattice, to nine digits. Symbols: boundary elements as in Sect. 3.2, averaged over radii and extrapolated over three \
+         over the lattice, to eight digits. Symbols: boundary elements as in Sect. 3.2, averaged over radii and extrapolated over three \
          meshes; they agree within {:.1e}. Errata: Eq. 28 has 8/(√(3π) α³) = 2.606/α³ for the dimple, right is 3/(2α³); and √2 (1−α)^(3/2) \
-         for the bulge, right is (1−α)/2. Contrary to the text after Eq. 29 the bulge is metastable at zero range: between \
+         for the bulge, right is (1−α)/2 (the printed line crosses the data where they are neither small nor large). Contrary to the text after Eq. 29 the bulge is metastable at zero range: between \
          ũ₀ = {:.4}, below which it stretches to an ellipse, and {:.4}, above which it shrinks and lets go.",
         largest(circular::dimple(), &dimples).max(largest(circular::bulge(), &bulges)),
         limit.displacement,
@@ -68,11 +68,11 @@ fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series
         ..Series::default()
     };
     let (theory, printed) = (Role::Theory, Role::Printed);
-    let all = [0.021, 0.97];
+    let (all, low) = ([0.021, 0.97], [0.021, 0.9]);
     vec![
-        curve("dimple", theory, Colour::Red, all, |abar| dimple.elastic_energy(1.0 - abar)[0]),
-        curve("3/(2α³), Eq. 28 corrected", theory, Colour::Orange, all, |abar| asymptotes::dimple(1.0 - abar)),
-        curve("dimple, Eq. 28 printed", printed, Colour::Red, all, |abar| asymptotes::dimple_printed(1.0 - abar)),
+        curve("dimple", theory, Colour::Red, low, |abar| dimple.elastic_energy(1.0 - abar)[0]),
+        curve("3/(2α³), Eq. 28 corrected", theory, Colour::Orange, low, |abar| asymptotes::dimple(1.0 - abar)),
+        curve("dimple, Eq. 28 printed", printed, Colour::Red, low, |abar| asymptotes::dimple_printed(1.0 - abar)),
         curve("bulge", theory, Colour::Blue, all, |abar| bulge.elastic_energy(abar)[0]),
         curve("(1 − α)/2, Eq. 28 corrected", theory, Colour::Teal, all, asymptotes::bulge),
         curve("bulge, Eq. 28 printed", printed, Colour::Blue, all, asymptotes::bulge_printed),
@@ -104,24 +104,21 @@ fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Find
         tolerance,
     };
     let (dimple, bulge) = (circular::dimple(), circular::bulge());
-    let cases = [("dimple", dimple, dimples, 0.5), ("bulge", bulge, bulges, 0.5)];
-    let mut all: Vec<Finding> = cases
-        .into_iter()
-        .flat_map(|(name, pattern, found, size)| {
-            let at = found.iter().find(|(s, _)| *s == size).map(|(_, vhat)| *vhat);
-            let at = at.unwrap_or(Estimate { value: f64::NAN, error: 0.0 });
-            let worst = largest(pattern, found);
-            let error = found.iter().map(|(_, vhat)| vhat.error / vhat.value).fold(0.0, f64::max);
-            let exact = pattern.elastic_energy(size)[0];
-            [
-                finding(&format!("v̂ of a {name} of diameter L/2, boundary elements"), at.value, exact, "series", Some(at.error)),
-                finding(&format!("largest relative deviation, {name}"), worst, 0.0, "series, stated errors", Some(error)),
-            ]
-        })
-        .collect();
+    // Deviations in units of the error that the extrapolation states for itself.
+    let worst = |pattern: &Pattern, found: &[(f64, Estimate)]| {
+        let share = |(size, vhat): &(f64, Estimate)| (vhat.value - pattern.elastic_energy(*size)[0]).abs() / vhat.error;
+        found.iter().map(share).fold(0.0, f64::max)
+    };
+    let mut all = Vec::new();
+    for (name, pattern, found) in [("dimple", dimple, dimples), ("bulge", bulge, bulges)] {
+        let stated = format!("largest deviation of v̂ by boundary elements over its stated error, {name}");
+        all.push(finding(&stated, worst(pattern, found), 0.0, "series", Some(1.0)));
+        let relative = format!("largest relative deviation of v̂ by boundary elements, {name}");
+        all.push(finding(&relative, largest(pattern, found), 0.0, "series", Some(2e-3)));
+    }
     all.extend([
-        finding("v̂ of a dimple, α = 0.7", dimple.elastic_energy(0.7)[0], 3.954593912, "reference table", Some(4e-9)),
-        finding("v̂ of a bulge, 1 − α = 0.65", bulge.elastic_energy(0.65)[0], 1.234144938, "reference table", Some(2e-9)),
+        finding("v̂ of a dimple, α = 0.7", dimple.elastic_energy(0.7)[0], 3.954593912, "reference table", Some(2e-8)),
+        finding("v̂ of a bulge, 1 − α = 0.65", bulge.elastic_energy(0.65)[0], 1.234144938, "reference table", Some(1e-8)),
         finding("ũ₀ at the bulge's fold", bulge.fold().displacement, 0.620288, "reference", Some(1e-6)),
         finding("ũ₀ below which a bulge stretches", bulge.elliptic_limit().displacement, 0.403, "reference", Some(1e-3)),
         finding("ũ₀ at the dimple's fold", dimple.fold().displacement, 0.4891, "reference", Some(2e-4)),

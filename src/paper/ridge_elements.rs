@@ -1,14 +1,14 @@
 //! The ridge by boundary elements, as the symbols of Figs 5 and 6 need it.
 
 use super::task::{Stopped, Task};
+use crate::numerics::cancel::Cancel;
 use crate::solver::boundary_elements::{self, Estimate};
 
 /// Something of a ridge by boundary elements, by share alpha out of contact.
 pub(super) type Sample = (f64, Estimate);
 
-/// vhat at `count` shares alpha: dense towards a thin ridge, a decade of abar in equal ratios and the rest in equal steps.
+/// vhat at `count` shares alpha, dense towards both ends: equal steps of ln(abar/alpha), abar from 1/64 to 15/16.
 pub(super) fn energies(count: usize, task: &mut Task<'_>) -> Result<Vec<Sample>, Stopped> {
-    // abar from 1/64 to 60/64 in nearly equal ratios of abar/(1 - abar).
     let points = 128;
     let logit = |share: f64| (share / (1.0 - share)).ln();
     let (low, high) = (logit(2.0 / points as f64), logit(1.0 - 8.0 / points as f64));
@@ -24,7 +24,8 @@ pub(super) fn slopes(points: usize, free: impl IntoIterator<Item = usize>, task:
     collect(points, free, task, boundary_elements::ridge_slope)
 }
 
-type Method = fn(usize, usize, usize, &crate::numerics::cancel::Cancel) -> Option<Estimate>;
+/// Points, free points, meshes.
+type Method = fn(usize, usize, usize, &Cancel) -> Option<Estimate>;
 
 fn collect(
     points: usize,

@@ -1,8 +1,10 @@
 //! The scenes of the paper as values, for the figures and for the window.
 
 use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Morse, Shape};
+use crate::physics::roughness::Roughness;
 
 /// gamma of the flat scenes in units of E* rho.
 pub const SURFACE_ENERGY: f64 = 0.15;
@@ -35,4 +37,73 @@ pub fn figure_3() -> Scene {
 /// The ridge alone, as the preset `ridge-line`: fields uniform along y.
 pub fn ridge_line() -> Scene {
     flat("A line cell: only the ridge", 256.0, Points::Line(256), 4.4, 0.2, 0.02)
+}
+
+/// Root mean square height of the rough ground of Fig. 14: the unit of length there.
+pub const ROUGH_RMS: f64 = 1.0;
+/// The range of Fig. 14 in units of the root mean square height, as the paper gives it.
+pub const ROUGH_RANGE: f64 = 0.23;
+
+/// Rough ground for Fig. 14, `waves` of the longest self-affine waves along a side. The drive goes from 1.5 above the crest down to a
+/// mean gap of `turn`, both in root mean square heights.
+///
+/// The paper leaves surface and gamma open. Here the Hurst exponent is 0.8, the self-affine wavelengths go from 16 to 2 root mean
+/// square heights, and gamma = 0.2 E* h_rms.
+pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
+    let length = 16.0 * waves as f64 * ROUGH_RMS;
+    let points = 64 * waves;
+    let surface = Roughness { hurst: 0.8, rms: ROUGH_RMS, longest: 16.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
+    let mean = surface.mean_height(&Grid::square(length, points));
+    Scene {
+        title: "Fig. 14: rough ground".to_owned(),
+        source: "Wang, Zhou, Mueser 2020".to_owned(),
+        cell: Cell { length, points: Points::Square(points) },
+        law: LawChoice {
+            shape: Shape::Morse(Morse),
+            surface_energy: 0.2 * ROUGH_RMS,
+            range: Range::Length(ROUGH_RANGE * ROUGH_RMS),
+        },
+        indenter: Indenter::Rough(surface),
+        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.02 * ROUGH_RMS },
+        accuracy: 0.01,
+        seed: 1,
+    }
+}
+
+/// gamma of the tip in units of E* R.
+pub const TIP_SURFACE_ENERGY: f64 = 0.5859e-3;
+
+/// The tip of Sect. 4 in a cell with L = R = 1, driven by displacement to zero load and back.
+pub fn tip(points: usize, mu_rho: f64) -> Scene {
+    let range = (TIP_SURFACE_ENERGY / points as f64).sqrt() / (2.0 * mu_rho);
+    Scene {
+        title: format!("A Hertzian tip: mu_rho = {mu_rho}"),
+        source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
+        cell: Cell { length: 1.0, points: Points::Square(points) },
+        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
+        indenter: Indenter::Hertz { radius: 1.0 },
+        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
+        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.15 * range },
+        accuracy: 0.01,
+        seed: 1,
+    }
+}
+
+/// A cylinder under tension, for the schematic of Fig. 1.
+pub fn figure_1() -> Scene {
+    Scene {
+        title: "Fig. 1: a cylinder, seen from the side".to_owned(),
+        source: "Wang, Zhou, Mueser 2020, Fig. 1".to_owned(),
+        cell: Cell { length: 8.0, points: Points::Line(256) },
+        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.3, range: Range::Length(0.2) },
+        indenter: Indenter::Hertz { radius: 4.0 },
+        drive: Drive { start: 1.0, turn: Turn::At(-0.6), step: 0.02 },
+        accuracy: 0.01,
+        seed: 1,
+    }
+}
+
+/// The turning point of a scene that has one as a number; NaN else.
+pub(super) fn turn(scene: &Scene) -> f64 {
+    if let Turn::At(turn) = scene.drive.turn { turn } else { f64::NAN }
 }

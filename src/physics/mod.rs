@@ -10,5 +10,6 @@ pub mod low_block;
 pub mod mesh_rule;
 pub mod pattern;
 pub mod preconditioner;
+pub mod roughness;
 pub mod system;
 pub mod theory;

@@ -30,6 +30,8 @@ pub struct System {
     grid: Grid,
     law: Law,
     height: Option<Array2<f64>>,
+    /// Along which of x and y patterns can slide.
+    uniform: [bool; 2],
     transforms: Transforms,
     /// q E*/2 of every amplitude entry; zero for q = 0.
     elastic: Vec<f64>,
@@ -78,7 +80,7 @@ impl System {
             }
         }
         let transforms = Transforms::new(Basis::Whole(fourier));
-        Self { grid, law, height: indenter.height(&grid), transforms, elastic, gradient }
+        Self { grid, law, height: indenter.height(&grid), uniform: indenter.is_uniform(), transforms, elastic, gradient }
     }
 
     /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex of a tip lies between points.
@@ -90,13 +92,13 @@ impl System {
         let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
         let height = indenter.even_height(&grid);
         let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
-        Self { grid, law, height, transforms, elastic, gradient: Vec::new() }
+        Self { grid, law, height, uniform: indenter.is_uniform(), transforms, elastic, gradient: Vec::new() }
     }
 
     /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between points here too.
     pub fn whole(even: &System) -> Self {
         let height = even.height.as_ref().map(|height| even.unfolded(height));
-        Self { height, ..Self::new(even.grid, even.law, &Indenter::Flat) }
+        Self { height, uniform: even.uniform, ..Self::new(even.grid, even.law, &Indenter::Flat) }
     }
 
     /// The same in another precision.
@@ -248,14 +250,17 @@ impl System {
         z
     }
 
-    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised; none of even fields. No transform.
+    /// Along which of x and y patterns can slide; even fields cannot.
+    pub fn slides_along(&self) -> [bool; 2] {
+        let fixed = self.is_even();
+        [self.uniform[0] && !fixed, self.uniform[1] && !fixed && !self.grid.is_line()]
+    }
+
+    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised, as far as the ground is uniform. No transform.
     pub fn sliding_modes(&self, z: &[f64]) -> Vec<Vec<f64>> {
-        let axes = match (self.is_even(), self.grid.is_line()) {
-            (true, _) => 0,
-            (_, true) => 1,
-            _ => 2,
-        };
-        (0..axes)
+        let along = self.slides_along();
+        (0..2)
+            .filter(|&axis| along[axis])
             .map(|axis| {
                 let pairs = z.chunks_exact(2).zip(&self.gradient);
                 pairs.flat_map(|(z, q)| [-q[axis] * z[1], q[axis] * z[0]]).collect()
@@ -301,14 +306,27 @@ impl System {
     }
 }
 
-/// Amplitudes carried from one even system to another of the same cell: waves the other mesh lacks are dropped. A line becomes a
-/// square system's waves along x.
+/// Amplitudes carried from one system to another of the same cell, both whole or both even: waves the other mesh lacks are dropped.
+/// A line becomes a square system's waves along x.
 pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
+    let mut out = vec![0.0; to.dimension()];
     let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
-    let mut out = vec![0.0; mx * my];
-    for k in 0..nx.min(mx) {
-        for l in 0..ny.min(my) {
-            out[k * my + l] = z[k * ny + l];
+    if from.is_even() {
+        for k in 0..nx.min(mx) {
+            let rows = ny.min(my);
+            out[k * my..k * my + rows].copy_from_slice(&z[k * ny..k * ny + rows]);
+        }
+        return out;
+    }
+    // Pairs of amplitudes with k from 0 and l of both signs; the shortest waves of the coarser mesh are no waves of the finer one.
+    let half = |n: usize, m: usize| if n == m { n / 2 + 1 } else { n.min(m).div_ceil(2) };
+    let (columns, rows) = (half(nx, mx), half(ny, my));
+    for k in 0..columns {
+        for l in 0..rows {
+            for (i, o) in [(l, l), ((ny - l) % ny, (my - l) % my)] {
+                let (i, o) = (2 * (k * ny + i), 2 * (k * my + o));
+                out[o..o + 2].copy_from_slice(&z[i..i + 2]);
+            }
         }
     }
     out

@@ -225,6 +225,6 @@ pub fn centred(system: &System, z: &[f64]) -> Vec<f64> {
         (x0 / grid.spacing()).round() * grid.spacing() - x0
     };
     let (along_x, along_y) = (grid.ny, 1);
-    let dy = if grid.is_line() { 0.0 } else { shift(along_y) };
-    system.moved(z, shift(along_x), dy)
+    let [dx, dy] = system.slides_along();
+    system.moved(z, if dx { shift(along_x) } else { 0.0 }, if dy { shift(along_y) } else { 0.0 })
 }

@@ -1,6 +1,7 @@
 //! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
 
 use super::action::Action;
+use super::ground;
 use super::law_picker;
 use super::mu_rho_slider;
 use super::scene_edit::{self, Follows};
@@ -9,7 +10,6 @@ use super::view_state::ViewState;
 use crate::experiment::plan::Wish;
 use crate::experiment::record::Branch;
 use crate::experiment::scene::{Points, Scene, Turn};
-use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
 use crate::solver::method::MethodKind;
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
@@ -38,7 +38,7 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 /// A value with a name, typed or dragged; what is typed is taken exactly.
-fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
+pub fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
     let mut edited = value;
     let mut changed = false;
     let speed = (value.abs() * 0.005).max(1e-4);
@@ -198,13 +198,7 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         scene.drive.step = value * rho;
         edit(actions, scene);
     }
-    if let Indenter::Hertz { radius } = scene.indenter
-        && let Some(value) = number(ui, "Tip radius R", radius / rho, 1e-3..=1e7, "ρ")
-    {
-        let mut scene = (**scene).clone();
-        scene.indenter = Indenter::Hertz { radius: value * rho };
-        edit(actions, scene);
-    }
+    ground::show(ui, state, actions);
     if let Some(value) = number(ui, "Accuracy", scene.accuracy, 1e-6..=0.99, "") {
         let mut scene = (**scene).clone();
         scene.accuracy = value;

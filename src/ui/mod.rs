@@ -23,6 +23,7 @@ mod energy_well;
 mod event_list;
 mod gap_map;
 mod gap_picture;
+mod ground;
 mod inspect;
 mod keys;
 mod law_picker;

@@ -39,7 +39,7 @@ fn heights(state: &ViewState) -> (f64, f64) {
             (-0.22 * top, 1.22 * top)
         }
         _ => {
-            let depth = scene_edit::tip_indentation(&state.model);
+            let depth = scene_edit::relief(&state.model);
             (-2.0 * depth - 3.0 * rho, state.scene.drive.start.max(0.0) + depth + 3.0 * rho)
         }
     }

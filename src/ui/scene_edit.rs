@@ -127,20 +127,41 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
 pub fn limits(scene: &Scene, model: &Model) -> (f64, f64) {
     let lower = match scene.drive.turn {
         Turn::At(turn) => turn,
-        Turn::ZeroLoad => -0.6 * tip_indentation(model) - model.law.range,
+        Turn::ZeroLoad => -0.6 * relief(model) - model.law.range,
     };
     (lower, scene.drive.start)
 }
 
-/// a^2/R of the contact at zero load (JKR), the length that scales pictures of a tip; 0 on flat ground.
-pub fn tip_indentation(model: &Model) -> f64 {
+/// The length that scales pictures of uneven ground: a^2/R of a tip's contact at zero load (JKR), else the depth of the mean height
+/// below the crest (about three times its root mean square on rough ground); 0 on flat ground.
+pub fn relief(model: &Model) -> f64 {
     match model.indenter {
+        Indenter::Flat => 0.0,
         Indenter::Hertz { radius } => {
             let a = (4.5 * std::f64::consts::PI * model.law.surface_energy * radius * radius).cbrt();
             a * a / radius
         }
-        _ => 0.0,
+        Indenter::Wave { amplitude, periods } => amplitude * periods.iter().filter(|&&p| p > 0).count() as f64,
+        Indenter::Rough(rough) => 3.0 * rough.rms,
     }
+}
+
+/// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and far into the valleys of waves and
+/// rough ground.
+pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
+    let mut scene = frozen(scene, model);
+    scene.indenter = indenter;
+    let (rho, depth) = (model.law.range, relief(&Model { indenter, ..model.clone() }));
+    let (start, step) = (6.0 * rho, 0.1 * rho);
+    match indenter {
+        Indenter::Flat => {
+            scene.drive = SAFE;
+            fit_drive(&mut scene);
+        }
+        Indenter::Hertz { .. } => scene.drive = Drive { start, turn: Turn::ZeroLoad, step },
+        _ => scene.drive = Drive { start, turn: Turn::At(-0.85 * depth), step },
+    }
+    scene
 }
 
 /// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning while u0 moves.
@@ -148,7 +169,7 @@ pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
     let rho = model.law.range;
     let wanted = match model.indenter {
         Indenter::Flat => 1.8 * scene.drive.start,
-        _ => (2.5 * tip_indentation(model)).max(6.0 * rho),
+        _ => (2.5 * relief(model)).max(6.0 * rho),
     };
     nice(wanted / rho) * rho
 }
@@ -164,6 +185,8 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
         Indenter::Hertz { radius } if !model.grid.is_line() => {
             1.5 * std::f64::consts::PI * law.surface_energy * radius / model.grid.length.powi(2)
         }
+        // Between full contact and a few asperities nothing is known beforehand.
+        Indenter::Wave { .. } | Indenter::Rough(_) => return (-0.6, 0.6),
         Indenter::Hertz { radius } => {
             3.0 * (std::f64::consts::PI * law.surface_energy.powi(2) * radius / 16.0).cbrt() / model.grid.length
         }

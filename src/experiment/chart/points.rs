@@ -159,7 +159,8 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     }
     // The same on a quarter of the cell, for the methods that gain most from it.
     let reducible = |p: &&Point| {
-        p.precision == Precision::Double
+        scene.indenter.is_even()
+            && p.precision == Precision::Double
             && p.points.is_multiple_of(4)
             && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs)
     };

@@ -5,6 +5,7 @@
 pub mod asymptotes;
 pub mod circular;
 pub mod discs;
+pub mod dissipation;
 pub mod flat;
 pub mod jkr;
 pub mod jkr_periodic;

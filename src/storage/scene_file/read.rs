@@ -5,6 +5,7 @@ use super::{FORMAT, refused};
 use crate::experiment::scene::{Cell, Drive, LawChoice, POINTS_MAX, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+use crate::physics::roughness::Roughness;
 use crate::storage::Failure;
 use toml::{Table, Value};
 
@@ -32,7 +33,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
         indenter: root.inside("indenter")?.map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
         drive: drive(&root.required("drive", "start, turn and step")?)?,
         accuracy: root.inside("accuracy")?.map_or(Ok(ACCURACY), |section| accuracy(&section))?,
-        seed: root.inside("noise")?.map_or(Ok(DEFAULT_SEED), |section| seed(&section))?,
+        seed: root.inside("noise")?.map_or(Ok(DEFAULT_SEED), |section| noise(&section))?,
     };
     scene.validate().map_err(|error| refused(file_name, error))?;
     Ok(scene)
@@ -118,20 +119,43 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
 }
 
 fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
-    let words = ["flat", "hertz"];
-    match section.text("kind", "\"flat\" or \"hertz\"")? {
+    let words = ["flat", "hertz", "wave", "rough"];
+    match section.text("kind", "one of \"flat\", \"hertz\", \"wave\", \"rough\"")? {
         "flat" => section.only(&["kind"]).map(|()| Indenter::Flat),
         "hertz" => {
             section.only(&["kind", "radius"])?;
             Ok(Indenter::Hertz { radius: section.number("radius", POSITIVE)? })
         }
-        kind @ ("wave" | "rough") => {
-            let value = section.value("kind", "")?;
-            let allowed = format!("the {kind} indenter is not built yet; allowed are \"flat\" and \"hertz\"");
-            Err(section.refuse("kind", value, &allowed))
+        "wave" => {
+            section.only(&["kind", "amplitude", "periods"])?;
+            Ok(Indenter::Wave { amplitude: section.number("amplitude", POSITIVE)?, periods: periods(section)? })
+        }
+        "rough" => {
+            section.only(&["kind", "hurst", "rms", "longest", "shortest", "seed"])?;
+            Ok(Indenter::Rough(Roughness {
+                hurst: section.number("hurst", "a number above 0, at most 1, as in 0.8")?,
+                rms: section.number("rms", "the root mean square height, a finite number above 0")?,
+                longest: section.number("longest", "a wavelength, at most cell.length")?,
+                shortest: section.number("shortest", "a wavelength, at most indenter.longest")?,
+                seed: seed(section)?,
+            }))
         }
         other => Err(section.refuse_word("kind", other, &words)),
     }
+}
+
+fn periods(section: &Section<'_>) -> Result<[usize; 2], Failure> {
+    let allowed = "a whole number of waves along x, or along x and y as in [2, 1]";
+    let value = section.value("periods", allowed)?;
+    let whole = |value: &Value| value.as_integer().and_then(|n| usize::try_from(n).ok());
+    let parsed = match value {
+        Value::Array(both) => match both.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
+            Some([x, y]) => Some([*x, *y]),
+            _ => None,
+        },
+        other => whole(other).map(|x| [x, 0]),
+    };
+    parsed.ok_or_else(|| section.refuse("periods", value, &format!("allowed is {allowed}")))
 }
 
 fn drive(section: &Section<'_>) -> Result<Drive, Failure> {
@@ -153,8 +177,12 @@ fn accuracy(section: &Section<'_>) -> Result<f64, Failure> {
     if section.has("target") { section.number("target", "a number above 0 and below 1, as in 0.01") } else { Ok(ACCURACY) }
 }
 
-fn seed(section: &Section<'_>) -> Result<u64, Failure> {
+fn noise(section: &Section<'_>) -> Result<u64, Failure> {
     section.only(&["seed"])?;
+    seed(section)
+}
+
+fn seed(section: &Section<'_>) -> Result<u64, Failure> {
     if !section.has("seed") {
         return Ok(DEFAULT_SEED);
     }

@@ -59,6 +59,18 @@ fn indenter(scene: &Scene) -> Keys {
     match scene.indenter {
         Indenter::Flat => vec![("kind", "flat".into())],
         Indenter::Hertz { radius } => vec![("kind", "hertz".into()), ("radius", radius.into())],
+        Indenter::Wave { amplitude, periods: [x, y] } => {
+            let periods = if y == 0 { whole(x) } else { Value::Array(vec![whole(x), whole(y)]) };
+            vec![("kind", "wave".into()), ("amplitude", amplitude.into()), ("periods", periods)]
+        }
+        Indenter::Rough(rough) => vec![
+            ("kind", "rough".into()),
+            ("hurst", rough.hurst.into()),
+            ("rms", rough.rms.into()),
+            ("longest", rough.longest.into()),
+            ("shortest", rough.shortest.into()),
+            ("seed", seed(rough.seed)),
+        ],
     }
 }
 

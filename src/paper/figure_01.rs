@@ -1,0 +1,136 @@
+//! Fig. 1: the model from the side, drawn from a solved state.
+
+use super::figure::{Area, Arrow, Axis, Colour, Figure, Finding, Label, Panel, Role, Series};
+use super::task::{Stopped, Task};
+use super::{Entry, scenes};
+use crate::experiment::record::Branch;
+use crate::experiment::walk::{Happening, Progress, Walk};
+use crate::physics::indenter::Indenter;
+use crate::solver::method::MethodKind;
+
+pub(super) const ENTRY: Entry = Entry {
+    number: 1,
+    title: "The model: an elastomer above a rigid indenter",
+    look_for: "The elastomer's lower surface u bends freely, only its mean u0 is prescribed. The gap g = u - h decides how strongly \
+               each point is pulled or pushed.",
+    scene: scenes::figure_1,
+    compute,
+};
+
+/// The surface at one state.
+#[derive(Default)]
+struct Profile {
+    mean_displacement: f64,
+    stress: f64,
+    gap: Vec<f64>,
+}
+
+fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
+    let scene = scenes::figure_1();
+    let (grid, profile) = strongest_pull(task)?;
+    let Some(height) = scene.indenter.height(&grid) else { return Err(Stopped::Failed("the ground is flat".to_owned())) };
+    let place = |i: usize| i as f64 * grid.spacing() - 0.5 * grid.length;
+    let mut rows: Vec<_> = profile.gap.iter().zip(&height).enumerate().map(|(i, (g, h))| [place(i), *h, h + g]).collect();
+    let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
+    let law = scene.model().map_err(|error| Stopped::Failed(error.to_string()))?.law;
+    let traction = profile.gap.iter().map(|g| law.at(*g).traction).sum::<f64>() / rows.len() as f64;
+    // The cell closes on itself.
+    rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
+    let findings = vec![
+        Finding {
+            quantity: "mean of the drawn surface".to_owned(),
+            found: mean,
+            expected: profile.mean_displacement,
+            source: "the prescribed u0".to_owned(),
+            tolerance: Some(1e-9),
+        },
+        Finding {
+            quantity: "mean stress/E*".to_owned(),
+            found: profile.stress,
+            expected: traction,
+            source: "mean of the law's traction over the drawn gap".to_owned(),
+            tolerance: Some(1e-9),
+        },
+    ];
+    let words = format!(
+        "A solved state, not a sketch: a periodic row of cylinders of radius R pulls an elastomer of period L = 2R, γ = {} E*R and \
+         ρ = {} R, at the largest mean stress of its retraction. u₀ is the mean of the lower surface, measured from the indenter's \
+         highest point.",
+        law.surface_energy / radius(&scene.indenter),
+        law.range / radius(&scene.indenter),
+    );
+    Ok(Figure { number: 1, title: ENTRY.title.to_owned(), panels: vec![panel(&rows, mean)], words, findings })
+}
+
+fn radius(indenter: &Indenter) -> f64 {
+    match indenter {
+        Indenter::Hertz { radius } => *radius,
+        _ => f64::NAN,
+    }
+}
+
+/// The state of largest mean stress on retraction.
+fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Profile), Stopped> {
+    let scene = scenes::figure_1();
+    let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).map_err(|error| Stopped::Failed(error.to_string()))?;
+    let mut best = Profile::default();
+    for target in [super::scenes::turn(&scene), scene.drive.start] {
+        walk.set_target(target);
+        loop {
+            task.tell(0.5 * f64::from(u8::from(target > 0.0)), "a cylinder under tension")?;
+            let mut fresh = false;
+            match walk.step(task.cancel, &mut |happening| fresh |= matches!(happening, Happening::State(_))) {
+                Progress::Working => {}
+                Progress::Resting => break,
+                Progress::Cancelled => return Err(Stopped::Cancelled),
+                Progress::Stuck(reason) => return Err(Stopped::Failed(reason)),
+            }
+            let record = walk.record();
+            if fresh && record.branch == Branch::Retraction && record.stress > best.stress {
+                (best.mean_displacement, best.stress) = (record.mean_displacement, record.stress);
+                best.gap = walk.gap().into_raw_vec_and_offset().0;
+            }
+        }
+    }
+    Ok((walk.model().grid, best))
+}
+
+/// `rows`: x, height of the indenter, height of the elastomer's surface.
+fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
+    let extent = |k: usize| rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| (a.min(row[k]), b.max(row[k])));
+    let ((left, right), (low, _), (_, high)) = (extent(0), extent(1), extent(2));
+    let (bottom, top) = (low - 0.6, high + 1.2);
+    let line = |k: usize| Series {
+        colour: Colour::Ink,
+        role: Role::Theory,
+        points: rows.iter().map(|row| [row[0], row[k]]).collect(),
+        ..Series::default()
+    };
+    let guide =
+        |y: f64| Series { role: Role::Guide, colour: Colour::Grey, points: vec![[left, y], [right, y]], ..Series::default() };
+    // Half way out, where the gap is wide.
+    let at = rows[rows.len() * 13 / 16];
+    let middle = 0.5 * (at[1] + at[2]);
+    let arrow = |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, dashed: false };
+    let left_arrow =
+        |from: f64, to: f64| Arrow { tail: [0.8 * left, from], head: [0.8 * left, to], colour: Colour::Ink, dashed: false };
+    let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned() };
+    let area = |colour, spans| Area { name: String::new(), colour, spans };
+    Panel {
+        x: Axis::linear("x").from_to(left, right),
+        y: Axis::linear("height above the crest").from_to(bottom, top),
+        areas: vec![
+            area(Colour::Blue, rows.iter().map(|row| [row[0], row[2], top]).collect()),
+            area(Colour::Grey, rows.iter().map(|row| [row[0], bottom, row[1]]).collect()),
+        ],
+        series: vec![line(1), line(2), guide(mean), guide(0.0)],
+        arrows: vec![arrow(middle, at[1]), arrow(middle, at[2]), left_arrow(0.0, mean), left_arrow(mean, 0.0)],
+        labels: vec![
+            label(0.0, high + 0.6, "elastomer"),
+            label(0.0, 0.5 * low - 0.3, "rigid indenter"),
+            label(at[0] + 0.25, middle, "g"),
+            label(0.8 * left - 0.35, 0.5 * mean, "u0"),
+        ],
+        ..Panel::default()
+    }
+}

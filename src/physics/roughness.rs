@@ -1,0 +1,287 @@
+//! Self-affine random roughness: a periodic sum of waves with prescribed amplitudes and random phases.
+//!
+//! h(r) = sum_q a_q cos(q r + phi_q) - crest, with the phases phi_q drawn uniformly and the amplitudes a_q^2 proportional to the
+//! spectrum C(q): q^-2(1+H) between 2 pi/longest and 2 pi/shortest, constant below (a plateau down to the longest wave of the cell),
+//! zero above. A line cell has profiles of the same Hurst exponent, C(q) ~ q^-(1+2H). As only the phases are random, height and
+//! gradient have exactly their root mean squares, whatever the seed.
+
+use super::grid::Grid;
+use crate::numerics::fourier::Fourier;
+use ndarray::Array2;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+
+/// Most waves along a side of the cell: `longest` and `shortest` are at least this share of its length.
+pub const WAVES_MAX: usize = 512;
+
+/// Hills that may hold the crest: the highest on a mesh of four points for each shortest wave.
+const HILLS: usize = 8;
+
+/// A self-affine random surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness {
+    /// Hurst exponent H, 0 to 1.
+    pub hurst: f64,
+    /// Root mean square height about the mean (length).
+    pub rms: f64,
+    /// Longest wavelength of the self-affine part (length): longer waves have the spectrum of this one.
+    pub longest: f64,
+    /// Shortest wavelength (length).
+    pub shortest: f64,
+    /// Seed of the phases.
+    pub seed: u64,
+}
+
+/// One wave, Re(amplitude e^{i q r}) with q = 2 pi wave / L.
+#[derive(Clone, Copy, Debug)]
+struct Wave {
+    wave: [i64; 2],
+    amplitude: Complex<f64>,
+}
+
+impl Roughness {
+    /// Height field (length), highest point of the surface (not of the mesh) at 0. Shape (ny, nx).
+    ///
+    /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows it without them.
+    pub fn height(&self, grid: &Grid) -> Array2<f64> {
+        let waves = self.waves(grid);
+        let crest = crest(&waves, grid);
+        synthesis(&waves, grid) - crest
+    }
+
+    /// Mean of the height (length), minus the height of the crest above it.
+    pub fn mean_height(&self, grid: &Grid) -> f64 {
+        -crest(&self.waves(grid), grid)
+    }
+
+    /// Root mean square of |grad h| (dimensionless).
+    pub fn rms_gradient(&self, grid: &Grid) -> f64 {
+        let squares = self.waves(grid).iter().map(|w| 0.5 * w.amplitude.norm_sqr() * w.square() * grid.q1().powi(2)).sum::<f64>();
+        squares.sqrt()
+    }
+
+    /// True if the mesh has at least the two points that each shortest wave needs.
+    pub fn fits(&self, grid: &Grid) -> bool {
+        self.shortest > 2.0 * grid.spacing()
+    }
+
+    /// Spectrum at wave number `q` (any unit) of a surface, or of a profile.
+    fn spectrum(&self, q: f64, profile: bool) -> f64 {
+        // The shortest wave itself counts, whatever rounding does to it.
+        if q > TAU / self.shortest * (1.0 + 1e-9) {
+            return 0.0;
+        }
+        let decay = if profile { 1.0 + 2.0 * self.hurst } else { 2.0 + 2.0 * self.hurst };
+        (q * self.longest / TAU).max(1.0).powf(-decay)
+    }
+
+    /// All waves of one half plane. The phases are drawn ring by ring outwards, so that neither the mesh nor a shorter `shortest`
+    /// changes those of the longer waves.
+    fn waves(&self, grid: &Grid) -> Vec<Wave> {
+        let mut rng = Pcg64::seed_from_u64(self.seed);
+        let mut waves = Vec::new();
+        let mut sum = 0.0;
+        for ring in 1..=(grid.length / self.shortest * (1.0 + 1e-9)) as i64 {
+            for x in 0..=ring {
+                let reach = if grid.is_line() { 0 } else { ring };
+                for y in -reach..=reach {
+                    if x.max(y.abs()) < ring || x == 0 && y < 0 {
+                        continue;
+                    }
+                    let phase = rng.random_range(0.0..TAU);
+                    let power = self.spectrum(grid.q1() * (x as f64).hypot(y as f64), grid.is_line());
+                    if power > 0.0 {
+                        sum += 0.5 * power;
+                        waves.push(Wave { wave: [x, y], amplitude: Complex::from_polar(power.sqrt(), phase) });
+                    }
+                }
+            }
+        }
+        let scale = self.rms / sum.sqrt();
+        waves.iter_mut().for_each(|w| w.amplitude *= scale);
+        waves
+    }
+}
+
+impl Wave {
+    fn square(&self) -> f64 {
+        let [x, y] = self.wave;
+        (x * x + y * y) as f64
+    }
+}
+
+/// The sum of the waves on the points of `grid`; waves that these cannot tell from longer ones are left out.
+fn synthesis(waves: &[Wave], grid: &Grid) -> Array2<f64> {
+    let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
+    let mut spectrum = fourier.spectrum();
+    for Wave { wave: [x, y], amplitude } in waves {
+        let reach = |k: i64, n: usize| 2 * k.unsigned_abs() as usize >= n.max(2);
+        if reach(*x, grid.nx) || *y != 0 && reach(*y, grid.ny) {
+            continue;
+        }
+        let column = |y: i64| y.rem_euclid(grid.ny as i64) as usize;
+        spectrum[[*x as usize, column(*y)]] = 0.5 * amplitude;
+        if *x == 0 {
+            spectrum[[0, column(-y)]] = 0.5 * amplitude.conj();
+        }
+    }
+    let mut height = Array2::zeros(grid.shape());
+    fourier.inverse(&mut spectrum, &mut height, &mut fourier.scratch());
+    height
+}
+
+/// The highest value of the sum of the waves anywhere: by Newton's method from the highest points of a mesh that depends on the waves
+/// alone.
+fn crest(waves: &[Wave], grid: &Grid) -> f64 {
+    let longest = waves.iter().flat_map(|w| w.wave).map(i64::unsigned_abs).max().unwrap_or(1) as usize;
+    let n = (4 * longest).max(16);
+    let mesh = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
+    let height = synthesis(waves, &mesh);
+    let mut hills: Vec<_> = height.indexed_iter().filter(|((j, i), h)| is_hill(&height, *j, *i, **h)).collect();
+    hills.sort_by(|a, b| b.1.total_cmp(a.1));
+    let top = |&((j, i), _): &((usize, usize), &f64)| climb(waves, [i, j].map(|i| TAU * i as f64 / n as f64));
+    hills.iter().take(HILLS).map(top).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// True if none of the eight neighbours is higher.
+fn is_hill(height: &Array2<f64>, j: usize, i: usize, here: f64) -> bool {
+    let (ny, nx) = height.dim();
+    (0..9).all(|k| height[[(j + ny + k / 3 - 1) % ny, (i + nx + k % 3 - 1) % nx]] <= here)
+}
+
+/// The top of the hill at `angle` = 2 pi r/L: height after a few steps of Newton's method, each at most to the next mesh point.
+fn climb(waves: &[Wave], mut angle: [f64; 2]) -> f64 {
+    let reach = TAU / (4.0 * waves.iter().map(|w| w.wave[0].max(w.wave[1].abs())).max().unwrap_or(1) as f64);
+    let mut highest = f64::NEG_INFINITY;
+    for _ in 0..6 {
+        let (mut h, mut slope, mut bend) = (0.0, [0.0; 2], [0.0; 3]);
+        for Wave { wave, amplitude } in waves {
+            let [x, y] = wave.map(|k| k as f64);
+            let (sin, cos) = (x * angle[0] + y * angle[1]).sin_cos();
+            let (value, turned) = (amplitude.re * cos - amplitude.im * sin, -amplitude.re * sin - amplitude.im * cos);
+            h += value;
+            slope = [slope[0] + x * turned, slope[1] + y * turned];
+            bend = [bend[0] - x * x * value, bend[1] - x * y * value, bend[2] - y * y * value];
+        }
+        highest = highest.max(h);
+        let [a, b, c] = bend;
+        let determinant = a * c - b * b;
+        let step = match determinant > 0.0 {
+            true => [(b * slope[1] - c * slope[0]) / determinant, (b * slope[0] - a * slope[1]) / determinant],
+            // A profile has no second direction.
+            false => [-slope[0] / a, 0.0],
+        };
+        angle = [angle[0] + step[0].clamp(-reach, reach), angle[1] + step[1].clamp(-reach, reach)];
+    }
+    highest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn surfaces() -> impl Strategy<Value = Roughness> {
+        (0.1..1.0, 0.1..3.0, 0.2..1.0, 0.1..0.15, any::<u64>()).prop_map(|(hurst, rms, longest, shortest, seed)| {
+            // In a cell of side 20: at most 10 waves along a side.
+            Roughness { hurst, rms, longest: 20.0 * longest, shortest: 20.0 * shortest, seed }
+        })
+    }
+
+    fn grids(n: usize) -> [Grid; 2] {
+        [Grid::square(20.0, n), Grid::line(20.0, n)]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+        #[test]
+        fn the_height_has_the_asked_root_mean_square_and_the_gradient_that_of_its_differences(surface in surfaces()) {
+            for grid in grids(256) {
+                let h = surface.height(&grid);
+                let mean = h.mean().unwrap();
+                let rms = h.mapv(|h| (h - mean).powi(2)).mean().unwrap().sqrt();
+                prop_assert!((rms / surface.rms - 1.0).abs() < 1e-10, "{}", rms);
+                // Central differences over the periodic cell: each wave loses (q a)^2/6 of its slope, at most 1 % here.
+                let (ny, nx) = grid.shape();
+                let square = |j: usize, i: usize| {
+                    let x = h[[j, (i + 1) % nx]] - h[[j, (i + nx - 1) % nx]];
+                    let y = if ny == 1 { 0.0 } else { h[[(j + 1) % ny, i]] - h[[(j + ny - 1) % ny, i]] };
+                    (x * x + y * y) / (2.0 * grid.spacing()).powi(2)
+                };
+                let gradient = Array2::from_shape_fn((ny, nx), |(j, i)| square(j, i)).mean().unwrap().sqrt();
+                let exact = surface.rms_gradient(&grid);
+                prop_assert!((gradient / exact - 1.0).abs() < 0.011 && gradient < exact, "{} {}", gradient, exact);
+            }
+        }
+
+        #[test]
+        fn a_finer_mesh_shows_the_same_surface_and_its_crest_is_at_zero(surface in surfaces()) {
+            for (coarse, fine) in grids(32).into_iter().zip(grids(256)) {
+                let (coarse, fine) = (surface.height(&coarse), surface.height(&fine));
+                for ((j, i), h) in coarse.indexed_iter() {
+                    prop_assert!((h - fine[[8 * j, 8 * i]]).abs() < 1e-10 * surface.rms);
+                }
+                let highest = fine.iter().cloned().fold(f64::NEG_INFINITY, f64::max);
+                // No mesh point is above the crest, and with 25 points on the shortest wave one is close to it.
+                prop_assert!(highest < 1e-12 * surface.rms && highest > -0.05 * surface.rms, "{}", highest);
+            }
+        }
+
+        #[test]
+        fn the_seed_decides_and_shorter_waves_leave_the_longer_ones_alone(surface in surfaces()) {
+            for grid in grids(64) {
+                prop_assert_eq!(surface.height(&grid), surface.height(&grid));
+                prop_assert_ne!(surface.height(&grid), Roughness { seed: surface.seed ^ 1, ..surface }.height(&grid));
+                let longer = surface.waves(&grid);
+                let shorter = Roughness { shortest: 0.5 * surface.shortest, ..surface }.waves(&grid);
+                for wave in longer {
+                    let same = shorter.iter().find(|w| w.wave == wave.wave).unwrap();
+                    prop_assert!((same.amplitude.arg() - wave.amplitude.arg()).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    /// Slope of ln of the mean square amplitude per wave against ln q, by least squares over rings of the transformed field.
+    fn measured_decay(grid: &Grid, low: f64, high: f64) -> f64 {
+        let surface = Roughness { hurst: 0.7, rms: 1.0, longest: 5.0, shortest: 0.5, seed: 3 };
+        let height = surface.height(grid);
+        let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
+        let mut spectrum = fourier.spectrum();
+        fourier.forward(&height, &mut spectrum, &mut fourier.scratch());
+        let (mut n, mut sums) = (0.0, [0.0; 4]);
+        for ((x, y), a) in spectrum.indexed_iter() {
+            let y = if 2 * y > grid.ny { y as f64 - grid.ny as f64 } else { y as f64 };
+            let q = grid.q1() * (x as f64).hypot(y);
+            if q > low && q < high {
+                let (u, v) = (q.ln(), a.norm_sqr().ln());
+                n += 1.0;
+                sums = [sums[0] + u, sums[1] + v, sums[2] + u * u, sums[3] + u * v];
+            }
+        }
+        (n * sums[3] - sums[0] * sums[1]) / (n * sums[2] - sums[0] * sums[0])
+    }
+
+    #[test]
+    fn the_spectrum_is_flat_up_to_the_longest_wave_and_falls_with_the_hurst_exponent_from_there() {
+        let edge = TAU / 5.0;
+        let (square, line) = (Grid::square(20.0, 128), Grid::line(20.0, 128));
+        assert!((measured_decay(&square, 1.01 * edge, 9.9 * edge) + 3.4).abs() < 1e-6);
+        assert!((measured_decay(&line, 1.01 * edge, 9.9 * edge) + 2.4).abs() < 1e-6);
+        assert!(measured_decay(&square, 0.0, 0.99 * edge).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_mesh_too_coarse_for_the_shortest_waves_shows_the_surface_without_them() {
+        let surface = Roughness { hurst: 0.8, rms: 1.0, longest: 10.0, shortest: 1.0, seed: 5 };
+        let coarse = Grid::square(20.0, 16);
+        assert!(!surface.fits(&coarse) && surface.fits(&Grid::square(20.0, 64)));
+        let height = surface.height(&coarse);
+        let mean = height.mean().unwrap();
+        let rms = height.mapv(|h| (h - mean).powi(2)).mean().unwrap().sqrt();
+        assert!(rms < 1.0 && rms > 0.9, "{rms}");
+    }
+}

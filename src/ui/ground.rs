@@ -1,0 +1,91 @@
+//! The rigid counter-surface: which, and its numbers. Lengths in ranges of the law.
+
+use super::action::Action;
+use super::controls::number;
+use super::scene_edit;
+use super::view_state::ViewState;
+use crate::experiment::scene::Model;
+use crate::physics::indenter::Indenter;
+use crate::physics::roughness::{Roughness, WAVES_MAX};
+use egui::{ComboBox, Ui};
+
+/// The choice, and below it what only this ground has.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    ui.horizontal(|ui| {
+        let label = ui.label("Ground");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let combo = ComboBox::from_id_salt("ground").width(84.0).selected_text(word(&model.indenter)).show_ui(ui, |ui| {
+                for indenter in grounds(model) {
+                    let same = word(&indenter) == word(&model.indenter);
+                    if ui.selectable_label(same, word(&indenter)).clicked() && !same {
+                        actions.push(Action::EditScene(Box::new(scene_edit::with_ground(scene, model, indenter))));
+                    }
+                }
+            });
+            combo.response.labelled_by(label.id);
+        });
+    });
+    let mut indenter = scene.indenter;
+    parameters(ui, model, &mut indenter);
+    if indenter != scene.indenter {
+        let mut scene = (**scene).clone();
+        scene.indenter = indenter;
+        actions.push(Action::EditScene(Box::new(scene)));
+    }
+}
+
+fn word(indenter: &Indenter) -> &'static str {
+    match indenter {
+        Indenter::Flat => "flat",
+        Indenter::Hertz { .. } => "tip",
+        Indenter::Wave { .. } => "waves",
+        Indenter::Rough(_) => "rough",
+    }
+}
+
+/// One of each, with numbers that suit the law and the cell.
+fn grounds(model: &Model) -> [Indenter; 4] {
+    let (rho, length) = (model.law.range, model.grid.length);
+    let shortest = (8.0 * model.grid.spacing()).max(length / 16.0).min(length);
+    [
+        Indenter::Flat,
+        Indenter::Hertz { radius: length },
+        Indenter::Wave { amplitude: 2.0 * rho, periods: [1, usize::from(!model.grid.is_line())] },
+        Indenter::Rough(Roughness { hurst: 0.8, rms: 4.0 * rho, longest: length, shortest, seed: 1 }),
+    ]
+}
+
+fn parameters(ui: &mut Ui, model: &Model, indenter: &mut Indenter) {
+    let (rho, length) = (model.law.range, model.grid.length);
+    let mut edit = |name: &str, value: &mut f64, unit: f64, low: f64, high: f64, word: &str| {
+        if let Some(edited) = number(ui, name, *value / unit, low..=high, word) {
+            *value = edited * unit;
+        }
+    };
+    match indenter {
+        Indenter::Flat => {}
+        Indenter::Hertz { radius } => edit("Tip radius R", radius, rho, 1e-3, 1e7, "ρ"),
+        Indenter::Wave { amplitude, periods } => {
+            edit("Amplitude", amplitude, rho, 1e-6, 1e6, "ρ");
+            let most = (model.grid.nx / 4) as f64;
+            for (axis, name) in
+                ["Waves along x", "Waves along y"].into_iter().enumerate().take(if model.grid.is_line() { 1 } else { 2 })
+            {
+                let mut count = periods[axis] as f64;
+                // One of the two has to stay.
+                edit(name, &mut count, 1.0, if periods[1 - axis] == 0 { 1.0 } else { 0.0 }, most, "");
+                periods[axis] = count.round() as usize;
+            }
+        }
+        Indenter::Rough(rough) => {
+            edit("Hurst exponent", &mut rough.hurst, 1.0, 0.01, 1.0, "");
+            edit("RMS height", &mut rough.rms, rho, 1e-6, 1e6, "ρ");
+            edit("Longest wave", &mut rough.longest, rho, rough.shortest / rho, length / rho, "ρ");
+            edit("Shortest wave", &mut rough.shortest, rho, length / WAVES_MAX as f64 / rho, rough.longest / rho, "ρ");
+            let mut seed = rough.seed as f64;
+            edit("Surface seed", &mut seed, 1.0, 0.0, 9e15, "");
+            rough.seed = seed.round() as u64;
+        }
+    }
+}
