@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
             let chosen = state.view.tab == tab;
             let short = match tab {
                 Tab::Accuracy if narrow => "Accuracy",
-                Tab::EnergyWell if narrow => "Well",
+                Tab::EnergyWell if ui.available_width() < 350.0 => "Well",
                 _ => name,
             };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
