@@ -208,15 +208,16 @@ fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
 fn theory(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let bounds = plot.plot_bounds();
     // Names stand on different parts of curves that lie close together.
-    let shares = [("ridge", 0.3), ("dimple", 0.6), ("bulge", 0.9)];
+    let shares = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4)];
     for (name, points) in state.overlay() {
         plot.line(line("theory", &points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
         let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > bounds.min()[k] && p[k] < bounds.max()[k]);
         let seen: Vec<&[f64; 2]> = points.iter().filter(inside).collect();
         let share = shares.iter().find(|(known, _)| *known == name).map(|(_, share)| share * seen.len() as f64);
         if let Some(at) = share.and_then(|index| seen.get(index as usize)) {
-            let word = Text::new("theory", PlotPoint::new(at[0], at[1]), RichText::new(format!(" {name}, theory")).small());
-            plot.text(word.color(palette.now).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+            let word = Text::new("theory", PlotPoint::new(at[0], at[1]), RichText::new(format!(" {name} ")).small());
+            let side = if name == "bulge" { egui::Align2::RIGHT_TOP } else { egui::Align2::LEFT_BOTTOM };
+            plot.text(word.color(palette.now).anchor(side).allow_hover(false));
         }
     }
 }
