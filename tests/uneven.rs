@@ -109,7 +109,11 @@ fn in_deep_compression_nothing_jumps() {
     scene.drive.turn = Turn::At(-4.5);
     scene.drive.step = 0.03;
     let run = newton(&scene);
-    assert!(run.record.jumps.iter().all(|jump| jump.mean_displacement > -2.9 && jump.released_energy >= 0.0), "{:?}", run.record.jumps);
+    assert!(
+        run.record.jumps.iter().all(|jump| jump.mean_displacement > -2.9 && jump.released_energy >= 0.0),
+        "{:?}",
+        run.record.jumps
+    );
     // Going down and coming up it is the same surface: its softest mode too, which the tracking must not lose.
     let at = |branch: Branch| {
         let near = |s: &&tackscope::experiment::record::StateRecord| s.branch == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
