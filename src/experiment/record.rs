@@ -251,6 +251,14 @@ mod tests {
     }
 
     #[test]
+    fn a_sharp_bend_stays_inside_its_interval() {
+        // A steep fall between 1 and 1.001, then a gentle slope: the steep one must not reach beyond.
+        let points = [[0.0, 1.0], [0.999, 1.0], [1.0, 1.0], [1.001, 0.5], [1.5, 0.49], [2.0, 0.48]];
+        // The trapezoid's own 1.490255 is right to a hundredth.
+        assert!((integral(&points) - 1.490255).abs() < 0.01, "{}", integral(&points));
+    }
+
+    #[test]
     fn one_state_or_none_encloses_nothing() {
         assert_eq!((integral(&[]), integral(&[[1.0, 2.0]]), integral(&[[1.0, 2.0], [3.0, 2.0]])), (0.0, 0.0, 4.0));
     }

@@ -47,12 +47,12 @@ pub const ROUGH_RANGE: f64 = 0.23;
 /// Rough ground for Fig. 14, `waves` of the longest self-affine waves along a side. The drive goes from 1.5 above the crest down to a
 /// mean gap of `turn`, both in root mean square heights.
 ///
-/// The paper leaves surface and gamma open. Here the Hurst exponent is 0.8, the self-affine wavelengths go from 16 to 2 root mean
-/// square heights, and gamma = 0.2 E* h_rms.
+/// The paper leaves surface and gamma open. Here the Hurst exponent is 0.8, the self-affine wavelengths go from 8 to 2 root mean
+/// square heights, which makes a root mean square gradient near 1, and gamma = 0.2 E* h_rms, which makes a small hysteresis.
 pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
-    let length = 16.0 * waves as f64 * ROUGH_RMS;
-    let points = 64 * waves;
-    let surface = Roughness { hurst: 0.8, rms: ROUGH_RMS, longest: 16.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
+    let length = 8.0 * waves as f64 * ROUGH_RMS;
+    let points = 32 * waves;
+    let surface = Roughness { hurst: 0.8, rms: ROUGH_RMS, longest: 8.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
     let mean = surface.mean_height(&Grid::square(length, points));
     Scene {
         title: "Fig. 14: rough ground".to_owned(),
@@ -64,7 +64,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
             range: Range::Length(ROUGH_RANGE * ROUGH_RMS),
         },
         indenter: Indenter::Rough(surface),
-        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.02 * ROUGH_RMS },
+        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.03 * ROUGH_RMS },
         accuracy: 0.01,
         seed: 1,
     }

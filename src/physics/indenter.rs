@@ -124,7 +124,7 @@ mod tests {
     fn waves_have_their_crest_in_the_middle_and_their_troughs_two_amplitudes_below() {
         let grid = Grid::square(8.0, 16);
         let height = Indenter::Wave { amplitude: 0.5, periods: [2, 0] }.height(&grid).unwrap();
-        assert_eq!([height[[3, 8]], height[[3, 0]]], [0.0; 2]);
+        assert!(height[[3, 8]] == 0.0 && height[[3, 0]].abs() < 1e-15);
         assert!((height[[5, 4]] + 1.0).abs() < 1e-15 && height[[0, 2]] < 0.0);
         assert!((height[[5, 2]] + 0.5).abs() < 1e-15);
         let both = Indenter::Wave { amplitude: 0.5, periods: [1, 1] }.height(&grid).unwrap();
