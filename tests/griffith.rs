@@ -43,7 +43,16 @@ fn the_series_of_both_patterns_is_the_reference_table() {
     for (kind, _, table) in both() {
         for [size, vhat, ..] in table {
             let found = discs::elastic_energy(kind, size);
-            let tolerance = if size == 0.98 { 3e-8 } else { 1.5e-9 };
+            // As documented, and the table's own.
+            let tolerance = if size <= 0.9 {
+                1.5e-9
+            } else if size <= 0.95 {
+                3e-9
+            } else if size < 0.98 {
+                1e-8
+            } else {
+                4e-8
+            };
             assert!((found / vhat - 1.0).abs() < tolerance, "{kind:?} {size}: {found} for {vhat}");
         }
     }
@@ -52,7 +61,7 @@ fn the_series_of_both_patterns_is_the_reference_table() {
 #[test]
 fn the_branches_follow_the_reference_table() {
     for (kind, pattern, table) in both() {
-        for [size, vhat, u, p, w] in table {
+        for [size, vhat, u, p, w] in table.into_iter().filter(|row| row[0] <= circular::SIZE_MAX) {
             // The table's own uncertainty: see there.
             let slope = if size < 0.85 {
                 2e-8
@@ -77,7 +86,7 @@ fn the_interpolant_agrees_with_the_series_between_its_points() {
             let h = 1e-3 * f64::min(size, 1.0 - size);
             let series = [-h, 0.0, h].map(|d| discs::elastic_energy(kind, size + d));
             let [vhat, slope, curvature] = pattern.elastic_energy(size);
-            assert!((vhat / series[1] - 1.0).abs() < 2e-9, "{kind:?} {size}: {}", vhat / series[1] - 1.0);
+            assert!((vhat / series[1] - 1.0).abs() < 1e-8, "{kind:?} {size}: {}", vhat / series[1] - 1.0);
             // Truncation 1e-6 times ratios of derivatives; rounding of 1e-10 over h.
             let first = (series[2] - series[0]) / (2.0 * h);
             assert!((slope / first - 1.0).abs() < 1e-5, "{kind:?} {size}: {slope} for {first}");

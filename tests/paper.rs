@@ -3,7 +3,7 @@
 use std::time::Instant;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::figure::{Content, Panel};
-use tackscope::paper::{Entry, GALLERY, Size, Stopped, Task, scenes};
+use tackscope::paper::{Entry, GALLERY, Size, Stopped, TABLES, Task, scenes};
 use tackscope::storage::presets;
 
 fn check_panel(number: usize, panel: &Panel) {
@@ -68,10 +68,21 @@ fn a_figure_that_is_stopped_says_so() {
 }
 
 #[test]
-fn the_scenes_of_figures_2_and_3_are_the_presets() {
-    for (scene, name) in [(scenes::figure_2(), "fig2"), (scenes::figure_3(), "fig3")] {
+fn the_scenes_of_figures_2_and_3_and_the_ridge_s_are_the_presets() {
+    for (scene, name) in [(scenes::figure_2(), "fig2"), (scenes::figure_3(), "fig3"), (scenes::ridge_line(), "ridge-line")] {
         let mut preset = presets::resolve(name).unwrap();
         preset.source = scene.source.clone();
         assert_eq!(scene, preset);
+    }
+}
+
+#[test]
+fn every_table_is_full_and_agrees_with_the_print() {
+    let cancel = Cancel::default();
+    for entry in TABLES {
+        let table = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut |_, _| ())).unwrap();
+        assert_eq!((table.number, table.title.as_str()), (entry.number, entry.title));
+        assert!(!table.rows.is_empty() && table.rows.iter().all(|row| row.len() == table.columns.len()));
+        assert!(table.findings.iter().all(|finding| finding.agrees() == Some(true)), "{:?}", table.findings);
     }
 }

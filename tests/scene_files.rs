@@ -33,7 +33,7 @@ fn says(sentence: &str, parts: &[&str]) {
 #[test]
 fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
     let names: Vec<_> = presets::all().iter().map(|preset| preset.name).collect();
-    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line", "wavy", "rough"]);
+    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line", "hertz", "wavy", "rough"]);
     for preset in presets::all() {
         let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
         assert!(!scene.title.is_empty() && !scene.source.is_empty());

@@ -13,7 +13,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Errand, Event, Sweep};
+use tackscope::worker::protocol::{Command, Errand, Event, Page, PaperNews, Sweep};
 use tackscope::worker::session::Session;
 use tackscope::worker::{Output, Worker};
 
@@ -255,6 +255,27 @@ fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
     await_event(&worker, |e| matches!(e, Event::Measured { run: 1, stuck: None }));
     println!("stopped after {:?}", begin.elapsed());
     assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+}
+
+#[test]
+fn pages_of_the_paper_are_computed_beside_the_walk_and_the_newest_one_wins() {
+    let worker = Worker::spawn(|| {});
+    worker.send(Command::OpenPage { page: Page::Figure(2) });
+    worker.send(Command::OpenPage { page: Page::Theory });
+    worker.send(set_scene(1, fig2(16)));
+    let mut others = 0;
+    await_event(&worker, |e| {
+        others += usize::from(matches!(e, Event::Paper { news: PaperNews::Figure(_) | PaperNews::Stuck(_), .. }));
+        matches!(e, Event::Paper { page: Page::Theory, news: PaperNews::Theory(_) })
+    });
+    assert_eq!(others, 0, "Fig. 2 was dropped without a word");
+    worker.send(Command::OpenPage { page: Page::Figure(4) });
+    await_event(
+        &worker,
+        |e| matches!(e, Event::Paper { page: Page::Figure(4), news: PaperNews::Figure(figure) } if figure.number == 4),
+    );
+    worker.send(Command::OpenPage { page: Page::Figure(777) });
+    await_event(&worker, |e| matches!(e, Event::Paper { news: PaperNews::Stuck(why), .. } if why.contains("no Fig. 777")));
 }
 
 fn ready(out: &[Output]) -> &tackscope::worker::protocol::Ready {

@@ -3,8 +3,10 @@
 use super::progress::Teller;
 use super::{BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_interrupt, say};
 use crate::numerics::cancel::Cancel;
+use crate::paper::errata::errata;
 use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
+use crate::storage::report::{Report, write_report};
 use crate::storage::{Failure, figure as paint, files};
 use crate::worker::crew::{self, News};
 use std::path::Path;
@@ -71,18 +73,28 @@ fn try_figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     }
     harvest.figures.sort_by_key(|(entry, _)| entry.number);
     harvest.missing.sort_by_key(|(number, _)| *number);
+    if arguments.report {
+        report(&harvest, size, &cancel, out)?;
+    }
     for (number, why) in harvest.missing.iter().filter(|(_, why)| *why != Stopped::Cancelled) {
         eprintln!("tackscope: Fig. {number}: {why}");
     }
     if !arguments.quiet {
         say(&closing_words(&harvest, out));
     }
-    let cancelled = harvest.missing.iter().any(|(_, why)| *why == Stopped::Cancelled);
-    if cancelled {
+    let code = exit_code(&harvest.missing);
+    if code == INTERRUPTED {
         eprintln!("tackscope: interrupted; what was computed is in {}", out.display());
-        return Ok(INTERRUPTED);
     }
-    Ok(if harvest.missing.is_empty() { DONE } else { NOT_CONVERGED })
+    Ok(code)
+}
+
+fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
+    match missing {
+        [] => DONE,
+        _ if missing.iter().any(|(_, why)| *why == Stopped::Cancelled) => INTERRUPTED,
+        _ => NOT_CONVERGED,
+    }
 }
 
 /// Computes, and writes each figure as soon as it is there.
@@ -114,6 +126,28 @@ fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Tell
         }
     });
     harvest
+}
+
+/// Writes `report.html` and `findings.csv` about what there is, also after a request to stop.
+fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Path) -> Result<(), Failure> {
+    let mut missing: Vec<String> = harvest.missing.iter().map(|(number, why)| format!("Fig. {number}: {why}")).collect();
+    let mut tables = Vec::new();
+    for entry in TABLES {
+        match (entry.compute)(&mut Task::new(size, cancel, &mut |_, _| {})) {
+            Ok(table) => tables.push(table),
+            Err(why) => missing.push(format!("Table {}: {why}", entry.number)),
+        }
+    }
+    let errata = errata(&mut Task::new(size, cancel, &mut |_, _| {})).unwrap_or_else(|why| {
+        missing.push(format!("errata: {why}"));
+        Vec::new()
+    });
+    let of_figures =
+        harvest.figures.iter().flat_map(|(_, f)| f.findings.iter().map(|finding| (format!("Fig. {}", f.number), finding)));
+    let of_tables = tables.iter().flat_map(|t| t.findings.iter().map(|finding| (format!("Table {}", t.number), finding)));
+    paint::write_findings_csv(&out.join("findings.csv"), of_figures.chain(of_tables))?;
+    let figures = harvest.figures.iter().map(|(entry, figure)| (figure, entry.look_for)).collect();
+    write_report(&out.join("report.html"), &Report { figures, tables: tables.iter().collect(), errata: &errata, missing })
 }
 
 /// ", 3 of 4 findings agree", or nothing.
@@ -173,4 +207,16 @@ fn write_table(out: &Path, table: &Table) -> Result<(), Failure> {
     paint::write_table_csv(&name("csv"), table)?;
     paint::write_table_svg(&name("svg"), table)?;
     paint::write_table_png(&name("png"), table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_decides_on_the_exit_code() {
+        let failed = (5, Stopped::Failed("no convergence".to_owned()));
+        let codes = [vec![], vec![failed.clone()], vec![failed, (6, Stopped::Cancelled)]].map(|missing| exit_code(&missing));
+        assert_eq!(codes, [0, 3, 130]);
+    }
 }

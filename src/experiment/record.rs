@@ -173,6 +173,9 @@ impl LoopRecord {
     }
 }
 
+/// How many times shorter an interval may be than its neighbour and still tell of its slope.
+const CROWDED: f64 = 8.0;
+
 /// The integral of a smooth curve through the points (x, y), x growing or falling: in every interval the cubic with the slopes of
 /// the parabolas through neighbouring points. Points that only rounding holds apart count once.
 fn integral(points: &[[f64; 2]]) -> f64 {
@@ -194,14 +197,21 @@ fn integral(points: &[[f64; 2]]) -> f64 {
             (None, None) => 0.0,
         })
         .collect();
+    let length = |i: usize| points.get(i + 1).map(|next| (next[0] - points[i][0]).abs());
     let piece = |i: usize| {
         let (a, b) = (points[i], points[i + 1]);
-        let h = b[0] - a[0];
-        // Next to a bend far sharper than the interval a slope says nothing about the other end: a cubic that leaves the box of both
-        // ends and of the flatter slope is cut there. No parabola does.
-        let box_of = 0.5 * h * ((b[1] - a[1]).abs() + h.abs() * slopes[i].abs().min(slopes[i + 1].abs()));
-        let correction = h * h / 12.0 * (slopes[i] - slopes[i + 1]);
-        0.5 * h * (a[1] + b[1]) + correction.clamp(-box_of.abs(), box_of.abs())
+        let (h, k) = (b[0] - a[0], secant(a, b));
+        let (before, after) = (i.checked_sub(1).and_then(length), length(i + 1));
+        // Next to a fold the states crowd together, and the slope among them says nothing about a long interval beside them: there the
+        // parabola with the other slope.
+        let holds = |neighbour: Option<f64>| neighbour.is_some_and(|n| CROWDED * n >= h.abs());
+        let bend = match (holds(before.or(after)), holds(after.or(before))) {
+            (true, true) => slopes[i] - slopes[i + 1],
+            (true, false) => 2.0 * (slopes[i] - k),
+            (false, true) => 2.0 * (k - slopes[i + 1]),
+            (false, false) => 0.0,
+        };
+        0.5 * h * (a[1] + b[1]) + h * h / 12.0 * bend
     };
     (0..points.len().saturating_sub(1)).map(piece).sum()
 }
@@ -232,11 +242,12 @@ mod tests {
     }
 
     #[test]
-    fn a_sharp_bend_stays_inside_its_interval() {
-        // A steep fall between 1 and 1.001, then a gentle slope: the steep one must not reach beyond.
-        let points = [[0.0, 1.0], [0.999, 1.0], [1.0, 1.0], [1.001, 0.5], [1.5, 0.49], [2.0, 0.48]];
-        // The trapezoid's own 1.490255 is right to a hundredth.
-        assert!((integral(&points) - 1.490255).abs() < 0.01, "{}", integral(&points));
+    fn states_that_crowd_at_a_fold_do_not_spoil_the_long_interval_before_them() {
+        // y = sqrt(1 - x), steep at the end; by hand 2/3. Straight lines alone would miss the last interval by a sixth of its box.
+        let xs = (0..=20).map(|i| 0.04 * i as f64).chain([0.99, 0.9999, 0.999999, 1.0 - 1e-9, 1.0]);
+        let points: Vec<_> = xs.map(|x: f64| [x, (1.0 - x).max(0.0).sqrt()]).collect();
+        let missing = integral(&points) - 2.0 / 3.0;
+        assert!(missing.abs() < 0.19 * 0.45 / 6.0, "{missing}");
     }
 
     #[test]

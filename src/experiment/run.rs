@@ -137,7 +137,12 @@ pub fn run_in_precision(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    let mut walk = Walk::in_precision(scene, method.build(scene.seed), reduction, precision)?;
+    let walk = Walk::in_precision(scene, method.build(scene.seed), reduction, precision)?;
+    Ok(run_walk(walk, scene, cancel, observe))
+}
+
+/// The same with a walk that stands at the start of the drive of `scene`.
+pub fn run_walk(mut walk: Walk, scene: &Scene, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
     let mut run =
         LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
     run.record.states.push(walk.record().clone());
@@ -206,5 +211,5 @@ pub fn run_in_precision(
         }
     }
     run.counts = walk.counts();
-    Ok(run)
+    run
 }

@@ -27,7 +27,7 @@ use crate::solver::method::{Method, MethodKind, Problem, Slides};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use guard::{Guard, slides_on};
+use guard::{Guard, slides_on, with_coarse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
@@ -79,8 +79,6 @@ struct Barrier {
     stiffness: Option<f64>,
     /// The mode that went soft, if it was seen.
     soft_mode: Vec<f64>,
-    /// The distance from which `at` was last tried (length).
-    tried_from: f64,
 }
 
 /// A jump under way.
@@ -118,6 +116,10 @@ pub struct Walk {
     /// Bracket width before the last trial, and whether the next must be the middle because that trial did not halve it.
     bracket: f64,
     halve: bool,
+    /// u0 and smallest eigenvalue of the state before, if it is of the same branch: how fast the branch softens.
+    before: Option<(f64, f64)>,
+    /// The step that went well after a longer one had failed; it grows again.
+    short: Option<f64>,
     jumping: Option<Jumping>,
     /// The soft mode last shown, for the sign of the next.
     facing: Vec<f64>,
@@ -180,11 +182,12 @@ impl Walk {
         let system =
             if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
         let well = model.law.at(model.law.equilibrium_gap()).stiffness;
-        let constant = well * if system.is_flat() { 0.25 } else { 0.04 };
+        let constant = well * if system.is_flat() || even { 0.25 } else { 0.04 };
         let preconditioner = Preconditioner::new(&system, constant);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
-        let guard = even.then(|| Guard::new(System::whole(&system), constant, slides, tracker(0x9a4d)));
+        let guard =
+            (reduction == Reduction::Quarter).then(|| Guard::new(System::whole(&system), constant, slides, tracker(0x9a4d)));
         let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let start = scene.drive.start;
         let state = Equilibrium {
@@ -207,7 +210,7 @@ impl Walk {
             method,
             flat,
             guard,
-            tracker: tracker(0x5eed),
+            tracker: with_coarse(tracker(0x5eed), &system, constant),
             rng,
             ws: system.workspace(),
             history: History::starting(start, state.field.clone()),
@@ -216,6 +219,8 @@ impl Walk {
             barrier: None,
             bracket: f64::INFINITY,
             halve: false,
+            before: None,
+            short: None,
             jumping: None,
             facing: Vec::new(),
             target: start,
@@ -229,6 +234,12 @@ impl Walk {
         };
         walk.rest_at_start();
         Ok(walk)
+    }
+
+    /// The same walk without the watch over modes that are not mirror-symmetric: what a surface does that is held so. On a coarse mesh
+    /// single points let go; in the whole cell their mirror images do so one by one, a little earlier or later.
+    pub fn mirrored(self) -> Self {
+        Self { guard: None, ..self }
     }
 
     /// A walk on the whole cell that stands on a state an earlier walk of the same scene stood on.
@@ -298,7 +309,7 @@ impl Walk {
     }
 
     fn transforms(&self) -> usize {
-        self.ws.transforms + self.guard.as_ref().map_or(0, Guard::transforms)
+        self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.
@@ -342,7 +353,7 @@ impl Walk {
         let direction = if self.target < here { Branch::Approach } else { Branch::Retraction };
         if direction != self.direction {
             self.direction = direction;
-            self.barrier = None;
+            (self.barrier, self.before, self.short) = (None, None, None);
         }
         match self.flat {
             Some(flat) if self.state.is_uniform() => self.step_flat(flat, observe),

@@ -7,9 +7,9 @@ use crate::experiment::atlas::Atlas;
 use crate::experiment::plan;
 use crate::experiment::scene::{Scene, Turn};
 use crate::physics::pattern::Pattern;
+use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::units::Units;
-use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 10,
@@ -80,7 +80,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let sizes = (1..=POINTS).map(|i| 0.02 + (fold.size - 0.02) * i as f64 / POINTS as f64);
     let exact = sizes.map(|size| pattern.state(size)).map(|s| [s.displacement, s.pressure]).collect();
     let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
-    let power = |factor: f64| axis().map(|u| [u, -(factor * u).powf(0.8)]).collect();
+    let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
     let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
     let symbols = |branch: &Branch, symbol, colour| Series {
         name: format!("ρ̃ = {:.4}", branch.range),
@@ -94,13 +94,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         y: Axis::linear("reduced pressure p̃").from_to(-0.9, 0.0),
         series: vec![
             line("no range, stable until the fold", Role::Theory, Colour::Ink, exact),
+            line("small dimples, Eq. 29 corrected (1.793 ũ₀)", Role::Theory, Colour::Blue, power(asymptotes::dimple_pressure)),
             line(
-                "small dimples, Eq. 29 corrected (1.793 ũ₀)",
-                Role::Theory,
+                "small dimples, Eq. 29 as printed (4 ũ₀/3)",
+                Role::Printed,
                 Colour::Blue,
-                power(3f64.powf(1.25) * (PI / 9.0).powf(0.75)),
+                power(asymptotes::dimple_pressure_printed),
             ),
-            line("small dimples, Eq. 29 as printed (4 ũ₀/3)", Role::Printed, Colour::Blue, power(4.0 / 3.0)),
             line("next to the fold", Role::Theory, Colour::Orange, critical(fold)),
             symbols(&wide, Symbol::Circle, Colour::Green),
             symbols(&narrow, Symbol::Square, Colour::Red),

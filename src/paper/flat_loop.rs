@@ -50,7 +50,8 @@ pub(super) fn panel(run: &LoopRun, law: &Law) -> Panel {
     let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
     Panel {
         x: Axis::linear("mean displacement u₀/ρ").from_to(0.0, high),
-        y: Axis::linear("mean pressure p/σ_max"),
+        // Room for the maps below.
+        y: Axis::linear("mean pressure p/σ_max").from_to(-1.6, 0.1),
         areas: areas(&points(Branch::Approach), &points(Branch::Retraction)),
         series: vec![
             line("flat surface", Role::Guide, Colour::Grey, flat_curve.collect()),

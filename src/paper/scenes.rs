@@ -34,6 +34,11 @@ pub fn figure_3() -> Scene {
     flat("Fig. 3: a longer cell, no bulge", 1024.0, Points::Square(256), 9.0, 0.2, 0.04)
 }
 
+/// The ridge alone, as the preset `ridge-line`: fields uniform along y.
+pub fn ridge_line() -> Scene {
+    flat("A line cell: only the ridge", 256.0, Points::Line(256), 4.4, 0.2, 0.02)
+}
+
 /// Root mean square height of the rough ground of Fig. 14: the unit of length there.
 pub const ROUGH_RMS: f64 = 1.0;
 /// The range of Fig. 14 in units of the root mean square height, as the paper gives it.
@@ -60,6 +65,27 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
         },
         indenter: Indenter::Rough(surface),
         drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.03 * ROUGH_RMS },
+        accuracy: 0.01,
+        seed: 1,
+    }
+}
+
+/// gamma of the tip in units of E* R.
+pub const TIP_SURFACE_ENERGY: f64 = 0.5859e-3;
+
+/// The tip of Sect. 4 in a cell with L = R = 1, driven by displacement to zero load and back.
+pub fn tip(points: usize, mu_rho: f64) -> Scene {
+    let range = (TIP_SURFACE_ENERGY / points as f64).sqrt() / (2.0 * mu_rho);
+    // Single points that let go are close together on the way.
+    let step = if mu_rho < 0.75 { 0.15 } else { 0.05 };
+    Scene {
+        title: format!("A Hertzian tip: mu_rho = {mu_rho}"),
+        source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
+        cell: Cell { length: 1.0, points: Points::Square(points) },
+        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
+        indenter: Indenter::Hertz { radius: 1.0 },
+        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
+        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: step * range },
         accuracy: 0.01,
         seed: 1,
     }

@@ -21,8 +21,8 @@ pub struct Run {
     pub script: Script,
 }
 
-/// Greek letters by name.
-const GREEK: [(&str, char); 13] = [
+/// Greek letters and the root by name.
+const GREEK: [(&str, char); 14] = [
     ("alpha", 'α'),
     ("beta", 'β'),
     ("gamma", 'γ'),
@@ -36,6 +36,7 @@ const GREEK: [(&str, char); 13] = [
     ("sigma", 'σ'),
     ("chi", 'χ'),
     ("omega", 'ω'),
+    ("sqrt", '√'),
 ];
 
 /// Accents by the end of a word, as marks that combine with the letter before.
@@ -73,7 +74,7 @@ pub fn runs(text: &str) -> Vec<Run> {
         } else {
             let end = (i + 1..c.len()).find(|&k| !c[k].is_alphabetic() || !c[i].is_alphabetic()).unwrap_or(c.len());
             let opens = i == 0 || " (=".contains(c[i - 1]);
-            let minus = c[i] == '-' && opens && c.get(i + 1).is_some_and(|next| *next != ' ');
+            let minus = c[i] == '-' && opens && i + 1 < c.len();
             // A sign, where it is no hyphen.
             push(&mut list, &if minus { "\u{2212}".to_owned() } else { words(&c[i..end]) }, Script::Base);
             i = end;
@@ -144,6 +145,24 @@ fn letter(word: &str) -> Option<String> {
     Some(format!("{base}{accent}"))
 }
 
+/// Six digits, as one reads them.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "not available".to_owned();
+    }
+    let size = value.abs();
+    let text = if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let decimals = (5 - size.log10().floor() as i32).max(0) as usize;
+        let text = format!("{value:.decimals$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{value:.2e}")
+    };
+    text.replace('-', "\u{2212}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,6 +189,7 @@ mod tests {
             ("10^-3", "10<\u{2212}3>"),
             ("p~ = -(4/pi), two-fold", "p\u{303} = \u{2212}(4/π), two-fold"),
             ("E*/L", "E*/L"),
+            ("ln(x) - 8c", "ln(x) \u{2212} 8c"),
             ("vhat(alpha)", "v\u{302}(α)"),
             ("gamma_hys/gamma", "γ[hys]/γ"),
             ("abar", "α\u{304}"),
@@ -183,5 +203,11 @@ mod tests {
         for text in ["what a chat about the bar", "a ~ b", "rhombus, pie", "a_", "x^", "", "tenth: 100 %", "u01, tau0"] {
             assert_eq!(marked(text), text);
         }
+    }
+
+    #[test]
+    fn numbers_have_six_digits_and_say_where_there_is_none() {
+        let texts = [0.0, 0.400642787, -131.92225, 1e-7, 123456.0, 2.0, f64::NAN].map(number);
+        assert_eq!(texts, ["0", "0.400643", "\u{2212}131.922", "1.00e\u{2212}7", "123456", "2", "not available"]);
     }
 }

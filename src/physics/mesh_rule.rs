@@ -6,16 +6,29 @@
 use super::law::Law;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 
-/// mu_rho that other cohesive-zone models use implicitly (Table 1): name, year, value.
-///
-/// Each equals [`mu_rho_of_zone`] with that model's length of the cohesive zone.
-pub const TABLE_1: [(&str, u16, f64); 6] = [
-    ("Dugdale", 1960, 0.798),
-    ("Hillerborg", 1976, 0.5),
-    ("Irwin", 1997, 0.886),
-    ("Falk", 2001, 0.532),
-    ("Hui", 2003, 1.09),
-    ("Popov", 2015, 0.729),
+/// A cohesive-zone model of the literature (Table 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneModel {
+    /// Its first author.
+    pub author: &'static str,
+    /// Its year as printed.
+    pub year: u16,
+    /// mu_rho that it uses implicitly, as printed.
+    pub mu_rho: f64,
+    /// M of the length l_cz = M E* gamma/sigma_max^2 of its cohesive zone, from which [`mu_rho_of_zone`] gives the same.
+    pub zone: f64,
+    /// M as a formula.
+    pub formula: &'static str,
+}
+
+/// Table 1 in the paper's order.
+pub const TABLE_1: [ZoneModel; 6] = [
+    ZoneModel { author: "Dugdale", year: 1960, mu_rho: 0.798, zone: PI / 8.0, formula: "π/8" },
+    ZoneModel { author: "Hillerborg", year: 1976, mu_rho: 0.5, zone: 1.0, formula: "1" },
+    ZoneModel { author: "Irwin", year: 1997, mu_rho: 0.886, zone: 1.0 / PI, formula: "1/π" },
+    ZoneModel { author: "Falk", year: 2001, mu_rho: 0.532, zone: 9.0 * PI / 32.0, formula: "9π/32" },
+    ZoneModel { author: "Hui", year: 2003, mu_rho: 1.09, zone: 2.0 / (3.0 * PI), formula: "2/(3π)" },
+    ZoneModel { author: "Popov", year: 2015, mu_rho: 0.729, zone: 0.47, formula: "0.47" },
 ];
 
 /// The value the paper calls safe: the shortest unstable wave is 4 pi da.

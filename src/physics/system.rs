@@ -306,14 +306,27 @@ impl System {
     }
 }
 
-/// Amplitudes carried from one even system to another of the same cell: waves the other mesh lacks are dropped. A line becomes a
-/// square system's waves along x.
+/// Amplitudes carried from one system to another of the same cell, both whole or both even: waves the other mesh lacks are dropped.
+/// A line becomes a square system's waves along x.
 pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
+    let mut out = vec![0.0; to.dimension()];
     let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
-    let mut out = vec![0.0; mx * my];
-    for k in 0..nx.min(mx) {
-        for l in 0..ny.min(my) {
-            out[k * my + l] = z[k * ny + l];
+    if from.is_even() {
+        for k in 0..nx.min(mx) {
+            let rows = ny.min(my);
+            out[k * my..k * my + rows].copy_from_slice(&z[k * ny..k * ny + rows]);
+        }
+        return out;
+    }
+    // Pairs of amplitudes with k from 0 and l of both signs; the shortest waves of the coarser mesh are no waves of the finer one.
+    let half = |n: usize, m: usize| if n == m { n / 2 + 1 } else { n.min(m).div_ceil(2) };
+    let (columns, rows) = (half(nx, mx), half(ny, my));
+    for k in 0..columns {
+        for l in 0..rows {
+            for (i, o) in [(l, l), ((ny - l) % ny, (my - l) % my)] {
+                let (i, o) = (2 * (k * ny + i), 2 * (k * my + o));
+                out[o..o + 2].copy_from_slice(&z[i..i + 2]);
+            }
         }
     }
     out

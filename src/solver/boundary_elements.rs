@@ -4,8 +4,8 @@
 //! With w the displacement under a unit load on the free points, K w = 1 there, K = q E*/2, energy is u0^2/(2 mean(w)): so
 //! vhat = L/(2 E* mean(w)). Patterns are mirror-symmetric, so that cosine waves of half a line or a quarter of a square do.
 //!
-//! The edge of a pattern on pixels lies a fraction of the spacing beyond its outermost free points (0.19 da for a straight edge), which
-//! makes an error of first order in the spacing; a circle's ragged edge adds noise, which is averaged over radii within one spacing.
+//! With each point a pixel of side da, the edge lies a fraction of da beyond the free pixels (0.19 if straight, 0.13 all around a
+//! circle of their area), which makes an error of first order in da; a circle's ragged edge adds noise, averaged over radii within da.
 
 use crate::numerics::cancel::Cancel;
 use crate::numerics::cosine::{Cosine, CosineScratch};
@@ -88,44 +88,60 @@ pub fn ridge(points: usize, free: usize, cancel: &Cancel) -> Option<f64> {
 }
 
 /// vhat of a ridge with a share alpha = free/points out of contact, extrapolated from that mesh and ones with `levels` - 1 halved
-/// spacings (vhat is a power series in the spacing); `None` if cancelled. The error is the change by the last mesh.
+/// spacings (vhat is a power series in the spacing); `None` if cancelled. The error is the change by the coarsest or the finest
+/// mesh, whichever is larger.
 pub fn ridge_extrapolated(points: usize, free: usize, levels: usize, cancel: &Cancel) -> Option<Estimate> {
     let mut values = Vec::with_capacity(levels);
     for level in 0..levels {
         let spacing = 0.5_f64.powi(level as i32);
         values.push((spacing, ridge(points << level, free << level, cancel)?));
     }
-    Some(at_zero_spacing(&values))
+    let value = at_zero_spacing(&values);
+    let less = [&values[1..], &values[..levels - 1]].map(|fewer| (value - at_zero_spacing(fewer)).abs());
+    Some(Estimate { value, error: less[0].max(less[1]) })
 }
 
-/// The polynomial through all (spacing, value) at spacing zero (Richardson); the error is how much the last point changed it.
-fn at_zero_spacing(values: &[(f64, f64)]) -> Estimate {
-    let through = |points: &[(f64, f64)]| -> f64 {
-        let weight = |i: usize| -> f64 {
-            points.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, (h, _))| h / (h - points[i].0)).product()
-        };
-        points.iter().enumerate().map(|(i, (_, value))| weight(i) * value).sum()
-    };
-    let value = through(values);
-    Estimate { value, error: (value - through(&values[1..])).abs() }
+/// vhat'(alpha) of the same ridge, by differences of fourth order between shares 2/points and 4/points to either side; the error
+/// contains what those of second order change.
+pub fn ridge_slope(points: usize, free: usize, levels: usize, cancel: &Cancel) -> Option<Estimate> {
+    let at = |free: usize| ridge_extrapolated(points, free, levels, cancel);
+    let step = 2.0 / points as f64;
+    let [a, b, c, d] = [at(free - 4)?, at(free - 2)?, at(free + 2)?, at(free + 4)?];
+    let value = (8.0 * (c.value - b.value) - (d.value - a.value)) / (12.0 * step);
+    let truncation = (value - (c.value - b.value) / (2.0 * step)).abs();
+    Some(Estimate { value, error: truncation + (8.0 * (b.error + c.error) + a.error + d.error) / (12.0 * step) })
 }
 
-/// What one mesh says about a disc.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiscOnMesh {
-    /// Points along a side.
-    pub points: usize,
-    /// vhat of the disc of as many points as the asked diameter has area, averaged over radii.
-    pub elastic_energy: f64,
-    /// Its uncertainty from the ragged edge.
-    pub noise: f64,
+/// The polynomial through all (spacing, value) at spacing zero (Richardson).
+fn at_zero_spacing(values: &[(f64, f64)]) -> f64 {
+    let weight =
+        |i: usize| -> f64 { values.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, (h, _))| h / (h - values[i].0)).product() };
+    values.iter().enumerate().map(|(i, (_, value))| weight(i) * value).sum()
 }
 
-/// vhat of a disc of diameter `size` L on a mesh of `points` along a side of a square cell, averaged over `radii`; `None` if cancelled.
+/// vhat of a disc of diameter `size` L from a mesh of `points` along a side of a square cell and ones of two and four times as many,
+/// with `radii` discs on each; `None` if cancelled.
+///
+/// A parabola in the spacing; its error is what the coarsest mesh changes, plus three standard errors of the ragged edge.
+pub fn disc_extrapolated(kind: Kind, size: f64, points: usize, radii: usize, cancel: &Cancel) -> Option<Estimate> {
+    let mut values = Vec::with_capacity(3);
+    let mut noise = 0.0_f64;
+    // Weights of the parabola at spacing zero.
+    for (level, weight) in [(0, 1.0 / 3.0), (1, -2.0), (2, 8.0 / 3.0)] {
+        let mesh = disc_on_mesh(kind, size, points << level, radii, cancel)?;
+        values.push((0.5_f64.powi(level), mesh.value));
+        noise = noise.hypot(weight * mesh.error);
+    }
+    let value = at_zero_spacing(&values);
+    Some(Estimate { value, error: (value - at_zero_spacing(&values[1..])).abs() + 3.0 * noise })
+}
+
+/// vhat of a disc of diameter `size` L on a mesh of `points` along a side of a square cell, averaged over `radii`, with its standard
+/// error; `None` if cancelled.
 ///
 /// Each disc is taken for the circle of its area, and those of radii half a spacing smaller to half a spacing larger are fitted by a
 /// straight line in the variable in which vhat is smooth.
-pub fn disc_on_mesh(kind: Kind, size: f64, points: usize, radii: usize, cancel: &Cancel) -> Option<DiscOnMesh> {
+pub fn disc_on_mesh(kind: Kind, size: f64, points: usize, radii: usize, cancel: &Cancel) -> Option<Estimate> {
     let cell = Cell::new(points, false);
     let half = points / 2;
     let smooth = |size: f64| if kind == Kind::Dimple { size.powi(3) } else { 1.0 / size };
@@ -139,7 +155,7 @@ pub fn disc_on_mesh(kind: Kind, size: f64, points: usize, radii: usize, cancel: 
         samples.push([diameter - size, cell.elastic_energy(free, cancel)? * smooth(diameter)]);
     }
     let (value, noise) = line_at_zero(&samples);
-    Some(DiscOnMesh { points, elastic_energy: value / smooth(size), noise: noise / smooth(size) })
+    Some(Estimate { value: value / smooth(size), error: noise / smooth(size) })
 }
 
 /// The straight line of least squares through (x, y) at x = 0, with the standard error of that value.

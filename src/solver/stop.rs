@@ -11,6 +11,8 @@ pub enum Stop {
     Unstable,
     /// Budget spent with the residual above tolerance.
     NotConverged,
+    /// Read off between states that were solved and are stable; not solved itself, and so without a residual.
+    ReadOff,
     /// Somebody asked to stop.
     Cancelled,
 }
@@ -21,6 +23,7 @@ impl fmt::Display for Stop {
             Stop::Stable => "converged, stable",
             Stop::Unstable => "converged, unstable",
             Stop::NotConverged => "not converged",
+            Stop::ReadOff => "read off a stable branch",
             Stop::Cancelled => "cancelled",
         })
     }

@@ -1,6 +1,6 @@
 //! Floor 4: the only room that touches the file system.
 //!
-//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`], [`figure`]).
+//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`], [`figure`], [`report`]).
 //! Every file is written whole or not at all ([`files`]); everything that can go wrong is a [`Failure`], one sentence that names
 //! the file and says how to mend it. May use `experiment`, `solver`, `physics` and `numerics`; computes nothing, opens no dialogs.
 
@@ -11,6 +11,7 @@ pub mod figure;
 pub mod files;
 pub mod picture;
 pub mod presets;
+pub mod report;
 pub mod scene_file;
 pub mod summary;
 

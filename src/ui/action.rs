@@ -4,7 +4,7 @@ use super::scene_edit::Follows;
 use crate::experiment::plan::Wish;
 use crate::experiment::scene::Scene;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::Sweep;
+use crate::worker::protocol::{Page, Sweep};
 use std::path::PathBuf;
 
 /// An intent of the user.
@@ -60,6 +60,16 @@ pub enum Action {
     Measure(Measurement),
     /// Drop the measurement under way.
     StopMeasuring,
+    /// Turn to a page of the paper.
+    OpenPage(Page),
+    /// Give up the page that is being computed.
+    ClosePage,
+    /// Open the scene of the figure that is looked at.
+    OpenPageScene,
+    /// Lay theory over the live plot, or take it away.
+    OverlayTheory(bool),
+    /// Show the page in a window of its own, or only in its tab.
+    EnlargePage(bool),
     /// Make the settings of this row of the chart the scene's.
     UseChartRow(usize),
     /// Look at the recorded state nearest to a place of the plot.
@@ -164,6 +174,8 @@ pub enum Tab {
     EnergyWell,
     /// Speed against accuracy of every method.
     Accuracy,
+    /// The paper, figure by figure.
+    Paper,
 }
 
 /// What can be measured beside the walk.

@@ -1,11 +1,11 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask, ViewOptions};
+use super::action::{Action, FileTask, Tab, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::handle::SolverHandle;
 use super::view_state::{Failure, ViewState};
-use super::{controls, gap_map, keys, loop_plot, profile, status_bar, tabs, toolbar};
+use super::{controls, gap_map, keys, loop_plot, paper, profile, status_bar, tabs, toolbar};
 use crate::storage::{self, export, picture, presets, scene_file};
 use crate::worker::protocol::Command;
 use egui::containers::PanelState;
@@ -61,6 +61,7 @@ impl App {
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         self.announce(&ctx);
         self.panels(ui, &mut actions);
+        paper::window(&ctx, &self.state, &mut actions);
         self.dialogs.show(&ctx, &mut actions);
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
@@ -110,7 +111,14 @@ impl App {
             Panel::right("curve").default_size((0.42 * rest).clamp(250.0, 560.0)).size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
             let whole = ui.available_height();
-            let height = (if whole < 600.0 { 0.54 } else { 0.62 } * whole).max(230.0);
+            let share = if state.view.tab == Tab::Paper {
+                0.36
+            } else if whole < 600.0 {
+                0.54
+            } else {
+                0.62
+            };
+            let height = (share * whole).max(if state.view.tab == Tab::Paper { 215.0 } else { 230.0 });
             loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
             ui.separator();
             tabs::show(ui, state, actions, &self.announced.0);
@@ -152,7 +160,16 @@ impl App {
                 ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
-            Action::SetView(view) => state.view = view,
+            Action::SetView(view) => state.set_view(view),
+            Action::OpenPage(page) => state.open_page(page),
+            Action::ClosePage => state.close_page(),
+            Action::OpenPageScene => {
+                if let Some(entry) = state.paper.entry() {
+                    state.open_scene((entry.scene)());
+                }
+            }
+            Action::OverlayTheory(overlay) => state.set_overlay(overlay),
+            Action::EnlargePage(large) => state.enlarge_page(large),
             Action::Measure(what) => state.measure(what),
             Action::StopMeasuring => state.stop_measuring(),
             Action::UseChartRow(index) => state.use_chart_row(index),

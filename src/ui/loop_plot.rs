@@ -115,6 +115,9 @@ fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
         if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
             entry(ui, palette.live, "—", "live");
         }
+        if state.paper.overlay {
+            entry(ui, palette.now, "—", "theory");
+        }
         if !state.ghosts.is_empty() {
             entry(ui, palette.ghost, "—", "earlier");
         }
@@ -154,6 +157,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
         }
     }
     live(plot, state, palette);
+    theory(plot, state, palette);
     curve(plot, &state.curve, palette);
     pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
@@ -197,6 +201,23 @@ fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
         let text = RichText::new(format!(" {pattern} ahead ")).small();
         let word = Text::new("foreseen", PlotPoint::new(at[0], at[1]), text);
         plot.text(word.color(palette.live).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+    }
+}
+
+/// What theory says of this scene, thin, with its names on the curves.
+fn theory(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+    let bounds = plot.plot_bounds();
+    // Names stand on different parts of curves that lie close together.
+    let shares = [("ridge", 0.3), ("dimple", 0.6), ("bulge", 0.9)];
+    for (name, points) in state.overlay() {
+        plot.line(line("theory", &points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
+        let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > bounds.min()[k] && p[k] < bounds.max()[k]);
+        let seen: Vec<&[f64; 2]> = points.iter().filter(inside).collect();
+        let share = shares.iter().find(|(known, _)| *known == name).map(|(_, share)| share * seen.len() as f64);
+        if let Some(at) = share.and_then(|index| seen.get(index as usize)) {
+            let word = Text::new("theory", PlotPoint::new(at[0], at[1]), RichText::new(format!(" {name}, theory")).small());
+            plot.text(word.color(palette.now).anchor(egui::Align2::LEFT_BOTTOM).allow_hover(false));
+        }
     }
 }
 

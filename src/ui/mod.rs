@@ -29,12 +29,15 @@ mod keys;
 mod law_picker;
 mod loop_plot;
 mod mu_rho_slider;
+mod paper;
+mod paper_plot;
 mod profile;
 mod stability;
 mod status_bar;
 mod tabs;
 mod time_steps;
 mod toolbar;
+mod typeset;
 mod u0_slider;
 
 pub use app::App;

@@ -19,9 +19,12 @@ pub enum Follows {
 /// Lower and upper end of the mu_rho slider.
 pub const MU_RHO: (f64, f64) = (0.25, 2.0);
 
-/// The named meshes of Table 1, and the one above which the mesh lies.
-pub const TICKS: [(&str, f64); 7] =
-    [("safe", 0.5), ("Hillerborg", 0.5), ("Falk", 0.532), ("Popov", 0.729), ("Dugdale", 0.798), ("Irwin", 0.886), ("Hui", 1.09)];
+/// The named meshes of Table 1 by value, and before them the one above which the mesh lies.
+pub const TICKS: [(&str, f64); 7] = [("safe", mesh_rule::SAFE), tick(1), tick(3), tick(5), tick(0), tick(2), tick(4)];
+
+const fn tick(row: usize) -> (&'static str, f64) {
+    (mesh_rule::TABLE_1[row].author, mesh_rule::TABLE_1[row].mu_rho)
+}
 
 /// The scene with another mu_rho.
 pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) -> Scene {

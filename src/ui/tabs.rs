@@ -2,25 +2,30 @@
 
 use super::action::{Action, Tab};
 use super::view_state::ViewState;
-use super::{accuracy, energy_well, event_list, stability};
+use super::{accuracy, energy_well, event_list, paper, stability};
 use egui::{Role, Ui, WidgetInfo};
 
 /// The tabs in order.
-const TABS: [(Tab, &str, &str); 4] = [
+const TABS: [(Tab, &str, &str); 5] = [
     (Tab::Events, "Events", "every jump so far"),
     (Tab::Stability, "Stability", "how far the next jump is, and which time steps GFMD survives"),
     (Tab::EnergyWell, "Energy well", "the energy along the softest mode"),
     (Tab::Accuracy, "Speed and accuracy", "what every method costs, and how far off it is"),
+    (Tab::Paper, "Paper", "the paper's figures beside their theory, and what the print got wrong"),
 ];
 
 /// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
-    let narrow = ui.available_width() < 390.0;
+    let narrow = ui.available_width() < 480.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for (tab, name, what) in TABS {
             let chosen = state.view.tab == tab;
-            let short = if tab == Tab::Accuracy && narrow { "Accuracy" } else { name };
+            let short = match tab {
+                Tab::Accuracy if narrow => "Accuracy",
+                Tab::EnergyWell if ui.available_width() < 350.0 => "Well",
+                _ => name,
+            };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
             response.widget_info(|| WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab")));
             if response.clicked() && !chosen {
@@ -33,5 +38,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         Tab::Stability => stability::show(ui, state, actions),
         Tab::EnergyWell => energy_well::show(ui, state),
         Tab::Accuracy => accuracy::show(ui, state, actions),
+        Tab::Paper => paper::show(ui, state, actions),
     }
 }

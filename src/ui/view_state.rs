@@ -5,9 +5,11 @@ mod listen;
 mod live_view;
 mod measure;
 mod motion;
+mod paper;
 mod select;
 
 pub use live_view::LiveView;
+pub use paper::PaperState;
 pub use select::Selection;
 
 use super::action::{Measurement, Tab, ViewOptions};
@@ -95,6 +97,8 @@ pub struct ViewState {
     pub chart: Option<Arc<ChartSoFar>>,
     /// The measurement under way.
     pub measuring: Option<Measurement>,
+    /// The paper's pages.
+    pub paper: PaperState,
     /// The live loop.
     pub live: Option<LiveView>,
     /// The stored state somebody looks at.
@@ -162,6 +166,7 @@ impl ViewState {
             time_steps: None,
             chart: None,
             measuring: None,
+            paper: PaperState::default(),
             live: None,
             selection: None,
             ghosts: VecDeque::new(),
@@ -277,7 +282,8 @@ impl ViewState {
         self.target_pending = self.target != self.limits.1;
         // The session counts afresh from the rest at the start, which is motion 0.
         self.motion = u64::from(self.target_pending);
-        self.outbox.clear();
+        // A page of the paper belongs to no run.
+        self.outbox.retain(|command| matches!(command, Command::OpenPage { .. } | Command::ClosePage));
         if self.paused {
             self.pause(false);
         }

@@ -1,9 +1,11 @@
-//! Floor 4: the solver thread, two that work beside it (measurements, the live loop), and their channels. The caller passes `wake`, called whenever something new can be received.
+//! Floor 4: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels. The caller passes `wake`, called whenever something new can be received.
 
+mod aside;
 mod course;
 pub mod crew;
 mod live;
 mod measure;
+mod paper;
 pub mod protocol;
 mod run_loop;
 pub mod session;

@@ -7,6 +7,9 @@ use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
+use crate::paper::Figure;
+use crate::paper::errata::Erratum;
+use crate::paper::overlay::ZeroRange;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
@@ -46,6 +49,37 @@ pub enum Errand {
         /// How much trouble to take.
         effort: Effort,
     },
+}
+
+/// A page of the paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Page {
+    /// The figure of this number.
+    Figure(usize),
+    /// What the print got wrong.
+    Errata,
+    /// Theory to lay over the live loop.
+    Theory,
+}
+
+/// News of a page.
+#[derive(Clone, Debug)]
+pub enum PaperNews {
+    /// It is being computed.
+    Progress {
+        /// Share that is done, 0 to 1.
+        done: f64,
+        /// What is being done.
+        what: String,
+    },
+    /// A figure is there.
+    Figure(Arc<Figure>),
+    /// The errata are there.
+    Errata(Arc<Vec<Erratum>>),
+    /// The theory is there.
+    Theory(Arc<ZeroRange>),
+    /// It could not be computed.
+    Stuck(String),
 }
 
 /// A chart of speed against accuracy as far as it is measured.
@@ -121,6 +155,13 @@ pub enum Command {
     },
     /// Drop the measurement under way; what was measured stands.
     StopMeasuring,
+    /// Compute a page of the paper beside everything else; replaces one under way.
+    OpenPage {
+        /// Which.
+        page: Page,
+    },
+    /// Drop the page under way.
+    ClosePage,
     /// End the thread.
     Quit,
 }
@@ -192,7 +233,7 @@ pub struct LiveState {
     pub milliseconds: f64,
 }
 
-/// From the solver to the window. Every variant but `Failed` belongs to a run.
+/// From the solver to the window. Every variant but `Paper` belongs to a run.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The scene is accepted and at rest at its start.
@@ -279,6 +320,13 @@ pub enum Event {
         run: RunId,
         /// What runs now, and why.
         choice: ModelChoice,
+    },
+    /// News of a page of the paper, which belongs to no run.
+    Paper {
+        /// Which.
+        page: Page,
+        /// What.
+        news: PaperNews,
     },
     /// Something went wrong; the last good state stays.
     Failed {

@@ -1,9 +1,10 @@
 //! The solver thread: commands in, events out, one picture in a mailbox.
 
+use super::aside::Aside;
 use super::live::Live;
-use super::measure::Bench;
-use super::protocol::{Command, Event, Frame, RunId};
+use super::protocol::{Command, Errand, Event, Frame, Page, RunId};
 use super::session::Session;
+use super::{measure, paper};
 use crate::numerics::cancel::Cancel;
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,8 +19,9 @@ pub struct Worker {
     frames: Receiver<(RunId, Arc<Frame>)>,
     cancel: Cancel,
     thread: Option<JoinHandle<()>>,
-    bench: Bench,
+    bench: Aside<(RunId, Errand)>,
     live: Live,
+    paper: Aside<Page>,
 }
 
 impl Worker {
@@ -37,21 +39,23 @@ impl Worker {
                 wake();
             }
         };
-        let (bench, live) = (Bench::spawn(aside()), Live::spawn(aside()));
+        let (bench, live, paper) = (measure::spawn(aside()), Live::spawn(aside()), paper::spawn(aside()));
         let post = Post { outbox, mailbox, stale: frames.clone(), wake };
         let token = cancel.clone();
         let thread = std::thread::Builder::new()
             .name("solver".into())
             .spawn(move || run(&inbox, &post, &token))
             .expect("the system refuses to start a thread");
-        Self { commands, events, frames, cancel, thread: Some(thread), bench, live }
+        Self { commands, events, frames, cancel, thread: Some(thread), bench, live, paper }
     }
 
     /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
     pub fn send(&self, command: Command) {
         match &command {
-            Command::Measure { run, errand } => self.bench.start(*run, errand.clone()),
+            Command::Measure { run, errand } => self.bench.start((*run, errand.clone())),
             Command::StopMeasuring => self.bench.stop(),
+            Command::OpenPage { page } => self.paper.start(*page),
+            Command::ClosePage => self.paper.stop(),
             Command::SetScene { run, scene, .. } => {
                 // Another scene makes the measurement of this one pointless.
                 self.bench.stop();

@@ -95,7 +95,7 @@ impl Session {
                 self.watched = energy_well;
                 self.look_into_the_well();
             }
-            Command::Measure { .. } | Command::StopMeasuring | Command::Quit => {}
+            Command::Measure { .. } | Command::StopMeasuring | Command::OpenPage { .. } | Command::ClosePage | Command::Quit => {}
         }
     }
 

@@ -5,6 +5,7 @@ mod accuracy;
 mod bench;
 mod live;
 mod model;
+mod paper;
 mod select;
 mod tabs;
 

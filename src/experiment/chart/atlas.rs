@@ -56,7 +56,7 @@ fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
         energy: at.energy,
         pattern,
         model: "atlas",
-        stop: Stop::Stable,
+        stop: Stop::ReadOff,
         ..StateRecord::placeholder(u0)
     }
 }

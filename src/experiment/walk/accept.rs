@@ -47,11 +47,12 @@ impl Walk {
             model: if uniform && self.flat.is_some() {
                 "flat, closed form"
             } else {
-                match (self.model.grid.is_line(), self.system.is_even()) {
-                    (true, false) => "line cell",
-                    (true, true) => "half line cell",
-                    (false, false) => "whole cell",
-                    (false, true) => "quarter cell",
+                match (self.model.grid.is_line(), self.system.is_even(), self.guard.is_some()) {
+                    (true, false, _) => "line cell",
+                    (true, true, _) => "half line cell",
+                    (false, false, _) => "whole cell",
+                    (false, true, true) => "quarter cell",
+                    (false, true, false) => "mirrored quarter",
                 }
             },
             stop: self.state.stop,

@@ -25,10 +25,18 @@ impl Walk {
             return self.towards(barrier);
         }
         let k = (self.start - here) / self.step;
+        let short = self.short.unwrap_or(f64::INFINITY);
         match self.direction {
-            Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target),
-            Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target),
+            Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
+            Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
         }
+    }
+
+    /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
+    fn expected_fold(&self) -> Option<f64> {
+        let ((u, before), here) = (self.before?, self.state.mean_displacement);
+        let now = self.state.stiffness_min?.value;
+        (now < before).then(|| here + (here - u) * now * now / (before * before - now * now))
     }
 
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
@@ -36,14 +44,13 @@ impl Walk {
     pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
         let here = self.state.mean_displacement;
         let width = barrier.at - here;
-        // On uneven ground a step often was just too long for a sharp bend: from near by it may succeed.
-        if barrier.stiffness.is_none() && !self.system.is_flat() && width.abs() < 0.3 * barrier.tried_from {
-            return barrier.at;
-        }
-        let (Some(a), Some(b)) = (self.state.stiffness_min, barrier.stiffness) else {
-            return here + 0.5 * width;
+        let share = match (self.state.stiffness_min, barrier.stiffness) {
+            (Some(a), Some(b)) => a.value / (a.value - b),
+            _ => match self.expected_fold().map(|fold| (fold - here) / width) {
+                Some(share) if share < 1.0 => share,
+                _ => return here + 0.5 * width,
+            },
         };
-        let share = a.value / (a.value - b);
         let fine = LOCATED * self.model.law.range / width.abs();
         // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
         let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
@@ -62,7 +69,7 @@ impl Walk {
             self.accept(observe);
         }
         let soft = self.random_soft_wave();
-        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft, tried_from: 0.0 }, false)
+        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
     }
 
     /// All first waves of the cell go soft together; the seed mixes them.
@@ -92,8 +99,7 @@ impl Walk {
         };
         let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
-        let mut barrier =
-            Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new(), tried_from: (next - here).abs() };
+        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
@@ -108,8 +114,6 @@ impl Walk {
                 };
                 state.measured(stiffness, mode);
                 if state.stop != Stop::Unstable || !locates {
-                    // The branch goes on there after all.
-                    self.barrier.take_if(|barrier| barrier.at == next);
                     let progress = self.take(state, observe);
                     self.watch_bracket();
                     return progress;
@@ -135,6 +139,20 @@ impl Walk {
         Progress::Working
     }
 
+    /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
+    fn reconsider(&mut self, du: f64) {
+        self.short = self.short.map(|short| 1.5 * short.max(du.abs())).filter(|short| *short < self.step);
+        let Some(barrier) = &self.barrier else {
+            return;
+        };
+        let left = barrier.at - self.state.mean_displacement;
+        let expected = self.expected_fold().is_some_and(|fold| (fold - self.state.mean_displacement) / left < 1.5);
+        if barrier.stiffness.is_none() && !expected && left.abs() > LOCATED * self.model.law.range {
+            self.barrier = None;
+            self.short = Some(du.abs());
+        }
+    }
+
     pub(super) fn watch_bracket(&mut self) {
         let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.state.mean_displacement).abs());
         self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
@@ -157,7 +175,9 @@ impl Walk {
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.system, &self.state, state.mean_displacement, state.energy, state.stress);
+        self.before = self.state.stiffness_min.filter(|_| smooth).map(|s| (self.state.mean_displacement, s.value));
         self.state = state;
+        self.reconsider(du);
         if smooth {
             self.history.push(self.state.mean_displacement, self.state.field.clone());
         } else {

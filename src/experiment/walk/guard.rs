@@ -1,8 +1,12 @@
 //! The watch over a quarter cell: a state that is stable among even fields may still give way to a mode of another symmetry.
 
 use super::Walk;
+use crate::experiment::plan::next_fast;
 use crate::experiment::scene::Model;
 use crate::numerics::cancel::Cancel;
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::equilibrium::Stiffness;
@@ -10,11 +14,17 @@ use crate::solver::method::Slides;
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
-/// Largest distance, in ranges, between two looks while nothing is soft.
+/// Largest distance, in ranges, between two looks where an eigenvalue is just clear of zero.
 const INTERVAL: f64 = 0.1;
+/// The same wherever it may be: on flat ground symmetries break, and on uneven ground branches fold.
+const INTERVAL_FLAT: f64 = 0.5;
+const INTERVAL_UNEVEN: f64 = 2.0;
 
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
+
+/// mu_rho of a mesh that resolves soft modes.
+const RESOLVED: f64 = 0.33;
 
 /// Tracks the smallest eigenvalue of the whole cell beside a walk on its even part.
 pub(in crate::experiment) struct Guard {
@@ -30,12 +40,13 @@ pub(in crate::experiment) struct Guard {
 impl Guard {
     /// Watches `system`, a whole cell.
     pub(in crate::experiment) fn new(system: System, constant: f64, slides: Slides, tracker: Tracker) -> Self {
+        let tracker = with_coarse(tracker, &system, constant);
         Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), last: None, system }
     }
 
     /// Transforms of the whole cell spent.
     pub(in crate::experiment) fn transforms(&self) -> usize {
-        self.ws.transforms
+        self.ws.transforms + self.tracker.coarse_transforms()
     }
 
     /// Forgets the branch.
@@ -44,10 +55,13 @@ impl Guard {
         self.last = None;
     }
 
-    /// What it saw last, if that was near enough to `u0` and clear of zero.
+    /// What it saw last, if that was near enough to `u0`. At a fold an eigenvalue vanishes as a square root: the distance from it
+    /// goes with the square of what is left.
     pub(in crate::experiment) fn recent(&self, u0: f64) -> Option<Stiffness> {
-        let clear = |s: Stiffness| s.value > 0.1 * self.system.grid().q1();
-        self.last.filter(|(at, s)| (at - u0).abs() < INTERVAL * self.system.law().range && clear(*s)).map(|(_, s)| s)
+        let clear = 0.1 * self.system.grid().q1();
+        let most = if self.system.is_flat() { INTERVAL_FLAT } else { INTERVAL_UNEVEN };
+        let near = |s: Stiffness| (INTERVAL * (s.value / clear).powi(2)).min(most) * self.system.law().range;
+        self.last.filter(|(at, s)| s.value > clear && (at - u0).abs() < near(*s)).map(|(_, s)| s)
     }
 
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
@@ -83,6 +97,18 @@ impl Walk {
         }
         Ok(if all.value < even.value { all } else { even })
     }
+}
+
+/// The tracker with a coarser mesh to look for modes on, where `system` has points to spare.
+pub(super) fn with_coarse(tracker: Tracker, system: &System, constant: f64) -> Tracker {
+    let (law, grid) = (system.law(), system.grid());
+    let n = next_fast(mesh_rule::points_for_mu_rho(law, grid.length, RESOLVED).ceil() as usize);
+    if !system.is_flat() || !law.is_smooth() || 4 * n > 3 * grid.nx {
+        return tracker;
+    }
+    let coarse = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
+    let make = if system.is_even() { System::even } else { System::new };
+    tracker.with_coarse(make(coarse, *law, &Indenter::Flat), constant)
 }
 
 /// Whether patterns slide on the whole cell of `model`.

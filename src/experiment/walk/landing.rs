@@ -14,6 +14,8 @@ use rand::Rng;
 
 /// Root mean square kick along the soft mode, in ranges.
 const KICK: f64 = 0.1;
+/// Largest kick of any single point over the root mean square: a mode of a few points is kicked no harder than a wave.
+const PEAK: f64 = 4.0;
 /// The smallest one tried, where a larger one ended higher than it began.
 const LEAST_KICK: f64 = 1e-4;
 /// Released energy, in gamma, below which a landing on the same pattern is no jump.
@@ -37,7 +39,11 @@ impl Walk {
 
     /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
     pub(super) fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], kick: f64, choose: bool) -> Vec<f64> {
-        let size = kick * self.model.law.range;
+        let mut size = kick * self.model.law.range;
+        if !mode.is_empty() {
+            let peak = self.system.field(mode, &mut self.ws).iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            size *= (PEAK / peak).min(1.0);
+        }
         let random = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();
@@ -182,6 +188,7 @@ impl Walk {
             ));
         }
         self.state = landed;
+        (self.before, self.short) = (None, None);
         let to = self.pattern();
         // Newton can fail on a branch that goes on, and a mode can soften without a jump; then nothing is released.
         if from == to && released <= EVENT {

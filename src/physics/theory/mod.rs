@@ -1,9 +1,11 @@
-//! Closed forms: production code and oracles at once.
+//! Closed forms and fast series: production code and oracles at once.
 //!
 //! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made dimensionless by [`units`].
 
+pub mod asymptotes;
 pub mod circular;
 pub mod discs;
+pub mod dissipation;
 pub mod flat;
 pub mod jkr;
 pub mod jkr_periodic;

@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use std::error::Error;
 
 /// Pixels drawn for each of the picture's along a side.
-const OVERSAMPLING: u32 = 2;
+const OVERSAMPLING: u32 = 3;
 /// Least pixels of the picture across, and for each unit.
 const WIDTH_MIN: f64 = 1800.0;
 const PIXELS_MIN: f64 = 1.5;
@@ -39,6 +39,23 @@ pub(super) fn pixels(sheet: &Sheet) -> Result<RgbImage, Box<dyn Error>> {
 
 struct Paint {
     scale: f64,
+}
+
+/// The line in pieces, cut where it turns by more than a right angle: plotters draws corners as mitres, and one of a line that nearly
+/// turns back has no end.
+fn blunt(points: &[(i32, i32)]) -> Vec<Vec<(i32, i32)>> {
+    let mut pieces = vec![Vec::new()];
+    for (i, &point) in points.iter().enumerate() {
+        if let (Some(before), Some(&after)) = (i.checked_sub(1).map(|i| points[i]), points.get(i + 1)) {
+            let steps = [(before, point), (point, after)].map(|(a, b)| [i64::from(b.0 - a.0), i64::from(b.1 - a.1)]);
+            if steps[0][0] * steps[1][0] + steps[0][1] * steps[1][1] < 0 {
+                pieces.last_mut().expect("never empty").push(point);
+                pieces.push(Vec::new());
+            }
+        }
+        pieces.last_mut().expect("never empty").push(point);
+    }
+    pieces
 }
 
 impl Paint {
@@ -75,7 +92,11 @@ impl Paint {
         let style = stroke.colour.stroke_width(self.px(stroke.width).max(1) as u32);
         let points = self.places(points);
         match stroke.dash {
-            None => ground.draw(&PathElement::new(points, style))?,
+            None => {
+                for piece in blunt(&points) {
+                    ground.draw(&PathElement::new(piece, style))?;
+                }
+            }
             Some([on, off]) => ground.draw(&DashedPathElement::new(points, self.px(on), self.px(off), style))?,
         }
         Ok(())

@@ -2,7 +2,6 @@
 //!
 //! A figure is drawn once, onto a sheet of marks; `svg` and `bitmap` turn the sheet into a file.
 
-mod axis;
 mod bitmap;
 mod clip;
 mod csv;

@@ -1,12 +1,13 @@
 //! One diagram: frame and ticks, areas, curves, symbols, arrows, words, and the pictures inside it.
 
-use super::axis::Scale;
 use super::clip::{self, Sides};
 use super::legend::Legend;
 use super::marks::{GRID, INK, PAPER, ZERO, head, shade, stroke, symbol};
 use super::sheet::{Anchor, Mark, Place, Sheet, Stroke, frame, rectangle, set, width};
+use crate::paper::extent::{Scale, scales};
 use crate::paper::figure::{Area, Arrow, Axis, Content, Inset, Panel, Role, Series};
-use crate::storage::picture::{common_scale, gap_pixels};
+use crate::paper::ticks::ticks;
+use crate::storage::picture::{self, common_scale, gap_pixels};
 
 /// Sizes of letters: ticks, names of axes, headings, words in the diagram.
 const TICK: f64 = 12.5;
@@ -28,8 +29,8 @@ struct Plot<'a> {
 /// Draws a diagram into a place given by left, top, right, bottom, with its `legend` beneath it in a strip `room` high.
 pub(super) fn draw(sheet: &mut Sheet, panel: &Panel, heading: &str, place: Sides, (legend, room): (&Legend, f64), size: f64) {
     let [left, top, right, bottom] = place;
-    let (x, y) = scales(panel);
-    let labels = y.ticks().0.into_iter().filter_map(|tick| tick.label);
+    let [x, y] = scales(panel);
+    let labels = ticks(&y).0.into_iter().filter_map(|tick| tick.label);
     let widest = labels.map(|label| width(&set(&label), TICK * size)).fold(0.0, f64::max);
     let named = |axis: &Axis| if axis.label.is_empty() { 0.0 } else { (NAME + 8.0) * size };
     let above = if heading.is_empty() { 8.0 * size } else { (HEADING + 14.0) * size };
@@ -49,23 +50,6 @@ pub(super) fn draw(sheet: &mut Sheet, panel: &Panel, heading: &str, place: Sides
     legend.draw(sheet, [left + 6.0 * size, beneath], right - left - 12.0 * size);
 }
 
-/// Every place that must be seen.
-fn data(panel: &Panel) -> impl Iterator<Item = Place> + '_ {
-    let points = panel.series.iter().flat_map(|s| s.points.iter().copied());
-    let areas = panel.areas.iter().flat_map(|a| a.spans.iter().flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]));
-    let arrows = panel.arrows.iter().flat_map(|a| [a.tail, a.head]);
-    points.chain(areas).chain(arrows).chain(panel.labels.iter().map(|label| label.at))
-}
-
-/// Both scales; where one axis is given, only what it shows counts for the other.
-fn scales(panel: &Panel) -> (Scale, Scale) {
-    let given = panel.y.range.map(|_| Scale::new(&panel.y, std::iter::empty()));
-    let seen = |p: &Place| given.is_none_or(|y| y.shows(p[1]));
-    let x = Scale::new(&panel.x, data(panel).filter(seen).map(|p| p[0]));
-    let y = Scale::new(&panel.y, data(panel).filter(|p| x.shows(p[0])).map(|p| p[1]));
-    (x, y)
-}
-
 impl Plot<'_> {
     fn place(&self, [x, y]: Place) -> Option<Place> {
         let [left, top, right, bottom] = self.sides;
@@ -75,8 +59,8 @@ impl Plot<'_> {
     fn axes(&self, sheet: &mut Sheet, outer: f64) {
         let [left, top, right, bottom] = self.sides;
         let size = self.size;
-        let (xs, x_factor) = self.x.ticks();
-        let (ys, y_factor) = self.y.ticks();
+        let (xs, x_factor) = ticks(&self.x);
+        let (ys, y_factor) = ticks(&self.y);
         let at_x = |share: f64| left + share * (right - left);
         let at_y = |share: f64| bottom - share * (bottom - top);
         for tick in xs.iter().filter(|tick| tick.label.is_some()) {
@@ -188,6 +172,14 @@ impl Plot<'_> {
         }
     }
 
+    /// One scale of colours for all maps of the diagram, so that they can be compared.
+    fn gap_scale(&self) -> picture::Scale {
+        common_scale(self.panel.insets.iter().filter_map(|inset| match &inset.content {
+            Content::Map { gap, .. } => Some(gap),
+            Content::Diagram(_) => None,
+        }))
+    }
+
     fn inset(&self, sheet: &mut Sheet, inset: &Inset) {
         let [left, top, right, bottom] = self.sides;
         let [x, y, w, h] = inset.place;
@@ -203,7 +195,7 @@ impl Plot<'_> {
                 draw(sheet, panel, &panel.title, sides, (&legend, room), size);
             }
             Content::Map { letter, gap } => {
-                let image = gap_pixels(gap, common_scale([gap]));
+                let image = gap_pixels(gap, self.gap_scale());
                 let (columns, rows) = (f64::from(image.width().max(1)), f64::from(image.height().max(1)));
                 // A square cell is a square; a line cell fills its place.
                 let scale = (wide / columns).min(high / rows);

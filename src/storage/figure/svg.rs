@@ -59,6 +59,11 @@ fn words(out: &mut String, [x, y]: Place, runs: &[Run], size: f64, colour: RGBCo
     let (x, y) = (number(x), number(y));
     let turn = if upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     let _ = write!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"{turn}>", number(size), hex(colour));
+    // Simple viewers place the pieces of a line badly; most lines have but one.
+    if let [Run { text, script: Script::Base }] = runs {
+        let _ = writeln!(out, "{}</text>", escaped(text));
+        return;
+    }
     let mut level = 0.0;
     for run in runs {
         let now = drop_of(run.script) * size;

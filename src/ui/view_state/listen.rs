@@ -33,10 +33,13 @@ impl ViewState {
             | Event::Measured { run, .. }
             | Event::Remodelled { run, .. }
             | Event::Failed { run, .. } => *run,
+            Event::Paper { .. } => self.run,
         };
-        if let Event::Live { run, live } = event {
-            return self.take_live(run, live);
-        }
+        let event = match event {
+            Event::Live { run, live } => return self.take_live(run, live),
+            Event::Paper { page, news } => return self.take_page(page, news),
+            event => event,
+        };
         if of != self.run || self.scene_pending {
             return;
         }
@@ -61,7 +64,7 @@ impl ViewState {
                 self.busy = false;
             }
             Event::Well { well, .. } => self.take_well(well),
-            Event::Live { .. } => {}
+            Event::Live { .. } | Event::Paper { .. } => {}
             Event::TimeSteps { map, .. } => self.time_steps = Some(map),
             Event::Chart { chart, .. } => self.chart = Some(chart),
             Event::Measured { stuck, .. } => {

@@ -1,0 +1,98 @@
+//! What the print of the paper got wrong: where, what it says, what is right, and numbers that decide between the two.
+//!
+//! The numbers are computed on the spot and from neither formula: by finding a root, by integrating, by measuring a law or a mesh, by
+//! running a loop.
+
+mod circles;
+mod meshes;
+mod ridges;
+
+use super::task::{Stopped, Task};
+
+/// An error of the print.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Erratum {
+    /// Where it stands ("Eq. 24").
+    pub place: &'static str,
+    /// What is printed.
+    pub printed: &'static str,
+    /// What is right.
+    pub right: &'static str,
+    /// Why, in a sentence.
+    pub because: &'static str,
+    /// Numbers that decide; none where the error is one of notation only.
+    pub evidence: Vec<Evidence>,
+}
+
+/// A number found here, beside the same number by the printed and by the right formula.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evidence {
+    /// What it is, and how it was found.
+    pub quantity: &'static str,
+    /// Found here.
+    pub found: f64,
+    /// By the print.
+    pub printed: f64,
+    /// By what is right.
+    pub right: f64,
+    /// How near to `right` the found number must be to support it: what the way of finding leaves open.
+    pub tolerance: f64,
+}
+
+impl Evidence {
+    /// The found number agrees with what is right, and lies far from the print: by five tolerances or more.
+    pub fn decides(&self) -> bool {
+        (self.found - self.right).abs() <= self.tolerance && (self.found - self.printed).abs() >= 5.0 * self.tolerance
+    }
+}
+
+/// All of them, in the paper's order.
+///
+/// # Errors
+/// [`Stopped`] if somebody asked to stop, or a computation behind the evidence has failed.
+pub fn errata(task: &mut Task<'_>) -> Result<Vec<Erratum>, Stopped> {
+    task.tell(0.0, "errata: meshes and laws")?;
+    let mut list =
+        vec![meshes::equation_9(), ridges::equation_22(), ridges::equation_24(), ridges::equation_25(), ridges::equation_27()];
+    task.tell(0.2, "errata: circular patterns")?;
+    list.extend([circles::equation_28(), circles::equation_29(), circles::after_equation_29()]);
+    task.tell(0.6, "errata: a loop of a line cell")?;
+    list.extend([ridges::equation_30c(), ridges::text_at_equation_30(task)?, meshes::equation_31(), meshes::equation_33()]);
+    list.extend([circles::section_4(), notation()]);
+    Ok(list)
+}
+
+/// Slips of the appendix that change no result.
+fn notation() -> Erratum {
+    Erratum {
+        place: "Appendix: A1, A3, A8, A10, A11",
+        printed: "σ_0 and u_0 without 1/abar and 1/alpha; q_n = n/(2 pi L); factors of two; alpha for 1 - alpha",
+        right: "A1 with 1/abar, A8 with 1/alpha; q_n = 2 pi n/L; the amplitudes of Eqs 4 and A5; alpha is the share out of contact",
+        because: "The mean of the printed profile is abar σ_0 and not σ_0, and its wave numbers are not those of a cell of side L.",
+        evidence: vec![meshes::wave_number()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::cancel::Cancel;
+    use crate::paper::Size;
+
+    #[test]
+    fn all_evidence_supports_what_is_right_and_contradicts_the_print() {
+        let list = errata(&mut Task::new(Size::Quick, &Cancel::default(), &mut |_, _| {})).expect("errata");
+        assert_eq!(list.len(), 14);
+        assert!(list.iter().all(|erratum| !erratum.evidence.is_empty()));
+        let all = list.iter().flat_map(|erratum| erratum.evidence.iter().map(move |evidence| (erratum.place, evidence)));
+        let idle: Vec<_> = all.filter(|(_, evidence)| !evidence.decides()).collect();
+        assert!(idle.is_empty(), "{idle:#?}");
+    }
+
+    #[test]
+    fn evidence_decides_only_near_the_right_and_far_from_the_print() {
+        let evidence = |found| Evidence { quantity: "", found, printed: 2.0, right: 1.0, tolerance: 0.1 };
+        assert!(evidence(1.05).decides());
+        assert!(!evidence(1.2).decides() && !evidence(1.95).decides() && !evidence(f64::NAN).decides());
+    }
+}

@@ -1,0 +1,86 @@
+//! Fig. 6: the width of a ridge at zero range against displacement.
+
+use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::ridge_elements;
+use super::task::{Stopped, Task};
+use super::{Entry, scenes};
+use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
+use crate::physics::theory::ridge;
+
+pub(super) const ENTRY: Entry = Entry {
+    number: 6,
+    title: "Width of a ridge at zero range",
+    look_for: "Pulling opens the gap beside the ridge faster and faster, until at u₀ = 0.6656 (γL/E*)^½ a tenth of the cell still \
+               sticks and the ridge flattens. The cube-root law of a thick ridge is off by less than a tenth all the way.",
+    scene: scenes::ridge_line,
+    compute,
+};
+
+/// Points of the mesh whose refinements give the slopes.
+const POINTS: usize = 256;
+
+fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
+    let step = task.choose(16, 8);
+    let free = (24..=224).step_by(step).chain([230, 232]);
+    let slopes = ridge_elements::slopes(POINTS, free, task)?;
+    // Eq. 17 with ahat' = -1.
+    let found: Vec<[f64; 2]> = slopes.iter().map(|(alpha, slope)| [1.0 / (-slope.value).sqrt(), *alpha]).collect();
+    let (end, right) = (ridge::critical(), asymptotes::flattening());
+    let expansion = |flattening: asymptotes::Flattening| move |u: f64| flattening.alpha_at(u);
+    let exact = |u: f64| ridge::alpha(u).unwrap_or(f64::NAN);
+    let panel = Panel {
+        x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
+        y: Axis::linear("α (share of the cell out of contact)").from_to(0.0, 1.0),
+        series: vec![
+            curve("exact", Role::Theory, Colour::Ink, [0.0, end.displacement], exact),
+            curve("thick, Eq. 23", Role::Theory, Colour::Blue, [0.0, 0.7], asymptotes::ridge_thick_alpha),
+            curve("flattening, Eq. 24 corrected", Role::Theory, Colour::Orange, [0.5, end.displacement], expansion(right)),
+            curve(
+                "flattening, Eq. 24 printed",
+                Role::Printed,
+                Colour::Orange,
+                [0.5, (-1.0 / FLATTENING_PRINTED.slope).sqrt()],
+                expansion(FLATTENING_PRINTED),
+            ),
+            Series {
+                name: "boundary elements".to_owned(),
+                symbol: Some(Symbol::Circle),
+                points: found.clone(),
+                ..Series::default()
+            },
+        ],
+        ..Panel::default()
+    };
+    let worst = found.iter().map(|[u, alpha]| (exact(*u) - alpha).abs()).fold(0.0, f64::max);
+    let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
+    let thick = (1..=600).map(|i| cube_root(end.displacement * i as f64 / 600.0)).fold(0.0, f64::max);
+    let words = format!(
+        "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 with slopes of v̂ by boundary elements; \
+         they agree with the exact curve to {worst:.0e} in α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to \
+         the end at ũ_c = {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) draws the parabola 5 % too narrow; −131.92 is right.",
+        100.0 * thick,
+        end.displacement,
+    );
+    let finding = |quantity: &str, found, expected, source: &str, tolerance| Finding {
+        quantity: quantity.to_owned(),
+        found,
+        expected,
+        source: source.to_owned(),
+        tolerance,
+    };
+    let findings = vec![
+        finding("largest deviation of α by boundary elements", worst, 0.0, "exact ridge", Some(1e-3)),
+        finding("α of the exact ridge at ũ₀ = 0.55", exact(0.55), 0.7431812343, "reference table", Some(1e-9)),
+        finding("ũ_c", end.displacement, FLATTENING_PRINTED.displacement, "printed after Eq. 24", Some(1e-4)),
+        finding("α_c", end.alpha, FLATTENING_PRINTED.alpha, "printed before Eq. 24", None),
+        finding("largest relative error of Eq. 23", thick, 0.0, "exact ridge", None),
+    ];
+    Ok(Figure { number: 6, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+}
+
+/// A line whose points crowd towards its upper end, where slopes are infinite.
+fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
+    let x = |i: usize| high - (high - low) * (1.0 - i as f64 / 200.0).powi(2);
+    let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
+    Series { name: name.to_owned(), role, colour, points, symbol: None }
+}

@@ -1,0 +1,166 @@
+//! The ticks of an axis, on short and on long ranges.
+
+use super::extent::Scale;
+
+/// Ticks wanted along an axis, at least and at most.
+const TICKS: [usize; 2] = [3, 8];
+
+/// A tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where, as a share of the axis.
+    pub at: f64,
+    /// Its number; a minor tick has none. Set with `^` for powers.
+    pub label: Option<String>,
+}
+
+/// The ticks of an axis, and the power of ten by which their numbers are to be multiplied.
+pub fn ticks(scale: &Scale) -> (Vec<Tick>, i32) {
+    if scale.logarithmic { (logarithmic_ticks(scale), 0) } else { linear_ticks(scale) }
+}
+
+fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
+    let largest = scale.low.abs().max(scale.high.abs());
+    let exponent = largest.log10().floor() as i32;
+    let factor = if (-2..5).contains(&exponent) { 0 } else { exponent };
+    let unit = 10f64.powi(factor);
+    let (step, decimals) = nice_step((scale.high - scale.low) / unit);
+    let label = |value: f64| sign(&format!("{value:.decimals$}"));
+    let marks = multiples(scale.low / unit, scale.high / unit, step);
+    (marks.map(|v| Tick { at: (v * unit - scale.low) / (scale.high - scale.low), label: Some(label(v)) }).collect(), factor)
+}
+
+fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
+    let at = |value: f64| (value.log10() - scale.low) / (scale.high - scale.low);
+    let inside = |value: &f64| (-1e-9..=1.0 + 1e-9).contains(&at(*value));
+    let decades = scale.low.floor() as i32..=scale.high.ceil() as i32;
+    let values = |mantissas: &[u8], stride: usize| -> Vec<f64> {
+        let powers = decades.clone().filter(|k| k.rem_euclid(stride as i32) == 0);
+        let all = powers.flat_map(|k| mantissas.iter().map(move |m| f64::from(*m) * 10f64.powi(k)));
+        all.filter(inside).collect()
+    };
+    let span = scale.high - scale.low;
+    let stride = ((span / TICKS[1] as f64).ceil() as usize).max(1);
+    let full: [&[u8]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
+    let wanted = TICKS[0]..=TICKS[1] + 1;
+    let labelled = full.iter().map(|m| values(m, stride)).find(|list| wanted.contains(&list.len()));
+    let minor: &[u8] = if span > 8.0 { &[1] } else { full[3] };
+    let mut ticks: Vec<Tick> = Vec::new();
+    match labelled {
+        Some(labelled) => {
+            let fine = values(minor, 1).into_iter().filter(|v| !labelled.iter().any(|l| (l / v - 1.0).abs() < 1e-9));
+            ticks.extend(fine.map(|v| Tick { at: at(v), label: None }));
+            ticks.extend(labelled.iter().map(|v| Tick { at: at(*v), label: Some(power(*v)) }));
+        }
+        None => {
+            // Much less than a decade: steps as on a linear axis.
+            let (low, high) = (10f64.powf(scale.low), 10f64.powf(scale.high));
+            let (step, decimals) = nice_step(high - low);
+            ticks.extend(multiples(low, high, step).filter(|v| *v > 0.0).map(|v| {
+                let plain = (1e-3..1e5).contains(&v);
+                Tick { at: at(v), label: Some(if plain { format!("{v:.decimals$}") } else { format!("{v:.2e}") }) }
+            }));
+        }
+    }
+    ticks
+}
+
+/// A step of 1, 2 or 5 and a power of ten that gives a good number of ticks, and the decimals it needs.
+fn nice_step(span: f64) -> (f64, usize) {
+    let raw = span / 6.0;
+    let power = raw.log10().floor();
+    let unit = 10f64.powf(power);
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|f| f * unit >= raw * 0.999).unwrap_or(10.0);
+    let exponent = power + if factor == 10.0 { 1.0 } else { 0.0 };
+    (factor * unit, (-exponent).clamp(0.0, 12.0) as usize)
+}
+
+fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (first..=last.min(first + 50)).map(move |i| i as f64 * step)
+}
+
+/// A real minus sign, and no minus zero.
+fn sign(text: &str) -> String {
+    let zero = text.chars().all(|c| ['-', '0', '.'].contains(&c));
+    if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
+}
+
+/// A small whole number times a power of ten, as one reads it.
+fn power(value: f64) -> String {
+    let exponent = (value.log10() + 1e-9).floor() as i32;
+    let mantissa = (value / 10f64.powi(exponent)).round() as i32;
+    match exponent {
+        0..=3 => format!("{}", i64::from(mantissa) * 10i64.pow(exponent as u32)),
+        -2..0 => format!("{value:.*}", (-exponent) as usize),
+        _ => {
+            let raised = sign(&exponent.to_string());
+            if mantissa == 1 { format!("10^{{{raised}}}") } else { format!("{mantissa}·10^{{{raised}}}") }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::figure::Axis;
+
+    fn labels(axis: Axis) -> Vec<String> {
+        let scale = Scale::new(&axis, std::iter::empty());
+        let (mut list, factor) = ticks(&scale);
+        list.sort_by(|a, b| a.at.total_cmp(&b.at));
+        assert!(list.iter().all(|t| (-1e-6..=1.000001).contains(&t.at)), "{list:?}");
+        let mut labels: Vec<String> = list.into_iter().filter_map(|t| t.label).collect();
+        if factor != 0 {
+            labels.push(format!("factor {factor}"));
+        }
+        labels
+    }
+
+    fn log(low: f64, high: f64) -> Vec<String> {
+        labels(Axis::logarithmic("").from_to(low, high))
+    }
+
+    fn linear(low: f64, high: f64) -> Vec<String> {
+        labels(Axis::linear("").from_to(low, high))
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_readable_ticks_on_short_and_on_long_ranges() {
+        assert_eq!(log(1.0, 1000.0), ["1", "10", "100", "1000"]);
+        assert_eq!(log(1e-6, 1.0), ["10^{\u{2212}6}", "10^{\u{2212}5}", "10^{\u{2212}4}", "10^{\u{2212}3}", "0.01", "0.1", "1"]);
+        assert_eq!(log(0.9, 11.0), ["1", "3", "10"]);
+        assert_eq!(log(2.0, 25.0), ["2", "5", "10", "20"]);
+        assert_eq!(log(3.0, 7.0), ["3", "4", "5", "6", "7"]);
+        assert_eq!(log(1.0, 1.5), ["1.0", "1.1", "1.2", "1.3", "1.4", "1.5"]);
+        assert_eq!(log(1e-9, 1e3), ["10^{\u{2212}8}", "10^{\u{2212}6}", "10^{\u{2212}4}", "0.01", "1", "100"]);
+    }
+
+    #[test]
+    fn a_linear_axis_steps_by_one_two_or_five() {
+        assert_eq!(linear(-1.0, 0.2), ["\u{2212}1.0", "\u{2212}0.8", "\u{2212}0.6", "\u{2212}0.4", "\u{2212}0.2", "0.0", "0.2"]);
+        assert_eq!(linear(0.0, 4.2), ["0", "1", "2", "3", "4"]);
+        assert_eq!(linear(0.0, 2e-4), ["0.0", "0.5", "1.0", "1.5", "2.0", "factor -4"]);
+        assert_eq!(linear(0.0, 3e6), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "factor 6"]);
+    }
+
+    #[test]
+    fn every_range_has_some_ticks_and_not_too_many() {
+        for k in 0..200 {
+            let (low, high) = (10f64.powf(-5.0 + 0.03 * f64::from(k)), 10f64.powf(-4.97 + 0.075 * f64::from(k)));
+            for labels in [log(low, high), linear(low, high)] {
+                assert!((2..=10).contains(&labels.len()), "{low} to {high}: {labels:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_a_point_and_broken_numbers_still_make_an_axis() {
+        for data in [vec![], vec![3.0], vec![0.0, 0.0], vec![f64::NAN, f64::INFINITY], vec![-1.0]] {
+            for axis in [Axis::linear(""), Axis::logarithmic("")] {
+                let scale = Scale::new(&axis, data.iter().copied());
+                assert!(scale.low < scale.high && !ticks(&scale).0.is_empty(), "{data:?} {scale:?}");
+            }
+        }
+    }
+}

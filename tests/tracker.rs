@@ -1,0 +1,95 @@
+//! The smallest eigenvalue looked for on a coarser mesh, against the same on the mesh itself.
+
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::walk::{Progress, Walk};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::preconditioner::Preconditioner;
+use tackscope::physics::system::{System, carried};
+use tackscope::solver::method::{MethodKind, Slides};
+use tackscope::solver::stability::{Tracker, random_smooth};
+use tackscope::storage::presets;
+
+const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+const LENGTH: f64 = 256.0;
+
+fn system(n: usize) -> System {
+    System::new(Grid::square(LENGTH, n), LAW, &Indenter::Flat)
+}
+
+/// The state of Fig. 2 on n = 64 after going to these places in turn.
+fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
+    let mut scene: Scene = presets::resolve("fig2").unwrap();
+    scene.cell.points = Points::Square(64);
+    let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap();
+    for &place in places {
+        walk.set_target(place);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+    }
+    (walk.record().pattern, walk.displacement(), walk.state().field.clone())
+}
+
+/// Value and error on 128 x 128 points, by way of `coarse` points if given; transforms spent on the fine mesh.
+fn smallest(z: &[f64], u0: f64, coarse: Option<usize>) -> (f64, f64, usize) {
+    let (fine, stiffness) = (system(128), 0.25 * LAW.at(0.0).stiffness);
+    let mut preconditioner = Preconditioner::new(&fine, stiffness);
+    let mut ws = fine.workspace();
+    let z = carried(z, &system(64), &fine);
+    fine.evaluate(&z, u0, &mut vec![0.0; z.len()], &mut ws);
+    preconditioner.refresh(&fine, &mut ws);
+    let mut tracker = Tracker::new(Pcg64::seed_from_u64(7));
+    if let Some(n) = coarse {
+        tracker = tracker.with_coarse(system(n), stiffness);
+    }
+    let before = ws.transforms;
+    let (found, mode) = tracker.check(&fine, &z, Slides::Freely, &preconditioner, &mut ws, &Cancel::default());
+    assert_eq!(mode.len(), fine.dimension());
+    (found.value * LENGTH, found.error * LENGTH, ws.transforms - before)
+}
+
+#[test]
+fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine_one() {
+    for (pattern, places) in
+        [(Pattern::Bulge, &[3.0][..]), (Pattern::Ridge, &[2.0]), (Pattern::Ridge, &[1.345]), (Pattern::Dimple, &[0.8])]
+    {
+        let (found, u0, z) = state(places);
+        assert_eq!(found, pattern);
+        let (value, error, there) = smallest(&z, u0, None);
+        let (coarse, bound, here) = smallest(&z, u0, Some(88));
+        assert!((coarse - value).abs() < 1e-3 * value.abs().max(0.1), "{pattern} at {u0}: {coarse} against {value}");
+        assert!(bound <= 0.02 * coarse.abs().max(0.1) && error <= 0.02 * value.abs().max(0.1), "{pattern}: {bound} {error}");
+        assert!(here <= 2 && there > 20, "{pattern}: {here} and {there} transforms");
+    }
+}
+
+#[test]
+fn where_the_coarse_mesh_does_not_resolve_the_mode_the_fine_one_goes_on() {
+    // The edge of a bulge on twelve points is no edge.
+    let (_, u0, z) = state(&[3.0]);
+    let (value, ..) = smallest(&z, u0, None);
+    let (coarse, bound, here) = smallest(&z, u0, Some(12));
+    assert!((coarse - value).abs() < 0.02 * value.abs(), "{coarse} against {value}");
+    assert!(here > 2 && bound <= 0.02 * coarse.abs(), "{here} transforms, error {bound}");
+}
+
+proptest! {
+    #[test]
+    fn a_field_carried_to_a_finer_mesh_is_the_same_field_and_comes_back(seed: u64, n in 3usize..9, more in 1usize..5) {
+        let (coarse, fine) = (system(4 * n), system(4 * n * more));
+        let mut z = random_smooth(&coarse, &mut Pcg64::seed_from_u64(seed));
+        // Without the shortest waves, which the finer mesh shows in another way.
+        z = carried(&carried(&z, &coarse, &system(4 * n - 2)), &system(4 * n - 2), &coarse);
+        let up = carried(&z, &coarse, &fine);
+        prop_assert_eq!(&carried(&up, &fine, &coarse), &z);
+        let (few, many) = (coarse.gap_field(&z, 0.3), fine.gap_field(&up, 0.3));
+        for ((j, i), g) in few.indexed_iter() {
+            prop_assert!((g - many[(j * more, i * more)]).abs() < 1e-12);
+        }
+    }
+}
