@@ -114,7 +114,7 @@ pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
 
 /// The next multiple of 8 at or above `n` with no prime factors but 2, 3 and 5: quick to transform, also on a quarter cell.
 pub fn next_fast(n: usize) -> usize {
-    let mut candidate = n.next_multiple_of(8);
+    let mut candidate = n.max(1).next_multiple_of(8);
     loop {
         let mut rest = candidate;
         for p in [2, 3, 5] {

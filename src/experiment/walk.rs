@@ -79,8 +79,6 @@ struct Barrier {
     stiffness: Option<f64>,
     /// The mode that went soft, if it was seen.
     soft_mode: Vec<f64>,
-    /// The distance from which `at` was last tried (length).
-    tried_from: f64,
 }
 
 /// A jump under way.

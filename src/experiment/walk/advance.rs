@@ -44,10 +44,6 @@ impl Walk {
     pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
         let here = self.state.mean_displacement;
         let width = barrier.at - here;
-        // On uneven ground a step often was just too long for a sharp bend: from near by it may succeed.
-        if barrier.stiffness.is_none() && !self.system.is_flat() && width.abs() < 0.3 * barrier.tried_from {
-            return barrier.at;
-        }
         let share = match (self.state.stiffness_min, barrier.stiffness) {
             (Some(a), Some(b)) => a.value / (a.value - b),
             _ => match self.expected_fold().map(|fold| (fold - here) / width) {
@@ -73,7 +69,7 @@ impl Walk {
             self.accept(observe);
         }
         let soft = self.random_soft_wave();
-        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft, tried_from: 0.0 }, false)
+        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
     }
 
     /// All first waves of the cell go soft together; the seed mixes them.
@@ -103,8 +99,7 @@ impl Walk {
         };
         let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
-        let mut barrier =
-            Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new(), tried_from: (next - here).abs() };
+        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
@@ -119,8 +114,6 @@ impl Walk {
                 };
                 state.measured(stiffness, mode);
                 if state.stop != Stop::Unstable || !locates {
-                    // The branch goes on there after all.
-                    self.barrier.take_if(|barrier| barrier.at == next);
                     let progress = self.take(state, observe);
                     self.watch_bracket();
                     return progress;
