@@ -9,7 +9,7 @@ pub(super) const ENTRY: Entry = Entry {
     number: 13,
     title: "A Hertzian tip: how fast force and loss converge",
     look_for: "The pull-off force is right within a few per cent on every mesh with mu_rho up to 0.7, the loss on none: it comes with \
-               the cube root of the mesh. From mu_rho = 1.5 on finer meshes do not help, since the range shrinks along with them.",
+               the cube root of the mesh. From mu_rho = 1.5 on finer meshes hardly help, since the range shrinks along with them.",
     scene: || scenes::tip(64, 0.7),
     compute,
 };

@@ -76,6 +76,8 @@ pub const TIP_SURFACE_ENERGY: f64 = 0.5859e-3;
 /// The tip of Sect. 4 in a cell with L = R = 1, driven by displacement to zero load and back.
 pub fn tip(points: usize, mu_rho: f64) -> Scene {
     let range = (TIP_SURFACE_ENERGY / points as f64).sqrt() / (2.0 * mu_rho);
+    // Single points that let go are close together on the way.
+    let step = if mu_rho < 0.75 { 0.15 } else { 0.05 };
     Scene {
         title: format!("A Hertzian tip: mu_rho = {mu_rho}"),
         source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
@@ -83,7 +85,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
         indenter: Indenter::Hertz { radius: 1.0 },
         // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
-        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: 0.15 * range },
+        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: step * range },
         accuracy: 0.01,
         seed: 1,
     }
