@@ -41,23 +41,6 @@ struct Paint {
     scale: f64,
 }
 
-/// The line in pieces, cut where it turns by more than a right angle: plotters draws corners as mitres, and one of a line that nearly
-/// turns back has no end.
-fn blunt(points: &[(i32, i32)]) -> Vec<Vec<(i32, i32)>> {
-    let mut pieces = vec![Vec::new()];
-    for (i, &point) in points.iter().enumerate() {
-        if let (Some(before), Some(&after)) = (i.checked_sub(1).map(|i| points[i]), points.get(i + 1)) {
-            let steps = [(before, point), (point, after)].map(|(a, b)| [i64::from(b.0 - a.0), i64::from(b.1 - a.1)]);
-            if steps[0][0] * steps[1][0] + steps[0][1] * steps[1][1] < 0 {
-                pieces.last_mut().expect("never empty").push(point);
-                pieces.push(Vec::new());
-            }
-        }
-        pieces.last_mut().expect("never empty").push(point);
-    }
-    pieces
-}
-
 impl Paint {
     fn px(&self, units: f64) -> i32 {
         (units * self.scale).round() as i32
@@ -93,8 +76,10 @@ impl Paint {
         let points = self.places(points);
         match stroke.dash {
             None => {
+                // Plotters lengthens sharp corners without a limit: they are drawn as two strokes and a round joint.
                 for piece in blunt(&points) {
                     ground.draw(&PathElement::new(piece, style))?;
+                    ground.draw(&Circle::new(piece[0], self.px(0.5 * stroke.width), stroke.colour.filled()))?;
                 }
             }
             Some([on, off]) => ground.draw(&DashedPathElement::new(points, self.px(on), self.px(off), style))?,
@@ -132,5 +117,44 @@ impl Paint {
             along += width_of(run, size);
         }
         Ok(())
+    }
+}
+
+/// The pieces of a line between its sharp corners, each with both its ends.
+fn blunt(points: &[(i32, i32)]) -> Vec<&[(i32, i32)]> {
+    /// Cosine of the largest turn that is no sharp corner.
+    const BLUNT: f64 = 0.3;
+    let step = |i: usize| (f64::from(points[i].0 - points[i - 1].0), f64::from(points[i].1 - points[i - 1].1));
+    let sharp = |i: &usize| {
+        let ((ax, ay), (bx, by)) = (step(*i), step(i + 1));
+        ax * bx + ay * by < BLUNT * ax.hypot(ay) * bx.hypot(by)
+    };
+    let corners = (1..points.len().saturating_sub(1)).filter(sharp);
+    let ends: Vec<usize> = std::iter::once(0).chain(corners).chain([points.len().saturating_sub(1)]).collect();
+    ends.windows(2).filter(|pair| pair[1] > pair[0]).map(|pair| &points[pair[0]..=pair[1]]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storage::figure::marks::INK;
+
+    #[test]
+    fn a_sharp_corner_stays_where_it_is() {
+        let mut sheet = Sheet::new(900.0, 200.0);
+        // A needle that points upwards: without a limit its corner would lie far above.
+        sheet.line([[448.0, 180.0], [450.0, 100.0], [452.0, 180.0]], Stroke::solid(INK, 4.0));
+        let picture = pixels(&sheet).expect("a picture");
+        let dark = picture.enumerate_pixels().filter(|(.., p)| p.0[0] < 128).map(|(_, y, _)| y).min().expect("a line");
+        // Two pixels a unit: the corner, and half the width of the line.
+        assert!((190..=200).contains(&dark), "{dark}");
+    }
+
+    #[test]
+    fn a_line_falls_apart_at_its_sharp_corners_only() {
+        let points = [(0, 0), (10, 0), (20, 4), (10, 4), (10, 4 + 9)];
+        let lengths: Vec<usize> = blunt(&points).iter().map(|piece| piece.len()).collect();
+        assert_eq!(lengths, [3, 2, 2]);
+        assert!(blunt(&[]).is_empty() && blunt(&[(1, 1)]).is_empty());
     }
 }
