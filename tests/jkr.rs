@@ -43,10 +43,12 @@ fn close(found: f64, expected: f64, share: f64) {
 fn the_branch_is_that_of_the_reference_table() {
     for [a, u0, force, energy] in JKR {
         let state = TIP.contact(a);
-        // Ten digits are printed, of a as well; the energy changes with a by up to 4e-4.
+        // Ten digits are printed, of a as well, with which u0 and so the energy change.
+        let slope = 2.0 * a + 0.5 * TIP.opening(a) / a;
         close(state.displacement, u0, 1e-8);
         close(-state.force, force, 1e-8);
-        assert!((state.energy - energy).abs() < 3e-14, "{:e} for {energy:e}", state.energy);
+        let rounding = 5e-11 * force.abs() * slope + 5e-10 * energy.abs();
+        assert!((state.energy - energy).abs() < rounding, "{:e} for {energy:e}: {rounding:e}", state.energy);
     }
 }
 

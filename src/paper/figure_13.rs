@@ -92,7 +92,13 @@ fn findings(tips: &[Tip], [force, loss]: [f64; 2]) -> Vec<Finding> {
         state(format!("V_hys/V_hys,JKR {at}"), finest.released, loss, images, None);
         if let [.., a, b, c] = mine[..] {
             let order = |pick: fn(&Tip) -> f64, limit: f64| ((limit - pick(b)) / (limit - pick(c))).abs().log2();
-            state(format!("order of F_pull in the mesh {at}"), order(|tip| tip.pull_off, force), 0.5, "linear in the range", None);
+            state(
+                format!("order of F_pull in the mesh {at}"),
+                order(|tip| tip.pull_off, force),
+                1.0,
+                "linear, as the abstract says",
+                None,
+            );
             state(
                 format!("order of V_hys in the mesh {at}"),
                 order(|tip| tip.released, loss),
