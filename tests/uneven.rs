@@ -3,10 +3,10 @@
 use std::sync::OnceLock;
 use tackscope::experiment::measured_law::MeasuredLaw;
 use tackscope::experiment::plan::{Reduction, Road, Wish, plan};
-use tackscope::experiment::record::{Branch, Cause};
+use tackscope::experiment::record::{Branch, Cause, StateRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_reduced};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
-use tackscope::experiment::walk::Walk;
+use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::solver::Stop;
@@ -66,25 +66,43 @@ fn the_surface_closes_its_loop_where_it_began() {
     }
 }
 
+/// Goes to `target`; the state there, and whether it jumped on the way.
+fn reach(walk: &mut Walk, target: f64) -> (StateRecord, bool) {
+    walk.set_target(target);
+    let mut jumped = false;
+    loop {
+        match walk.step(&Cancel::default(), &mut |happening| jumped |= matches!(happening, Happening::Jump(_))) {
+            Progress::Working => {}
+            Progress::Resting => return (walk.record().clone(), jumped),
+            stopped => panic!("{stopped:?} at {}", walk.displacement()),
+        }
+    }
+}
+
 #[test]
-fn along_branches_stress_is_the_derivative_of_the_energy() {
-    for (scene, run) in loops() {
+fn stress_is_the_derivative_of_the_energy() {
+    for name in ["wavy", "rough"] {
+        let mut scene = preset(name);
+        scene.drive.step = 0.05;
+        let sigma = scene.model().unwrap().law.traction_max();
+        let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap();
         let mut checked = 0;
-        for three in run.record.states.windows(3) {
-            let [a, b, c] = [&three[0], &three[1], &three[2]].map(|s| s.mean_displacement);
-            let near_a_jump = run.record.jumps.iter().any(|jump| (jump.mean_displacement - b).abs() < 0.1);
-            // Simpson's rule needs equal steps; where the stress bends from step to step its own error is not small.
-            let [p, q, r] = [&three[0], &three[1], &three[2]].map(|s| s.stress);
-            let bend = (p - 2.0 * q + r).abs();
-            if three[0].branch != three[2].branch || near_a_jump || ((b - a) - (c - b)).abs() > 1e-9 || bend > 2e-4 {
+        for i in 0..12 {
+            let (u0, short) = (1.2 - 0.2 * f64::from(i), 2e-3);
+            let (before, _) = reach(&mut walk, u0 + short);
+            let (here, one) = reach(&mut walk, u0);
+            let (after, other) = reach(&mut walk, u0 - short);
+            if one || other {
                 continue;
             }
-            let work = (c - a) / 6.0 * (p + 4.0 * q + r);
-            let missing = (three[2].energy - three[0].energy - work).abs();
-            assert!(missing < 0.02 * bend * (c - a).abs() + 1e-8, "{}: {missing:e} at {b}, bend {bend:e}", scene.title);
+            let [a, b, c] = [&before, &here, &after].map(|s| s.stress);
+            let difference = (before.energy - after.energy) / (2.0 * short);
+            // Simpson's rule, whose error is far below its own correction of the middle value, and the tolerance of the states.
+            let (simpson, correction) = ((a + 4.0 * b + c) / 6.0, (a - 2.0 * b + c).abs() / 6.0);
+            assert!((difference - simpson).abs() < 0.1 * correction + 1e-6 * sigma, "{name} at {u0}: {difference} {simpson}");
             checked += 1;
         }
-        assert!(checked > 30, "{}: {checked}", scene.title);
+        assert!(checked >= 10, "{name}: {checked}");
     }
 }
 
@@ -116,7 +134,7 @@ fn in_deep_compression_nothing_jumps() {
     );
     // Going down and coming up it is the same surface: its softest mode too, which the tracking must not lose.
     let at = |branch: Branch| {
-        let near = |s: &&tackscope::experiment::record::StateRecord| s.branch == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
+        let near = |s: &&StateRecord| s.branch == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
         run.record.states.iter().find(near).cloned().unwrap()
     };
     let (down, up) = (at(Branch::Approach), at(Branch::Retraction));
