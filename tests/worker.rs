@@ -291,7 +291,7 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
         (wished(1, fig2(64), Wish::Quarter), Reduction::Quarter, "asked for"),
         (wished(1, fig2(62), Wish::Quarter), Reduction::Whole, "asked for"),
         (wished(1, fig2(16), Wish::Plan), Reduction::Whole, "jumps of its own"),
-        (wished(1, tip(), Wish::Plan), Reduction::Quarter, "a tip keeps its mirror symmetry"),
+        (wished(1, tip(), Wish::Plan), Reduction::Quarter, "a single crest keeps its mirror symmetry"),
     ];
     for (command, reduction, words) in cases {
         let out = drain(&mut Session::default(), vec![command]);
