@@ -137,9 +137,14 @@ fn panel(surfaces: &[Surface]) -> Panel {
 fn words(surfaces: &[Surface], size: Size) -> String {
     let rho = surfaces[0].model.law.range;
     let list = |k: usize, window: usize| {
-        let fits = surfaces.iter().filter_map(|surface| surface.fits[window].as_ref().ok());
-        let found: Vec<_> = fits.map(|fit| ranges(fit, rho)[k]).map(|(value, error)| format!("{value:.2} ± {error:.2}")).collect();
-        if found.is_empty() { "not determined".to_owned() } else { found.join(", ") }
+        let word = |surface: &Surface| match &surface.fits[window] {
+            Ok(fit) => {
+                let (value, error) = ranges(fit, rho)[k];
+                format!("{value:.2} ± {error:.2}")
+            }
+            Err(_) => "not determined".to_owned(),
+        };
+        surfaces.iter().map(word).collect::<Vec<_>>().join(", ")
     };
     let gamma = surfaces[0].model.law.surface_energy;
     let gradient = match surfaces[0].model.indenter {
@@ -151,13 +156,14 @@ fn words(surfaces: &[Surface], size: Size) -> String {
     let lost: Vec<_> = surfaces.iter().map(|surface| format!("{:.4}", surface.record.released_energy_sum())).collect();
     let count = if size == Size::Quick { "one surface" } else { "three surfaces" };
     format!(
-        "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only numbers that the paper gives. It leaves the spectrum, γ \
+        "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only parameter that the paper gives. It leaves the spectrum, γ \
          and the window of the fit open; here the Hurst exponent is 0.8, the spectrum is flat above a wavelength of 8 h_std and ends \
          at 2 h_std (root mean square gradient {gradient:.2}), γ = {gamma} E*h_std, and the fit reaches down to where the \
-         compression is {} or {} times the largest tension. The range of adhesion over ρ is {} in the first window and {} in the \
-         second (printed: close to 4), that of repulsion over ρ/2 {} and {} (printed: 1.6). The errors are those of the fit alone; \
-         from window to window and from surface to surface the numbers change by more, so that agreement in kind is all that can be \
-         asked for: both ranges are longer than the microscopic ones, that of adhesion by three to five. The largest mean tension is \
+         compression is {} or {} times the largest tension. The range of adhesion over ρ is {} in the first window, {} in the \
+         second (printed: close to 4), that of repulsion over ρ/2 {} and {} (printed: 1.6); where the data reach little beyond zero \
+         stress the two exponentials merge and determine neither. The errors are those of the fit alone. From window to window and \
+         from surface to surface the numbers change by more, so that agreement in kind is all that can be asked for: both ranges are \
+         longer than the microscopic ones, that of adhesion by more. The largest mean tension is \
          {} of the microscopic σ_max, the loss {} γ.",
         WINDOWS[0],
         WINDOWS[1],
