@@ -103,7 +103,7 @@ impl Walk {
 pub(super) fn with_coarse(tracker: Tracker, system: &System, constant: f64) -> Tracker {
     let (law, grid) = (system.law(), system.grid());
     let n = next_fast(mesh_rule::points_for_mu_rho(law, grid.length, RESOLVED).ceil() as usize);
-    if !system.is_flat() || !law.is_smooth() || 4 * n > 3 * grid.nx {
+    if !system.is_flat() || !law.is_smooth() || 2 * n > grid.nx {
         return tracker;
     }
     let coarse = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
