@@ -33,6 +33,11 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A number beside the same from `source`; see the fields.
+    pub fn new(quantity: &str, found: f64, expected: f64, source: &str, tolerance: Option<f64>) -> Self {
+        Self { quantity: quantity.to_owned(), found, expected, source: source.to_owned(), tolerance }
+    }
+
     /// Whether the two agree; `None` where nothing was promised.
     pub fn agrees(&self) -> Option<bool> {
         self.tolerance.map(|tolerance| (self.found - self.expected).abs() <= tolerance)
@@ -115,6 +120,13 @@ pub struct Series {
     pub colour: Colour,
     /// (x, y); a line is broken where one is not finite.
     pub points: Vec<[f64; 2]>,
+}
+
+impl Series {
+    /// A line through `points`.
+    pub fn line(name: &str, role: Role, colour: Colour, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.to_owned(), role, symbol: None, colour, points }
+    }
 }
 
 /// A symbol.

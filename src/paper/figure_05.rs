@@ -48,7 +48,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
     let x = |i: usize| low * (high / low).powf(i as f64 / 200.0);
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series { name: name.to_owned(), role, colour, points, symbol: None }
+    Series::line(name, role, colour, points)
 }
 
 fn lines() -> Vec<Series> {
@@ -93,21 +93,14 @@ fn largest(energies: &[Sample]) -> f64 {
 
 fn findings(energies: &[Sample], slopes: &[Sample]) -> Vec<Finding> {
     let exact = ridge::critical();
-    let finding = |quantity: &str, found, expected, source: &str, tolerance| Finding {
-        quantity: quantity.to_owned(),
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance,
-    };
     let (alpha, top) = vertex(slopes);
     vec![
-        finding("largest relative deviation of v̂ by boundary elements", largest(energies), 0.0, "exact ridge", Some(1e-4)),
-        finding("α_c, largest v̂′ by boundary elements", alpha, exact.alpha, "exact ridge", Some(1e-3)),
-        finding("v̂′_c by boundary elements", top, exact.elastic_energy[1], "exact ridge", Some(1e-3)),
-        finding("v̂_c", exact.elastic_energy[0], FLATTENING_PRINTED.elastic_energy, "printed before Eq. 24", None),
-        finding("v̂‴_c", exact.elastic_energy[3], FLATTENING_PRINTED.third, "printed before Eq. 24", None),
-        finding("c of the thin ridge", THIN_CONSTANT, THIN_CONSTANT_PRINTED, "printed in Eq. 22", None),
+        Finding::new("largest relative deviation of v̂ by boundary elements", largest(energies), 0.0, "exact ridge", Some(1e-4)),
+        Finding::new("α_c, largest v̂′ by boundary elements", alpha, exact.alpha, "exact ridge", Some(1e-3)),
+        Finding::new("v̂′_c by boundary elements", top, exact.elastic_energy[1], "exact ridge", Some(1e-3)),
+        Finding::new("v̂_c", exact.elastic_energy[0], FLATTENING_PRINTED.elastic_energy, "printed before Eq. 24", None),
+        Finding::new("v̂‴_c", exact.elastic_energy[3], FLATTENING_PRINTED.third, "printed before Eq. 24", None),
+        Finding::new("c of the thin ridge", THIN_CONSTANT, THIN_CONSTANT_PRINTED, "printed in Eq. 22", None),
     ]
 }
 

@@ -61,19 +61,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         100.0 * thick,
         end.displacement,
     );
-    let finding = |quantity: &str, found, expected, source: &str, tolerance| Finding {
-        quantity: quantity.to_owned(),
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance,
-    };
     let findings = vec![
-        finding("largest deviation of α by boundary elements", worst, 0.0, "exact ridge", Some(1e-3)),
-        finding("α of the exact ridge at ũ₀ = 0.55", exact(0.55), 0.7431812343, "reference table", Some(1e-9)),
-        finding("ũ_c", end.displacement, FLATTENING_PRINTED.displacement, "printed after Eq. 24", Some(1e-4)),
-        finding("α_c", end.alpha, FLATTENING_PRINTED.alpha, "printed before Eq. 24", None),
-        finding("largest relative error of Eq. 23", thick, 0.0, "exact ridge", None),
+        Finding::new("largest deviation of α by boundary elements", worst, 0.0, "exact ridge", Some(1e-3)),
+        Finding::new("α of the exact ridge at ũ₀ = 0.55", exact(0.55), 0.7431812343, "reference table", Some(1e-9)),
+        Finding::new("ũ_c", end.displacement, FLATTENING_PRINTED.displacement, "printed after Eq. 24", Some(1e-4)),
+        Finding::new("α_c", end.alpha, FLATTENING_PRINTED.alpha, "printed before Eq. 24", None),
+        Finding::new("largest relative error of Eq. 23", thick, 0.0, "exact ridge", None),
     ];
     Ok(Figure { number: 6, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
 }
@@ -82,5 +75,5 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
     let x = |i: usize| high - (high - low) * (1.0 - i as f64 / 200.0).powi(2);
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series { name: name.to_owned(), role, colour, points, symbol: None }
+    Series::line(name, role, colour, points)
 }

@@ -131,18 +131,17 @@ fn lines() -> Vec<Series> {
         let u = |i: i32| from + (to - from) * (0.5 * PI * f64::from(i) / 120.0).sin().powi(2);
         (0..=120).map(u).map(|u| [u, p(u)]).collect()
     };
-    let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, symbol: None, colour, points };
     let exact = |u: f64| ridge::pressure(u).unwrap_or(f64::NAN);
     vec![
-        line("exact, no range", Role::Theory, Colour::Ink, over(1e-4, end.displacement, &exact)),
-        line("thick, Eq. 26", Role::Theory, Colour::Blue, over(0.0, 0.3, &asymptotes::ridge_thick_pressure)),
-        line(
+        Series::line("exact, no range", Role::Theory, Colour::Ink, over(1e-4, end.displacement, &exact)),
+        Series::line("thick, Eq. 26", Role::Theory, Colour::Blue, over(0.0, 0.3, &asymptotes::ridge_thick_pressure)),
+        Series::line(
             "flattening, Eq. 27 corrected",
             Role::Theory,
             Colour::Orange,
             over(0.56, end.displacement, &|u| asymptotes::flattening().pressure_at(u)),
         ),
-        line(
+        Series::line(
             "flattening, Eq. 27 as printed",
             Role::Printed,
             Colour::Orange,

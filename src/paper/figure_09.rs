@@ -87,7 +87,7 @@ fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl 
     let logit = |x: f64| (x / (1.0 - x)).ln();
     let x = |i: usize| 1.0 / (1.0 + (-logit(low) - (logit(high) - logit(low)) * i as f64 / 200.0).exp());
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
-    Series { name: name.to_owned(), role, colour, points, symbol: None }
+    Series::line(name, role, colour, points)
 }
 
 /// Relative deviation from the series, the largest.
@@ -96,13 +96,6 @@ fn largest(pattern: &Pattern, found: &[(f64, Estimate)]) -> f64 {
 }
 
 fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Finding> {
-    let finding = |quantity: &str, found, expected, source: &str, tolerance| Finding {
-        quantity: quantity.to_owned(),
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance,
-    };
     let (dimple, bulge) = (circular::dimple(), circular::bulge());
     // Deviations in units of the error that the extrapolation states for itself.
     let worst = |pattern: &Pattern, found: &[(f64, Estimate)]| {
@@ -112,18 +105,18 @@ fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Find
     let mut all = Vec::new();
     for (name, pattern, found) in [("dimple", dimple, dimples), ("bulge", bulge, bulges)] {
         let stated = format!("largest deviation of v̂ by boundary elements over its stated error, {name}");
-        all.push(finding(&stated, worst(pattern, found), 0.0, "series", Some(1.0)));
+        all.push(Finding::new(&stated, worst(pattern, found), 0.0, "series", Some(1.0)));
         let relative = format!("largest relative deviation of v̂ by boundary elements, {name}");
-        all.push(finding(&relative, largest(pattern, found), 0.0, "series", Some(2e-3)));
+        all.push(Finding::new(&relative, largest(pattern, found), 0.0, "series", Some(2e-3)));
     }
     all.extend([
-        finding("v̂ of a dimple, α = 0.7", dimple.elastic_energy(0.7)[0], 3.954593912, "reference table", Some(2e-8)),
-        finding("v̂ of a bulge, 1 − α = 0.65", bulge.elastic_energy(0.65)[0], 1.234144938, "reference table", Some(1e-8)),
-        finding("ũ₀ at the bulge's fold", bulge.fold().displacement, 0.620288, "reference", Some(1e-6)),
-        finding("ũ₀ below which a bulge stretches", bulge.elliptic_limit().displacement, 0.403, "reference", Some(1e-3)),
-        finding("ũ₀ at the dimple's fold", dimple.fold().displacement, 0.4891, "reference", Some(2e-4)),
-        finding("ũ₀ above which a dimple stretches", dimple.elliptic_limit().displacement, 0.399, "reference", Some(1e-3)),
-        finding("α³ v̂ of a small dimple", 1.5, asymptotes::dimple_printed(1.0), "printed in Eq. 28", None),
+        Finding::new("v̂ of a dimple, α = 0.7", dimple.elastic_energy(0.7)[0], 3.954593912, "reference table", Some(2e-8)),
+        Finding::new("v̂ of a bulge, 1 − α = 0.65", bulge.elastic_energy(0.65)[0], 1.234144938, "reference table", Some(1e-8)),
+        Finding::new("ũ₀ at the bulge's fold", bulge.fold().displacement, 0.620288, "reference", Some(1e-6)),
+        Finding::new("ũ₀ below which a bulge stretches", bulge.elliptic_limit().displacement, 0.403, "reference", Some(1e-3)),
+        Finding::new("ũ₀ at the dimple's fold", dimple.fold().displacement, 0.4891, "reference", Some(2e-4)),
+        Finding::new("ũ₀ above which a dimple stretches", dimple.elliptic_limit().displacement, 0.399, "reference", Some(1e-3)),
+        Finding::new("α³ v̂ of a small dimple", 1.5, asymptotes::dimple_printed(1.0), "printed in Eq. 28", None),
     ]);
     all
 }

@@ -81,7 +81,6 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let exact = sizes.map(|size| pattern.state(size)).map(|s| [s.displacement, s.pressure]).collect();
     let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
     let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
-    let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
     let symbols = |branch: &Branch, symbol, colour| Series {
         name: format!("ρ̃ = {:.4}", branch.range),
         role: Role::Simulation,
@@ -93,15 +92,20 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         x: Axis::linear("reduced displacement ũ₀").from_to(0.0, 0.5),
         y: Axis::linear("reduced pressure p̃").from_to(-0.9, 0.0),
         series: vec![
-            line("no range, stable until the fold", Role::Theory, Colour::Ink, exact),
-            line("small dimples, Eq. 29 corrected (1.793 ũ₀)", Role::Theory, Colour::Blue, power(asymptotes::dimple_pressure)),
-            line(
+            Series::line("no range, stable until the fold", Role::Theory, Colour::Ink, exact),
+            Series::line(
+                "small dimples, Eq. 29 corrected (1.793 ũ₀)",
+                Role::Theory,
+                Colour::Blue,
+                power(asymptotes::dimple_pressure),
+            ),
+            Series::line(
                 "small dimples, Eq. 29 as printed (4 ũ₀/3)",
                 Role::Printed,
                 Colour::Blue,
                 power(asymptotes::dimple_pressure_printed),
             ),
-            line("next to the fold", Role::Theory, Colour::Orange, critical(fold)),
+            Series::line("next to the fold", Role::Theory, Colour::Orange, critical(fold)),
             symbols(&wide, Symbol::Circle, Colour::Green),
             symbols(&narrow, Symbol::Square, Colour::Red),
         ],

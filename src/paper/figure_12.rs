@@ -44,11 +44,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 }
 
 fn panel(title: &str, loops: &[&Tip]) -> Panel {
-    let guide = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
     let (jkr, images) = theory();
-    let mut series = vec![guide("JKR", Role::Theory, Colour::Ink, jkr), guide("JKR, periodic", Role::Theory, Colour::Grey, images)];
+    let mut series = vec![
+        Series::line("JKR", Role::Theory, Colour::Ink, jkr),
+        Series::line("JKR, periodic", Role::Theory, Colour::Grey, images),
+    ];
     for (tip, colour) in loops.iter().zip(COLOURS) {
-        let line = |name: String, points: &[[f64; 2]]| guide(&name, Role::Simulation, colour, points.to_vec());
+        let line = |name: String, points: &[[f64; 2]]| Series::line(&name, Role::Simulation, colour, points.to_vec());
         series.push(line(format!("n = {}", tip.points), &tip.approach));
         series.push(line(String::new(), &tip.retraction));
     }

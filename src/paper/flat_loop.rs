@@ -47,16 +47,15 @@ pub(super) fn panel(run: &LoopRun, law: &Law) -> Panel {
     let points = |branch| curve(&run.record, branch, law);
     let flat_curve = (0..=POINTS).map(|i| low + (high - low) * i as f64 / POINTS as f64);
     let flat_curve = flat_curve.map(|u| [u, -law.at(u * law.range).traction / law.traction_max()]);
-    let line = |name: &str, role, colour, points| Series { name: name.to_owned(), role, colour, points, symbol: None };
     Panel {
         x: Axis::linear("mean displacement u₀/ρ").from_to(0.0, high),
         // Room for the maps below.
         y: Axis::linear("mean pressure p/σ_max").from_to(-1.6, 0.1),
         areas: areas(&points(Branch::Approach), &points(Branch::Retraction)),
         series: vec![
-            line("flat surface", Role::Guide, Colour::Grey, flat_curve.collect()),
-            line("approach", Role::Simulation, Colour::Blue, points(Branch::Approach)),
-            line("retraction", Role::Simulation, Colour::Red, points(Branch::Retraction)),
+            Series::line("flat surface", Role::Guide, Colour::Grey, flat_curve.collect()),
+            Series::line("approach", Role::Simulation, Colour::Blue, points(Branch::Approach)),
+            Series::line("retraction", Role::Simulation, Colour::Red, points(Branch::Retraction)),
         ],
         arrows: arrows(&run.record, law),
         insets: maps(&run.landings, law),

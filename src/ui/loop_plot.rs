@@ -8,7 +8,7 @@ use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::record::Branch;
 use egui::emath::Rangef;
-use egui::{Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
+use egui::{AsIdSalt, Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint,
     PlotPoints, PlotUi, Points, Text,
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
 }
 
 /// A plot whose axes no gesture moves.
-pub fn fixed<'a>(id: &'static str) -> Plot<'a> {
+pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
     // Numbers down to a narrow window; they are short here.
     let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
     Plot::new(id)

@@ -1,15 +1,13 @@
 //! A diagram of the paper as a plot: the same value that `storage` draws to file.
 
-use super::loop_plot::line;
+use super::loop_plot::{fixed, line};
 use super::typeset::{plain, set};
 use crate::paper::extent::{Scale, scales};
 use crate::paper::figure::{Colour, Content, Figure, Panel, Role, Series, Symbol};
 use crate::paper::ticks::ticks;
 use crate::storage::picture::{common_scale, gap_image};
 use egui::{Color32, ColorImage, Id, Rect, RichText, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2};
-use egui_plot::{
-    Arrows, FilledArea, GridMark, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotUi, Points, Text,
-};
+use egui_plot::{Arrows, FilledArea, GridMark, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotPoints, PlotUi, Points, Text};
 use std::collections::HashMap;
 
 /// Least width of two diagrams side by side.
@@ -61,16 +59,7 @@ fn panel(ui: &mut Ui, panel: &Panel, heading: &str, name: &str, key: (usize, usi
     let label = |text: &str, factor: i32| if factor == 0 { text.to_owned() } else { format!("{text} (×10^{{{factor}}})") };
     let value = |scale: Scale, shown: f64| if scale.logarithmic { 10f64.powf(shown) } else { shown };
     let shown =
-        Plot::new(("paper", key))
-            .allow_drag(false)
-            .allow_scroll(false)
-            .allow_zoom(false)
-            .allow_axis_zoom_drag(false)
-            .allow_boxed_zoom(false)
-            .allow_double_click_reset(false)
-            .auto_bounds(false)
-            .show_crosshair(false)
-            .y_axis_min_width(30.0)
+        fixed(("paper", key))
             .height((0.66 * width).min(0.5 * ui.ctx().content_rect().height()).max(150.0))
             .grid_color(text.gamma_multiply(0.2))
             .x_axis_label(set(&label(&panel.x.label, x_factor), 12.0, text))
