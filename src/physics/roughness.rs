@@ -16,8 +16,11 @@ use std::f64::consts::TAU;
 /// Most waves along a side of the cell: `longest` and `shortest` are at least this share of its length.
 pub const WAVES_MAX: usize = 512;
 
-/// Hills that may hold the crest: the highest on a mesh of four points for each shortest wave.
-const HILLS: usize = 8;
+/// Points to climb from: the highest on a mesh of eight for each shortest wave. A top may hide beside a higher mesh point.
+const STARTS: usize = 24;
+
+/// Most steps from a mesh point to the top of its hill.
+const CLIMB_MAX: usize = 30;
 
 /// A self-affine random surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,46 +139,67 @@ fn synthesis(waves: &[Wave], grid: &Grid) -> Array2<f64> {
 /// alone.
 fn crest(waves: &[Wave], grid: &Grid) -> f64 {
     let longest = waves.iter().flat_map(|w| w.wave).map(i64::unsigned_abs).max().unwrap_or(1) as usize;
-    let n = (4 * longest).max(16);
+    let n = (8 * longest).max(32);
     let mesh = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
     let height = synthesis(waves, &mesh);
-    let mut hills: Vec<_> = height.indexed_iter().filter(|((j, i), h)| is_hill(&height, *j, *i, **h)).collect();
-    hills.sort_by(|a, b| b.1.total_cmp(a.1));
+    let mut points: Vec<_> = height.indexed_iter().collect();
+    if points.len() > STARTS {
+        points.select_nth_unstable_by(STARTS, |a, b| b.1.total_cmp(a.1));
+    }
     let top = |&((j, i), _): &((usize, usize), &f64)| climb(waves, [i, j].map(|i| TAU * i as f64 / n as f64));
-    hills.iter().take(HILLS).map(top).fold(f64::NEG_INFINITY, f64::max)
+    points.iter().take(STARTS).map(top).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// True if none of the eight neighbours is higher.
-fn is_hill(height: &Array2<f64>, j: usize, i: usize, here: f64) -> bool {
-    let (ny, nx) = height.dim();
-    (0..9).all(|k| height[[(j + ny + k / 3 - 1) % ny, (i + nx + k % 3 - 1) % nx]] <= here)
-}
-
-/// The top of the hill at `angle` = 2 pi r/L: height after a few steps of Newton's method, each at most to the next mesh point.
+/// Height of the top above `angle` = 2 pi r/L, by Newton's method: steps of at most a mesh spacing, halved until they lead up, with the
+/// curvature of a hill in every direction, which a mesh point beside a saddle does not have.
 fn climb(waves: &[Wave], mut angle: [f64; 2]) -> f64 {
     let reach = TAU / (4.0 * waves.iter().map(|w| w.wave[0].max(w.wave[1].abs())).max().unwrap_or(1) as f64);
-    let mut highest = f64::NEG_INFINITY;
-    for _ in 0..6 {
-        let (mut h, mut slope, mut bend) = (0.0, [0.0; 2], [0.0; 3]);
+    let mut here = Hill::at(waves, angle);
+    for _ in 0..CLIMB_MAX {
+        let step = here.step(reach);
+        let ahead = (0..16).map(|k| 0.5_f64.powi(k)).find_map(|share| {
+            let angle = [0, 1].map(|i| angle[i] + share * step[i]);
+            let ahead = Hill::at(waves, angle);
+            (ahead.height > here.height).then_some((angle, ahead))
+        });
+        match ahead {
+            Some(next) => (angle, here) = next,
+            None => break,
+        }
+    }
+    here.height
+}
+
+/// Height, slope and second derivatives (xx, xy, yy) of the sum of the waves at a point, with respect to 2 pi r/L.
+struct Hill {
+    height: f64,
+    slope: [f64; 2],
+    bend: [f64; 3],
+}
+
+impl Hill {
+    fn at(waves: &[Wave], angle: [f64; 2]) -> Hill {
+        let mut hill = Hill { height: 0.0, slope: [0.0; 2], bend: [0.0; 3] };
         for Wave { wave, amplitude } in waves {
             let [x, y] = wave.map(|k| k as f64);
             let (sin, cos) = (x * angle[0] + y * angle[1]).sin_cos();
             let (value, turned) = (amplitude.re * cos - amplitude.im * sin, -amplitude.re * sin - amplitude.im * cos);
-            h += value;
-            slope = [slope[0] + x * turned, slope[1] + y * turned];
-            bend = [bend[0] - x * x * value, bend[1] - x * y * value, bend[2] - y * y * value];
+            hill.height += value;
+            hill.slope = [hill.slope[0] + x * turned, hill.slope[1] + y * turned];
+            hill.bend = [hill.bend[0] - x * x * value, hill.bend[1] - x * y * value, hill.bend[2] - y * y * value];
         }
-        highest = highest.max(h);
-        let [a, b, c] = bend;
-        let determinant = a * c - b * b;
-        let step = match determinant > 0.0 {
-            true => [(b * slope[1] - c * slope[0]) / determinant, (b * slope[0] - a * slope[1]) / determinant],
-            // A profile has no second direction.
-            false => [-slope[0] / a, 0.0],
-        };
-        angle = [angle[0] + step[0].clamp(-reach, reach), angle[1] + step[1].clamp(-reach, reach)];
+        hill
     }
-    highest
+
+    /// Newton's step, at most `reach`, with both principal curvatures taken as those of a hill: minus their magnitude.
+    fn step(&self, reach: f64) -> [f64; 2] {
+        let ([xx, xy, yy], [x, y]) = (self.bend, self.slope);
+        let (sin, cos) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+        let (mean, radius) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        let along = |slope: f64, bend: f64| if slope == 0.0 { 0.0 } else { (slope / bend.abs()).clamp(-reach, reach) };
+        let (first, second) = (along(cos * x + sin * y, mean + radius), along(cos * y - sin * x, mean - radius));
+        [cos * first - sin * second, sin * first + cos * second]
+    }
 }
 
 #[cfg(test)]
@@ -195,7 +219,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
         #[test]
         fn the_height_has_the_asked_root_mean_square_and_the_gradient_that_of_its_differences(surface in surfaces()) {
