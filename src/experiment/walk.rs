@@ -5,6 +5,7 @@
 
 mod accept;
 mod advance;
+mod fall;
 pub(super) mod guard;
 mod landing;
 mod views;
@@ -81,6 +82,14 @@ struct Barrier {
     soft_mode: Vec<f64>,
 }
 
+/// What tells how a branch goes on: u0, smallest eigenvalue and stress of its last state but one.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    at: f64,
+    stiffness: f64,
+    stress: f64,
+}
+
 /// A jump under way.
 #[derive(Clone, Debug)]
 struct Jumping {
@@ -116,10 +125,12 @@ pub struct Walk {
     /// Bracket width before the last trial, and whether the next must be the middle because that trial did not halve it.
     bracket: f64,
     halve: bool,
-    /// u0 and smallest eigenvalue of the state before, if it is of the same branch: how fast the branch softens.
-    before: Option<(f64, f64)>,
+    /// The state before, if it is of the same branch.
+    before: Option<Before>,
     /// The step that went well after a longer one had failed; it grows again.
     short: Option<f64>,
+    /// Where jumps of a few points are gone downhill: how closely, in ranges, they are located.
+    falls_within: Option<f64>,
     jumping: Option<Jumping>,
     /// The soft mode last shown, for the sign of the next.
     facing: Vec<f64>,
@@ -221,6 +232,7 @@ impl Walk {
             halve: false,
             before: None,
             short: None,
+            falls_within: None,
             jumping: None,
             facing: Vec::new(),
             target: start,

@@ -129,7 +129,7 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
             label(0.0, high + 0.6, "elastomer"),
             label(0.0, 0.5 * low - 0.3, "rigid indenter"),
             label(at[0] + 0.25, middle, "g"),
-            label(0.8 * left - 0.35, 0.5 * mean, "u0"),
+            label(0.8 * left - 0.5, 0.5 * mean, "u0"),
         ],
         ..Panel::default()
     }

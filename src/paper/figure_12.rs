@@ -18,10 +18,10 @@ pub(super) const ENTRY: Entry = Entry {
 /// Points of a theory line.
 const POINTS: usize = 200;
 
-const COLOURS: [Colour; 4] = [Colour::Orange, Colour::Green, Colour::Blue, Colour::Red];
+const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Green, Colour::Blue, Colour::Red, Colour::Teal];
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
-    let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256]);
+    let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
     let tips = tips::run_all(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)], task)?;
     let panels = [0.5, 1.0, 1.5, 2.0].iter().zip("abcd".chars()).map(|(mu, letter)| {
@@ -30,10 +30,10 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     });
     let words = "Force over the pull-off force of JKR, positive in compression, against the height u₀ of the undeformed surface above \
                  the apex, driven by displacement to zero load and back (L = R, γ = 0.5859e-3 E*R). Black: JKR; grey: the same with \
-                 the periodic images of the cell, in closed form. Up to mu_rho = 0.5 an even quarter of the cell is solved, with all \
-                 other modes watched; above, the whole cell up to n = 64 and beyond it the quarter held mirror-symmetric, where single \
-                 points jump in fours or eights. At mu_rho = 1.5 and 2 the loops also depend on that, on whether the apex lies on \
-                 a point (whole) or between points (quarter), and on where the drive turns.";
+                 the periodic images of the cell, in closed form. Up to mu_rho = 0.7 an even quarter of the cell is solved, with all \
+                 other modes watched; above, the quarter is held mirror-symmetric, so that single points jump in fours or eights, and \
+                 their jumps are located within a fortieth of the range. At mu_rho = 1.5 and 2 the loops also depend on that, and on \
+                 how far the tip is driven, as the paper says: Fig. 13 lists by how much.";
     Ok(Figure {
         number: 12,
         title: ENTRY.title.to_owned(),

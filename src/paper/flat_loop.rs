@@ -4,8 +4,9 @@ use super::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Panel, R
 use super::task::{Stopped, Task};
 use crate::experiment::plan::{self, Wish};
 use crate::experiment::record::{Branch, Cause, LoopRecord};
-use crate::experiment::run::{Landing, LoopRun, Outcome, Report, run_planned};
+use crate::experiment::run::{Landing, LoopRun, Report, run_planned};
 use crate::experiment::scene::{Model, Scene};
+use crate::paper::walked::{completed, refused};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::pattern::centre::{rolled, shift_to_middle};
@@ -20,8 +21,7 @@ const CLOSE: f64 = 2e-3;
 
 /// The closed loop of `scene` as planned.
 pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(LoopRun, Model), Stopped> {
-    let refused = |error: crate::experiment::scene::SceneError| Stopped::Failed(error.to_string());
-    let model = scene.model().map_err(refused)?;
+    let model = scene.model().map_err(|error| refused(scene, error))?;
     let plan = plan::plan(scene, &model, Wish::Plan);
     let cancel = task.cancel.clone();
     let mut observe = |report: Report<'_>| {
@@ -30,14 +30,9 @@ pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(Loo
             let _ = task.tell(fraction, what);
         }
     };
-    let (run, _) = run_planned(scene, MethodKind::NewtonKrylov, &plan, &cancel, &mut observe).map_err(refused)?;
-    match &run.outcome {
-        Outcome::Completed => Ok((run, model)),
-        Outcome::Cancelled => Err(Stopped::Cancelled),
-        Outcome::NotConverged { mean_displacement, reason } => {
-            Err(Stopped::Failed(format!("{}: stopped at u0 = {mean_displacement}: {reason}", scene.title)))
-        }
-    }
+    let (run, _) =
+        run_planned(scene, MethodKind::NewtonKrylov, &plan, &cancel, &mut observe).map_err(|error| refused(scene, error))?;
+    Ok((completed(run, scene)?, model))
 }
 
 /// The diagram of a loop.

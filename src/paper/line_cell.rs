@@ -3,15 +3,14 @@
 //! All use a Morse law of range 1 and gamma = 0.15, as in Figs 2 and 3, or another law in its place; the length of the cell then sets
 //! rho~. Results are reduced by [`Units`].
 
-use super::scenes;
 use super::task::{Stopped, Task};
+use super::{scenes, walked};
 use crate::experiment::plan::Reduction;
 use crate::experiment::record::{Branch, StateRecord};
-use crate::experiment::run::{LoopRun, Outcome, Report, run_reduced};
+use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Points, Scene};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::units::Units;
-use crate::solver::method::MethodKind;
 
 /// The units of a cell of side `length`.
 pub(super) fn units(length: f64) -> Units {
@@ -26,21 +25,7 @@ pub(super) fn scene(title: &str, length: f64, points: usize, [start, turn, step]
 
 /// Runs the closed loop, and tells how far it is.
 pub(super) fn run(scene: &Scene, reduction: Reduction, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
-    task.tell(0.0, &scene.title)?;
-    let cancel = task.cancel;
-    let mut observe = |report: Report<'_>| {
-        if let Report::State { fraction, .. } = report {
-            // The loop itself looks at the token.
-            let _ = task.tell(fraction, &scene.title);
-        }
-    };
-    let failed = |reason: String| Stopped::Failed(format!("{}: {reason}", scene.title));
-    let run = run_reduced(scene, MethodKind::NewtonKrylov, reduction, cancel, &mut observe).map_err(|e| failed(e.to_string()))?;
-    match run.outcome {
-        Outcome::Completed => Ok(run),
-        Outcome::Cancelled => Err(Stopped::Cancelled),
-        Outcome::NotConverged { mean_displacement, reason } => Err(failed(format!("{reason} (at u0 = {mean_displacement:.4})"))),
-    }
+    walked::run(walked::walk(scene, reduction)?, scene, task)
 }
 
 /// (u~, p~) of a state.

@@ -29,8 +29,9 @@ pub mod scenes;
 mod table_1;
 pub mod task;
 pub mod ticks;
-mod tips;
+pub mod tips;
 pub mod typeset;
+mod walked;
 
 pub use figure::{Figure, Table};
 pub use task::{Size, Stopped, Task};

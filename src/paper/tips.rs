@@ -1,15 +1,12 @@
 //! The loops of the Hertzian tip behind Figs 12 and 13.
 
-use super::scenes;
 use super::task::{Stopped, Task};
+use super::{scenes, walked};
 use crate::experiment::plan::Reduction;
 use crate::experiment::record::Branch;
-use crate::experiment::run::{LoopRun, Outcome, Report, run_walk};
-use crate::experiment::scene::SceneError;
-use crate::experiment::walk::Walk;
+use crate::experiment::scene::Turn;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
-use crate::solver::method::MethodKind;
 
 /// The tip of Sect. 4, R = 1.
 pub(super) const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };
@@ -19,9 +16,9 @@ pub(super) fn periodic() -> PeriodicJkr {
     PeriodicJkr::new(TIP, 1.0)
 }
 
-/// Which surface is solved, by mu_rho and mesh.
+/// Which surface is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub enum Way {
     /// The even quarter, with all other modes watched: as good as the whole cell. The apex lies between points.
     Quarter,
     /// The even quarter, held mirror-symmetric. The apex lies between points.
@@ -31,39 +28,44 @@ pub(super) enum Way {
 }
 
 impl Way {
-    /// Up to 0.7 nothing but the two collective jumps breaks symmetry. Beyond, single points let go one by one, and the whole cell
-    /// is solved where the mesh is coarse enough for it to be affordable.
-    pub(super) fn of(mu_rho: f64, points: usize) -> Self {
-        match (mu_rho, points) {
-            (..0.75, _) => Way::Quarter,
-            (_, ..=64) => Way::Whole,
-            _ => Way::Mirrored,
-        }
+    /// Up to 0.7 nothing but the two collective jumps breaks symmetry. Beyond, single points let go one by one; their mirror images
+    /// are then held to do so together.
+    pub fn of(mu_rho: f64) -> Self {
+        if mu_rho < TRAPS { Way::Quarter } else { Way::Mirrored }
     }
 }
 
+/// mu_rho from which the mesh traps the edge of the contact.
+const TRAPS: f64 = 0.75;
+/// How closely, in ranges, the jumps of trapped points are located.
+const LOCATED: f64 = 0.025;
+
 /// One closed loop. Forces over the pull-off force, energies over V_hys, both of JKR without images.
-pub(super) struct Tip {
-    pub(super) mu_rho: f64,
+#[derive(Clone, Debug)]
+pub struct Tip {
+    /// mu_rho.
+    pub mu_rho: f64,
     /// Points along a side.
-    pub(super) points: usize,
+    pub points: usize,
     /// Range of the law (R).
-    pub(super) range: f64,
+    pub range: f64,
     /// (u0/R, force, positive in compression) in the order of the loop.
-    pub(super) approach: Vec<[f64; 2]>,
-    pub(super) retraction: Vec<[f64; 2]>,
+    pub approach: Vec<[f64; 2]>,
+    /// The same on the way back.
+    pub retraction: Vec<[f64; 2]>,
     /// Largest tensile force.
-    pub(super) pull_off: f64,
-    /// V_hys as the sum of the releases, and as the integral of F du0.
-    pub(super) released: f64,
-    pub(super) integral: f64,
+    pub pull_off: f64,
+    /// V_hys as the sum of the releases.
+    pub released: f64,
+    /// The same as the integral of F du0.
+    pub integral: f64,
     /// Energy released in every jump.
-    pub(super) jumps: Vec<f64>,
+    pub jumps: Vec<f64>,
 }
 
 impl Tip {
     /// What is released in the jumps of the mesh: all but the first, into contact, and the last, out of it.
-    pub(super) fn mesh_jumps(&self) -> &[f64] {
+    pub fn mesh_jumps(&self) -> &[f64] {
         match self.jumps.len() {
             0 | 1 => &[],
             n => &self.jumps[1..n - 1],
@@ -71,28 +73,19 @@ impl Tip {
     }
 }
 
-/// Runs the loop from separation to zero load and back.
-pub(super) fn run(mu_rho: f64, points: usize, way: Way, task: &mut Task<'_>) -> Result<Tip, Stopped> {
-    let scene = scenes::tip(points, mu_rho);
-    let refused = |error: SceneError| Stopped::Failed(error.to_string());
-    let range = scene.model().map_err(refused)?.law.range;
-    let reduction = if way == Way::Whole { Reduction::Whole } else { Reduction::Quarter };
-    let walk = Walk::reduced(&scene, MethodKind::NewtonKrylov, reduction).map_err(refused)?;
+/// Runs the loop from separation to the turn and back.
+///
+/// # Errors
+/// Where it stopped, in words.
+pub fn run(mu_rho: f64, points: usize, way: Way, turn: Turn, task: &mut Task<'_>) -> Result<Tip, Stopped> {
+    let mut scene = scenes::tip(points, mu_rho);
+    scene.drive.turn = turn;
+    scene.title += &format!(", n = {points}");
+    let range = scene.model().map_err(|error| walked::refused(&scene, error))?.law.range;
+    let walk = walked::walk(&scene, if way == Way::Whole { Reduction::Whole } else { Reduction::Quarter })?;
     let walk = if way == Way::Mirrored { walk.mirrored() } else { walk };
-    let (cancel, what) = (task.cancel.clone(), format!("mu_rho = {mu_rho}, n = {points}"));
-    let LoopRun { record, outcome, .. } = run_walk(walk, &scene, &cancel, &mut |report| {
-        if let Report::State { fraction, .. } = report {
-            // A request to stop ends the loop by itself.
-            let _ = task.tell(fraction, &what);
-        }
-    });
-    match outcome {
-        Outcome::Completed => {}
-        Outcome::Cancelled => return Err(Stopped::Cancelled),
-        Outcome::NotConverged { mean_displacement, reason } => {
-            return Err(Stopped::Failed(format!("{what}: stopped at u0 = {mean_displacement}: {reason}")));
-        }
-    }
+    let walk = if mu_rho < TRAPS { walk } else { walk.locating_within(LOCATED) };
+    let record = walked::run(walk, &scene, task)?.record;
     // L = 1: a mean stress is a force, an energy per area an energy.
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {
@@ -118,15 +111,54 @@ pub(super) fn run(mu_rho: f64, points: usize, way: Way, task: &mut Task<'_>) -> 
 /// Runs all loops of a list of (mu_rho, meshes), in its order.
 pub(super) fn run_all(list: &[(f64, &[usize])], task: &mut Task<'_>) -> Result<Vec<Tip>, Stopped> {
     let pairs: Vec<(f64, usize)> = list.iter().flat_map(|(mu, meshes)| meshes.iter().map(|n| (*mu, *n))).collect();
-    // Transforms grow with the points, increments with the root of their number, and iterations with it, too.
-    let cost = |&(mu, n): &(f64, usize)| mu * (n as f64).powi(3);
+    // Transforms grow with the points, increments with the root of their number, and iterations with it, too; single points that let
+    // go cost a step each.
+    let cost = |&(mu, n): &(f64, usize)| (n as f64).powi(3) * if mu < TRAPS { 1.0 } else { 20.0 };
     let all: f64 = pairs.iter().map(cost).sum();
     let mut done = 0.0;
     let mut tips = Vec::with_capacity(pairs.len());
     for pair in &pairs {
         let next = done + cost(pair) / all;
-        tips.push(run(pair.0, pair.1, Way::of(pair.0, pair.1), &mut task.part(done.min(1.0), next.min(1.0)))?);
+        tips.push(run(pair.0, pair.1, Way::of(pair.0), Turn::ZeroLoad, &mut task.part(done.min(1.0), next.min(1.0)))?);
         done = next;
     }
     Ok(tips)
+}
+
+/// Loops kept with the program, since the finest take an hour together: mu_rho and points along a side of each. The file is the output
+/// of `cargo run --release --no-default-features --example tip_loops`.
+pub const KEPT: ([f64; 5], [usize; 5]) = ([0.5, 0.7, 1.0, 1.5, 2.0], [32, 64, 128, 256, 512]);
+
+/// Head of the table of loops that are kept.
+pub const HEAD: &str = "mu_rho,points,range,pull_off,released,integral,jumps";
+
+impl Tip {
+    /// Its row in the table of loops that are kept: without its curves, the jumps parted by spaces.
+    pub fn row(&self) -> String {
+        let Self { mu_rho, points, range, pull_off, released, integral, jumps, .. } = self;
+        let jumps: Vec<String> = jumps.iter().map(|jump| format!("{jump:.3e}")).collect();
+        format!("{mu_rho},{points},{range:.6e},{pull_off:.6},{released:.6},{integral:.6},{}", jumps.join(" "))
+    }
+
+    fn from_row(row: &str) -> Option<Self> {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [mu_rho, points, range, pull_off, released, integral, jumps] = cells[..] else { return None };
+        let number = |cell: &str| cell.parse().ok();
+        Some(Self {
+            mu_rho: number(mu_rho)?,
+            points: points.parse().ok()?,
+            range: number(range)?,
+            approach: Vec::new(),
+            retraction: Vec::new(),
+            pull_off: number(pull_off)?,
+            released: number(released)?,
+            integral: number(integral)?,
+            jumps: jumps.split_whitespace().map(number).collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// The loops kept with the program.
+pub fn kept() -> Vec<Tip> {
+    include_str!("../../assets/tips.csv").lines().filter_map(Tip::from_row).collect()
 }

@@ -185,7 +185,7 @@ impl Method for NewtonKrylov {
 }
 
 /// The branch's extrapolation to `u0`; where it has none, the state it stands on.
-pub(super) fn predicted(problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace) -> Vec<f64> {
+pub(crate) fn predicted(problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace) -> Vec<f64> {
     let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
     if problem.slides == Slides::Freely {
         // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.

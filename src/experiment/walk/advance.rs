@@ -1,6 +1,6 @@
 //! One increment along a branch, and the bracketing of where the branch ends.
 
-use super::{Barrier, Happening, Progress, Walk, problem};
+use super::{Barrier, Before, Happening, Progress, Walk, problem};
 use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
@@ -34,9 +34,9 @@ impl Walk {
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
     fn expected_fold(&self) -> Option<f64> {
-        let ((u, before), here) = (self.before?, self.state.mean_displacement);
+        let (Before { at, stiffness: before, .. }, here) = (self.before?, self.state.mean_displacement);
         let now = self.state.stiffness_min?.value;
-        (now < before).then(|| here + (here - u) * now * now / (before * before - now * now))
+        (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
 
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
@@ -128,6 +128,10 @@ impl Walk {
             }
             Err(Lost::Unstable | Lost::Gone) => {}
         }
+        let bracketed = reached.is_some() || self.barrier.is_some();
+        if let Some(progress) = (!bracketed).then(|| self.fall(next, cancel, observe)).flatten() {
+            return progress;
+        }
         if reached.is_some() {
             if barrier.stiffness.is_none() {
                 barrier.soft_mode = self.state.soft_mode.clone();
@@ -175,7 +179,8 @@ impl Walk {
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.system, &self.state, state.mean_displacement, state.energy, state.stress);
-        self.before = self.state.stiffness_min.filter(|_| smooth).map(|s| (self.state.mean_displacement, s.value));
+        let Equilibrium { mean_displacement: at, stress, stiffness_min, .. } = self.state;
+        self.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
         self.state = state;
         self.reconsider(du);
         if smooth {

@@ -1,7 +1,7 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
 use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
-use crate::experiment::record::JumpRecord;
+use crate::experiment::record::{Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
 use crate::solver::Stop;
@@ -100,7 +100,7 @@ impl Walk {
                 }
                 state
             }
-            _ => match self.measure(settled, u0, &jumping, cancel) {
+            _ => match self.measure(settled, u0, jumping.release.steps, cancel) {
                 Ok(state) => state,
                 Err(progress) => {
                     self.jumping = Some(jumping);
@@ -123,16 +123,14 @@ impl Walk {
         self.land(jumping, landed, observe)
     }
 
-    /// Centres, polishes and measures a settled pattern; `Err` if cancelled, or if it leaves the symmetry of the model.
+    /// Centres, polishes and measures a pattern that settled after `steps` of a release; `Err` as [`Walk::assessed`].
     pub(super) fn measure(
         &mut self,
-        settled: NewtonState,
+        mut settled: NewtonState,
         u0: f64,
-        jumping: &Jumping,
+        steps: usize,
         cancel: &Cancel,
     ) -> Result<Equilibrium, Progress> {
-        let steps = jumping.release.steps;
-        let mut settled = settled;
         if self.slides == Slides::Freely {
             let centred = centred(&self.system, &settled.z);
             let limits = NewtonLimits::of(&self.system);
@@ -144,11 +142,23 @@ impl Walk {
         }
         let mut gradient = vec![0.0; settled.z.len()];
         self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
-        self.preconditioner.refresh(&self.system, &mut self.ws);
+        self.forget_modes();
+        settled.steps += steps;
+        self.assessed(settled, u0, cancel)
+    }
+
+    /// Forgets the soft modes of a branch that is left.
+    pub(super) fn forget_modes(&mut self) {
         self.tracker.reset();
         if let Some(guard) = &mut self.guard {
             guard.reset();
         }
+    }
+
+    /// The equilibrium at which the workspace was last evaluated, with its stability; `Err` if cancelled, or if it leaves the symmetry
+    /// of the model.
+    pub(super) fn assessed(&mut self, settled: NewtonState, u0: f64, cancel: &Cancel) -> Result<Equilibrium, Progress> {
+        self.preconditioner.refresh(&self.system, &mut self.ws);
         let (stiffness, mode) =
             self.tracker.check(&self.system, &settled.z, self.slides, &self.preconditioner, &mut self.ws, cancel);
         let stiffness = self.all_modes(stiffness, cancel).map_err(Progress::Stuck)?;
@@ -161,7 +171,7 @@ impl Walk {
             settled.residual,
             settled.at,
             Stop::Stable,
-            Cost { iterations: settled.steps + steps, transforms: 0 },
+            Cost { iterations: settled.steps, transforms: 0 },
         );
         state.measured(stiffness, mode);
         Ok(state)
@@ -170,7 +180,7 @@ impl Walk {
     pub(super) fn land(&mut self, mut jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let law = self.model.law;
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
-        let (from, stress_before) = (self.record.pattern, self.state.stress);
+        let stress_before = self.state.stress;
         self.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
@@ -187,11 +197,25 @@ impl Walk {
                 landed.mean_displacement
             ));
         }
+        self.arrive(landed, stress_before, released, jumping.cause, EVENT, observe);
+        Progress::Working
+    }
+
+    /// Stands on the state where a jump ended. What released less than `event` (gamma) and kept the pattern was none: Newton can fail
+    /// on a branch that goes on, and a mode can soften without a jump.
+    pub(super) fn arrive(
+        &mut self,
+        landed: Equilibrium,
+        stress_before: f64,
+        released: f64,
+        cause: Cause,
+        event: f64,
+        observe: &mut dyn FnMut(Happening),
+    ) {
         self.state = landed;
         (self.before, self.short) = (None, None);
-        let to = self.pattern();
-        // Newton can fail on a branch that goes on, and a mode can soften without a jump; then nothing is released.
-        if from == to && released <= EVENT {
+        let (from, to) = (self.record.pattern, self.pattern());
+        if from == to && released <= event {
             self.history.push(self.state.mean_displacement, self.state.field.clone());
         } else {
             self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
@@ -203,10 +227,9 @@ impl Walk {
                 stress_before,
                 stress_after: self.state.stress,
                 released_energy: released,
-                cause: jumping.cause,
+                cause,
             }));
         }
         self.accept(observe);
-        Progress::Working
     }
 }

@@ -4,8 +4,9 @@ use super::super::scenes;
 use super::super::task::{Stopped, Task};
 use super::{Erratum, Evidence};
 use crate::experiment::plan::{Wish, plan};
-use crate::experiment::run::{Outcome, run_planned};
+use crate::experiment::run::run_planned;
 use crate::experiment::scene::Points;
+use crate::paper::walked::{completed, refused};
 use crate::physics::theory::{flat, ridge, units::Units};
 use crate::solver::method::MethodKind;
 use std::f64::consts::{LN_2, PI};
@@ -146,16 +147,10 @@ pub(super) fn equation_30c() -> Erratum {
 pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stopped> {
     // Turned while the ridge is still a ridge: Eq. 30 is about the cycle from separation to the ridge and back.
     let scene = scenes::flat("a line cell of 1024 ranges", 1024.0, Points::Line(256), 9.5, 3.5, 0.1);
-    let failed = |error: String| Stopped::Failed(format!("{}: {error}", scene.title));
-    let model = scene.model().map_err(|error| failed(error.to_string()))?;
+    let model = scene.model().map_err(|error| refused(&scene, error))?;
     let plan = plan(&scene, &model, Wish::Plan);
     let found = run_planned(&scene, MethodKind::NewtonKrylov, &plan, task.cancel, &mut |_| {});
-    let (run, _) = found.map_err(|error| failed(error.to_string()))?;
-    match run.outcome {
-        Outcome::Completed => {}
-        Outcome::Cancelled => return Err(Stopped::Cancelled),
-        Outcome::NotConverged { reason, .. } => return Err(failed(reason)),
-    }
+    let run = completed(found.map_err(|error| refused(&scene, error))?.0, &scene)?;
     let (law, units) = (&model.law, Units { length: model.grid.length, surface_energy: model.law.surface_energy });
     let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());

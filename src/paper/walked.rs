@@ -1,0 +1,42 @@
+//! A closed loop, run for a figure.
+
+use super::task::{Stopped, Task};
+use crate::experiment::plan::Reduction;
+use crate::experiment::run::{LoopRun, Outcome, Report, run_walk};
+use crate::experiment::scene::{Scene, SceneError};
+use crate::experiment::walk::Walk;
+use crate::solver::method::MethodKind;
+
+/// A walk on a part of the cell of `scene`.
+pub(super) fn walk(scene: &Scene, reduction: Reduction) -> Result<Walk, Stopped> {
+    Walk::reduced(scene, MethodKind::NewtonKrylov, reduction).map_err(|error| refused(scene, error))
+}
+
+/// Runs the closed loop of `scene` by `walk`, and tells how far it is.
+pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
+    task.tell(0.0, &scene.title)?;
+    let cancel = task.cancel;
+    let run = run_walk(walk, scene, cancel, &mut |report| {
+        if let Report::State { fraction, .. } = report {
+            // A request to stop ends the loop by itself.
+            let _ = task.tell(fraction, &scene.title);
+        }
+    });
+    completed(run, scene)
+}
+
+/// The loop if it is closed.
+pub(super) fn completed(run: LoopRun, scene: &Scene) -> Result<LoopRun, Stopped> {
+    match &run.outcome {
+        Outcome::Completed => Ok(run),
+        Outcome::Cancelled => Err(Stopped::Cancelled),
+        Outcome::NotConverged { mean_displacement, reason } => {
+            Err(Stopped::Failed(format!("{}: stopped at u0 = {mean_displacement}: {reason}", scene.title)))
+        }
+    }
+}
+
+/// A value of the scene that is not allowed.
+pub(super) fn refused(scene: &Scene, error: SceneError) -> Stopped {
+    Stopped::Failed(format!("{}: {error}", scene.title))
+}
