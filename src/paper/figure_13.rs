@@ -132,7 +132,7 @@ fn findings(tips: &[Tip], [force, loss]: [f64; 2]) -> Vec<Finding> {
     state("largest |loop integral - sum of releases|/V_{hys,JKR}".to_owned(), worst, 0.0, "energy ledger", Some(1e-3));
     let least = tips.iter().flat_map(|tip| &tip.jumps).fold(0.0, |least: f64, jump| least.min(*jump));
     state("most negative release/V_{hys,JKR}".to_owned(), least, 0.0, "no jump gains energy", Some(0.0));
-    for mu in [0.5, 0.7] {
+    for mu in [0.5, 0.7, 1.0] {
         let mine = of(mu);
         let Some(finest) = mine.last() else { continue };
         let at = format!("at mu_rho = {mu}, n = {}", finest.points);
