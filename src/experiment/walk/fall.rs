@@ -15,7 +15,8 @@ use crate::solver::newton::{NewtonEnd, NewtonLimits, descend};
 /// collective jump.
 const DESCENT: usize = 40;
 const REACH: f64 = 0.02;
-/// Energy, in gamma, above which a step released some: a tenth of what a single point of 512 x 512 does.
+/// Energy, in gamma, above which a step released some. On 512 x 512 points at mu_rho = 1 what is below adds up to 5e-4 of the loss of
+/// JKR, a thousandth of the loop's own.
 const RELEASED: f64 = 1e-7;
 
 impl Walk {
