@@ -1,12 +1,18 @@
-//! Theory over the live loop: the flat state and the patterns of zero range, in the units of the scene at hand.
+//! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of zero range, or JKR's tip.
 
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
 use crate::physics::theory::circular::{self, Part};
+use crate::physics::theory::jkr::Jkr;
+use crate::physics::theory::jkr_periodic::PeriodicJkr;
 use crate::physics::theory::{ridge, units::Units};
 
 /// Points of a curve.
 const POINTS: usize = 160;
+/// The same for a tip, whose states are dearer.
+const TIP_POINTS: usize = 60;
+/// Largest contact radius over the length of the cell: beyond, images touch.
+const LARGEST_CONTACT: f64 = 0.4;
 
 /// p~(u~) of the patterns of an adhesion without range: the same for every scene on flat ground.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,12 +44,17 @@ impl ZeroRange {
         Self { curves }
     }
 
-    /// The curves for a scene, together with its flat state between two mean displacements; empty on uneven ground.
+    /// The curves for a scene, together with its flat state between two mean displacements; for a tip in a square cell those of JKR,
+    /// alone and in the cell; empty on other ground.
     ///
     /// The curves of zero range hold where the range is small: L/L_c well above 1, and u0 well above the range.
     pub fn lines(&self, model: &Model, from: f64, to: f64) -> Vec<TheoryLine> {
-        if model.indenter != Indenter::Flat {
-            return Vec::new();
+        match model.indenter {
+            Indenter::Flat => {}
+            Indenter::Hertz { radius } if !model.grid.is_line() => {
+                return tip(Jkr { radius, surface_energy: model.law.surface_energy }, model.grid.length, from);
+            }
+            _ => return Vec::new(),
         }
         let units = Units { length: model.grid.length, surface_energy: model.law.surface_energy };
         let flat = |i: usize| {
@@ -66,11 +77,57 @@ impl ZeroRange {
     }
 }
 
+/// The stable branch of a tip without range from u0 = `from` to its end, alone and in its cell of side `length`.
+fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
+    let largest = (0..40).fold(length, |a, _| (tip.radius * (tip.opening(a) - from).max(0.0)).sqrt());
+    let (smallest, largest) = (0.7 * tip.end_of_displacement().radius, (1.1 * largest).min(LARGEST_CONTACT * length));
+    let branch = |state: &dyn Fn(f64) -> [f64; 2]| {
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for i in 0..=TIP_POINTS {
+            let point = state(largest - (largest - smallest) * i as f64 / TIP_POINTS as f64);
+            if points.last().is_some_and(|last| point[0] <= last[0]) {
+                break;
+            }
+            points.push(point);
+        }
+        points.retain(|point| point[0] >= from);
+        points
+    };
+    let area = length * length;
+    let periodic = PeriodicJkr::new(tip, length);
+    let alone = |a: f64| {
+        let contact = tip.contact(a);
+        [contact.displacement, contact.force / area]
+    };
+    let with_images = |a: f64| {
+        let contact = periodic.contact(a);
+        [contact.mean_displacement, contact.force / area]
+    };
+    vec![TheoryLine { name: "JKR", points: branch(&alone) }, TheoryLine { name: "JKR, periodic", points: branch(&with_images) }]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::scene::Points;
     use crate::paper::scenes;
+
+    #[test]
+    fn a_tip_has_the_branch_of_jkr_alone_and_in_its_cell_up_to_their_ends() {
+        let model = scenes::tip(64, 0.5).model().expect("a model");
+        let lines = ZeroRange::compute().lines(&model, -0.0145, 0.02);
+        assert_eq!(lines.iter().map(|line| line.name).collect::<Vec<_>>(), ["JKR", "JKR, periodic"]);
+        let gamma = scenes::TIP_SURFACE_ENERGY;
+        let pull = |line: &TheoryLine| line.points.iter().map(|p| p[1]).fold(0.0, f64::max) / (1.5 * std::f64::consts::PI * gamma);
+        assert!((pull(&lines[0]) - 1.0).abs() < 1e-3 && (pull(&lines[1]) - 1.0041178).abs() < 1e-3);
+        for line in &lines {
+            assert!(line.points.windows(2).all(|pair| pair[1][0] > pair[0][0]) && line.points[0][0] < -0.013, "{line:?}");
+        }
+        // The branch alone turns back at 5/9 of the pull-off force, where a^3 = pi gamma R^2/8.
+        let end = lines[0].points.last().expect("points");
+        let a = (std::f64::consts::PI * gamma / 8.0).cbrt();
+        assert!((end[0] - ((2.0 * std::f64::consts::PI * gamma * a).sqrt() - a * a)).abs() < 1e-4, "{end:?}");
+    }
 
     #[test]
     fn the_lines_are_theory_in_the_units_of_the_scene() {

@@ -95,7 +95,7 @@ fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: boo
             actions.push(Action::OpenPageScene);
         }
         let mut overlay = state.paper.overlay;
-        let hover = "flat state, and ridge, dimple and bulge of zero range, over the live plot";
+        let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over the live plot";
         if ui.checkbox(&mut overlay, "Overlay theory").on_hover_text(hover).changed() {
             actions.push(Action::OverlayTheory(overlay));
         }
