@@ -166,6 +166,7 @@ impl App {
             Action::OpenPageScene => {
                 if let Some(entry) = state.paper.entry() {
                     state.open_scene((entry.scene)());
+                    state.set_overlay(true);
                 }
             }
             Action::OverlayTheory(overlay) => state.set_overlay(overlay),

@@ -91,7 +91,7 @@ fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: boo
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let scene = ui.add_enabled(state.paper.entry().is_some(), egui::Button::new("Open this scene"));
-        if scene.on_hover_text("play this figure by hand (Ctrl+Z brings the old scene back)").clicked() {
+        if scene.on_hover_text("play this figure by hand, with theory over it (Ctrl+Z brings the old scene back)").clicked() {
             actions.push(Action::OpenPageScene);
         }
         let mut overlay = state.paper.overlay;

@@ -135,6 +135,7 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
     bench.heard();
     bench.click("Open this scene");
     assert_eq!(bench.scenes().iter().map(|scene| (**scene).clone()).collect::<Vec<_>>(), [(entry.scene)()]);
+    assert!(bench.state().paper.overlay, "with theory over it");
     bench.click("Undo");
     assert_eq!(*bench.state().scene, super::bench::fig2());
 }
