@@ -2,9 +2,8 @@
 //!
 //! All 25 take more than an hour on one core. Arguments `MU_RHO POINTS` choose one.
 
-use tackscope::experiment::scene::Turn;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::paper::tips::{HEAD, KEPT, Way, run};
+use tackscope::paper::tips::{HEAD, KEPT, Order, run};
 use tackscope::paper::{Size, Stopped, Task};
 
 fn main() -> Result<(), Stopped> {
@@ -14,7 +13,7 @@ fn main() -> Result<(), Stopped> {
     println!("{HEAD}");
     for (mu, n) in all.filter(|(mu, n)| chosen.is_empty() || chosen == [*mu, *n as f64]) {
         let cancel = Cancel::default();
-        let tip = run(mu, n, Way::of(mu), Turn::ZeroLoad, &mut Task::new(Size::Full, &cancel, &mut |_, _| ()))?;
+        let tip = run(&Order::new(mu, n), &mut Task::new(Size::Full, &cancel, &mut |_, _| ()))?;
         println!("{}", tip.row());
     }
     Ok(())

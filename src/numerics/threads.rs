@@ -1,5 +1,9 @@
-//! Work on large fields, shared among the threads of the processor. Small ones stay on the caller's: waking another thread takes
-//! longer than their transform.
+//! Work shared among the threads of the processor: large fields piece by piece, and whole computations side by side.
+//!
+//! Small fields stay on the caller's thread: waking another takes longer than their transform.
+
+use rayon::ThreadPoolBuilder;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fewest points of a field whose work is shared.
 pub const POINTS_MIN: usize = 256 * 256;
@@ -29,4 +33,33 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
             scope.spawn(move |_| work(task));
         }
     });
+}
+
+/// Does `work` on 0 to `count`, begun in this order, as many at a time as there are threads. They are threads of their own: what takes
+/// seconds must not stand before the transforms of somebody else.
+pub fn side_by_side(count: usize, work: impl Fn(usize) + Sync) {
+    let crew = count.min(rayon::current_num_threads());
+    let Some(pool) = (crew > 1).then(|| ThreadPoolBuilder::new().num_threads(crew).build().ok()).flatten() else {
+        return (0..count).for_each(work);
+    };
+    // No more tasks than threads: a thread that waits for a transform would begin any that is left over, and finish it first.
+    let next = AtomicUsize::new(0);
+    let run = || std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed)).take_while(|i| *i < count).for_each(&work);
+    pool.in_place_scope(|scope| (0..crew).for_each(|_| scope.spawn(|_| run())));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_piece_of_work_is_done_once() {
+        for count in [0, 1, 2, 3, 40] {
+            let done: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+            side_by_side(count, |i| {
+                done[i].fetch_add(1, Ordering::Relaxed);
+            });
+            assert!(done.iter().all(|times| times.load(Ordering::Relaxed) == 1), "of {count}");
+        }
+    }
 }

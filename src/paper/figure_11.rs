@@ -1,10 +1,10 @@
 //! Fig. 11: what a loop loses, against the range of the adhesion.
 
 use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
-use super::line_cell::{run, scene, units};
+use super::line_cell::{scene, units};
 use super::task::{Stopped, Task};
-use super::{Entry, scenes};
-use crate::experiment::plan::Reduction;
+use super::{Entry, scenes, walked};
+use crate::experiment::plan::{Reduction, next_fast};
 use crate::experiment::scene::{Range, Scene};
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
@@ -23,15 +23,17 @@ pub(super) const ENTRY: Entry = Entry {
 
 /// mu_rho of the loops: for the Morse law no jump and no energy of theirs belongs to the mesh.
 const MU_RHO: f64 = 0.35;
-/// The same below rho/rho_0 = 0.1, where that would take too many points: adds half a per cent to the loss of the cosine law.
+/// The same below rho/rho_0 = 0.1, where that would take too many points.
 const COARSE: f64 = 0.5;
+/// How closely, in ranges, the jumps of single points are located there: the meshes hold hundreds.
+const LOCATED: f64 = 0.01;
 /// rho/rho_0 of the loops.
 const MORSE: [f64; 10] = [0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7];
-const COSINE: [f64; 7] = [0.079, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4];
+const COSINE: [f64; 12] = [0.056, 0.06, 0.064, 0.068, 0.074, 0.079, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4];
 /// The same for a quick figure.
 const QUICK_MORSE: [f64; 6] = [0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
-const QUICK_COSINE: [f64; 4] = [0.2, 0.25, 0.3, 0.4];
-/// rho~ below which the theory promises a few per cent, as the largest relative difference.
+const QUICK_COSINE: [f64; 5] = [0.079, 0.2, 0.25, 0.3, 0.4];
+/// Range (reduced; g_c~ for the cosine law) below which the theory promises this, as the largest relative difference.
 const SHORT: f64 = 0.1;
 const PROMISED: f64 = 0.02;
 /// The cut-off g_c of the cosine law that softens as much as a Morse law of range 1.
@@ -48,12 +50,15 @@ fn cell(law: &Law, ratio: f64) -> f64 {
     flat::critical_length(law) / (ratio * ratio)
 }
 
+fn mu_rho(ratio: f64) -> f64 {
+    if ratio < 0.1 { COARSE } else { MU_RHO }
+}
+
 /// From separation to just behind the jump into contact and back: the closing of the ridge does not belong to Eq. 30.
 fn loop_of(shape: Shape, ratio: f64) -> Scene {
     let law = law(shape);
     let length = cell(&law, ratio);
-    let mu_rho = if ratio < 0.1 { COARSE } else { MU_RHO };
-    let points = mesh_rule::points_for_mu_rho(&law, length, mu_rho).ceil() as usize;
+    let points = next_fast(mesh_rule::points_for_mu_rho(&law, length, mu_rho(ratio)).ceil() as usize);
     let unit = units(length).displacement();
     let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| limits.1);
     // The ridge of either law flattens below u~ = 0.75 in these cells.
@@ -61,7 +66,7 @@ fn loop_of(shape: Shape, ratio: f64) -> Scene {
     // A short branch deserves short steps too: the trapezoid rule has to close the ledger.
     let step = ((start - approach) / 60.0).min(0.1);
     let title = format!("Fig. 11: {} law, ρ/ρ₀ = {ratio}", shape.word());
-    let mut scene = scene(&title, length, points.next_multiple_of(8), [start / unit, (approach - 0.01) / unit, step / unit]);
+    let mut scene = scene(&title, length, points, [start / unit, (approach - 0.01) / unit, step / unit]);
     (scene.law.shape, scene.law.range) = (shape, Range::Length(law.range));
     scene
 }
@@ -87,7 +92,10 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
     let length = cell(&law, ratio);
     // An even half is enough for a ridge. Where the stiffness jumps, the mesh may hold a ridge askew.
     let reduction = if law.is_smooth() { Reduction::Quarter } else { Reduction::Whole };
-    let run = run(&loop_of(shape, ratio), reduction, task)?;
+    let scene = loop_of(shape, ratio);
+    let walk = walked::walk(&scene, reduction)?;
+    let walk = if mu_rho(ratio) == COARSE { walk.locating_within(LOCATED) } else { walk };
+    let run = walked::run(walk, &scene, task)?;
     let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
     Ok(Loss {
         ratio,
@@ -103,24 +111,23 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let morse: &[f64] = task.choose(&QUICK_MORSE, &MORSE);
     let cosine: &[f64] = task.choose(&QUICK_COSINE, &COSINE);
-    let plan = [(MORSE_LAW, morse, Colour::Red, Symbol::Circle), (COSINE_LAW, cosine, Colour::Blue, Symbol::Square)];
-    let total = (morse.len() + cosine.len()) as f64;
-    let (mut done, mut series, mut findings) = (0.0, lines(), Vec::new());
+    let loops = |shape: Shape, ratios: &[f64]| ratios.iter().map(|ratio| (shape, *ratio)).collect::<Vec<_>>();
+    let all = [loops(MORSE_LAW, morse), loops(COSINE_LAW, cosine)].concat();
+    // Points and increments grow with the length of the cell, and so do the trapped points of a coarse mesh.
+    let losses = task.each(&all, |(_, ratio)| ratio.powi(-4), |(shape, ratio), task| lose(*shape, *ratio, task))?;
+    let (mut series, mut findings) = (lines(), Vec::new());
     let (mut micro, mut off) = (0, String::new());
-    for (shape, ratios, colour, symbol) in plan {
-        let mut points = Vec::new();
-        for &ratio in ratios {
-            let loss = lose(shape, ratio, &mut task.part(done / total, (done + 1.0) / total))?;
-            done += 1.0;
-            micro += loss.others;
-            points.push([ratio, loss.released]);
-            findings.extend(judged(shape, &loss));
-            if points.len() == 1 {
-                let percent = 100.0 * (loss.released / loss.theory - 1.0);
-                off += &format!("{} at ρ/ρ₀ = {ratio}: {percent:+.1} %; ", shape.word());
-            }
+    let (of_morse, of_cosine) = losses.split_at(morse.len());
+    let looks = [(MORSE_LAW, of_morse, Colour::Red, Symbol::Circle), (COSINE_LAW, of_cosine, Colour::Blue, Symbol::Square)];
+    for (shape, losses, colour, symbol) in looks {
+        findings.extend(losses.iter().flat_map(|loss| judged(shape, loss)));
+        micro += losses.iter().map(|loss| loss.others).sum::<usize>();
+        if let [shortest, ..] = losses {
+            let percent = 100.0 * (shortest.released / shortest.theory - 1.0);
+            off += &format!("{} at ρ/ρ₀ = {}: {percent:+.1} %; ", shape.word(), shortest.ratio);
         }
         let name = format!("{}, line cells", shape.word());
+        let points = losses.iter().map(|loss| [loss.ratio, loss.released]).collect();
         series.push(Series { name, role: Role::Simulation, symbol: Some(symbol), colour, points });
     }
     findings.push(Finding {

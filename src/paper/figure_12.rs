@@ -23,7 +23,7 @@ const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Green, Colour::Blue, Colou
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
-    let tips = tips::run_all(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)], task)?;
+    let tips = tips::run_all(&tips::orders(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)]), task)?;
     let panels = [0.5, 1.0, 1.5, 2.0].iter().zip("abcd".chars()).map(|(mu, letter)| {
         let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
         panel(&format!("({letter}) mu_rho = {mu}"), &loops)

@@ -2,7 +2,7 @@
 
 use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
 use super::task::{Stopped, Task};
-use super::tips::{self, TIP, Tip, Way};
+use super::tips::{self, Order, TIP, Tip, Way};
 use super::{Entry, scenes};
 use crate::experiment::scene::Turn;
 
@@ -23,16 +23,22 @@ const MARKS: [(Colour, Symbol); 5] = [
     (Colour::Red, Symbol::Cross),
 ];
 
-/// The mesh on which the loops depend on what else is chosen.
+/// The mesh on which the loops are also run otherwise.
 const VARIED: usize = 64;
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
     let list = [(0.5, fine), (0.7, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)];
-    let live = tips::run_all(&list, &mut task.part(0.0, 0.9))?;
-    let varied = task.choose(Vec::new(), Vec::from([0.5, 1.0, 1.5, 2.0]));
-    let varied = varied.into_iter().map(|mu| Varied::new(mu, &mut task.part(0.9, 1.0))).collect::<Result<Vec<_>, _>>()?;
+    let orders = tips::orders(&list);
+    let varied: &[f64] = task.choose(&[], &[0.5, 1.0, 1.5, 2.0]);
+    let others = varied.iter().flat_map(|mu| {
+        let plain = Order::new(*mu, VARIED);
+        [Order { turn: Turn::At(0.0), ..plain }, Order { way: Way::Whole, ..plain }]
+    });
+    let all: Vec<Order> = orders.iter().copied().chain(others).collect();
+    let mut live = tips::run_all(&all, task)?;
+    let others = live.split_off(orders.len());
     // Live where there is time for it, and kept elsewhere.
     let same = |a: &Tip, b: &Tip| (a.mu_rho, a.points) == (b.mu_rho, b.points);
     let tips: Vec<Tip> =
@@ -67,38 +73,21 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         "assets/tips.csv",
         Some(0.01),
     ));
-    findings.extend(varied.iter().flat_map(Varied::findings));
+    for (mu, others) in varied.iter().zip(others.chunks_exact(2)) {
+        let plain = live.iter().find(|tip| (tip.mu_rho, tip.points) == (*mu, VARIED));
+        findings.extend(plain.into_iter().flat_map(|plain| differences(plain, others)));
+    }
     Ok(Figure { number: 13, title: ENTRY.title.to_owned(), panels, words, findings })
 }
 
-/// The same loop otherwise: driven to u0 = 0 in place of zero load, and on the whole cell.
-struct Varied {
-    plain: Tip,
-    shallow: Tip,
-    whole: Tip,
-}
-
-impl Varied {
-    fn new(mu_rho: f64, task: &mut Task<'_>) -> Result<Self, Stopped> {
-        let mut run = |way, turn| tips::run(mu_rho, VARIED, way, turn, task);
-        let way = Way::of(mu_rho);
-        Ok(Self { plain: run(way, Turn::ZeroLoad)?, shallow: run(way, Turn::At(0.0))?, whole: run(Way::Whole, Turn::ZeroLoad)? })
-    }
-
-    fn findings(&self) -> [Finding; 2] {
-        let name = |what: &str| format!("V_hys/V_hys,JKR at mu_rho = {}, n = {VARIED}, {what}", self.plain.mu_rho);
-        let plain = self.plain.released;
-        [
-            Finding::new(&name("driven to u0 = 0"), self.shallow.released, plain, "driven to zero load", None),
-            Finding::new(
-                &name("whole cell, apex on a point"),
-                self.whole.released,
-                plain,
-                "even quarter, apex between points",
-                None,
-            ),
-        ]
-    }
+/// What the same loop loses otherwise: driven to u0 = 0 in place of zero load, and on the whole cell.
+fn differences(plain: &Tip, others: &[Tip]) -> Vec<Finding> {
+    let ways = [("driven to u0 = 0", "driven to zero load"), ("whole cell, apex on a point", "even quarter, apex between points")];
+    let finding = |(tip, (what, than)): (&Tip, (&str, &str))| {
+        let quantity = format!("V_hys/V_hys,JKR at mu_rho = {}, n = {VARIED}, {what}", plain.mu_rho);
+        Finding::new(&quantity, tip.released, plain.released, than, None)
+    };
+    others.iter().zip(ways).map(finding).collect()
 }
 
 fn panel(title: &str, y: &str, reference: f64, tips: &[Tip], pick: fn(&Tip) -> f64) -> Panel {

@@ -38,11 +38,7 @@ struct Surface {
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let seeds: &[u64] = task.choose(&[1], &[1, 2, 3]);
-    let mut surfaces = Vec::new();
-    for (i, &seed) in seeds.iter().enumerate() {
-        let share = |i: usize| i as f64 / seeds.len() as f64;
-        surfaces.push(measure(seed, &mut task.part(share(i), share(i + 1)))?);
-    }
+    let surfaces = task.each(seeds, |_| 1.0, |seed, task| measure(*seed, task))?;
     let findings = surfaces.iter().flat_map(findings).collect();
     let words = words(&surfaces, task.size);
     Ok(Figure { number: 14, title: ENTRY.title.to_owned(), panels: vec![panel(&surfaces)], words, findings })

@@ -1,6 +1,8 @@
 //! The order to compute a figure: how large, when to stop, whom to tell.
 
 use crate::numerics::cancel::Cancel;
+use crate::numerics::threads;
+use std::sync::{Mutex, PoisonError};
 
 /// How much work a figure may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,13 +31,13 @@ pub struct Task<'a> {
     pub size: Size,
     /// Raised to stop.
     pub cancel: &'a Cancel,
-    observe: &'a mut dyn FnMut(f64, &str),
+    observe: &'a mut (dyn FnMut(f64, &str) + Send),
     share: [f64; 2],
 }
 
 impl<'a> Task<'a> {
     /// An order; `observe` is told the share that is done (0 to 1) and what is being done.
-    pub fn new(size: Size, cancel: &'a Cancel, observe: &'a mut dyn FnMut(f64, &str)) -> Self {
+    pub fn new(size: Size, cancel: &'a Cancel, observe: &'a mut (dyn FnMut(f64, &str) + Send)) -> Self {
         Self { size, cancel, observe, share: [0.0, 1.0] }
     }
 
@@ -56,11 +58,93 @@ impl<'a> Task<'a> {
         if self.cancel.requested() { Err(Stopped::Cancelled) } else { Ok(()) }
     }
 
+    /// Does `work` on every item, several at a time, the dearest first; `cost`, in any unit, is its share of the progress. Results stand
+    /// in the order of the items.
+    ///
+    /// # Errors
+    /// What the first item says that fails: the others are then stopped.
+    pub fn each<I: Sync, R: Send>(
+        &mut self,
+        items: &[I],
+        cost: impl Fn(&I) -> f64,
+        work: impl Fn(&I, &mut Task<'_>) -> Result<R, Stopped> + Sync,
+    ) -> Result<Vec<R>, Stopped> {
+        let costs: Vec<f64> = items.iter().map(cost).collect();
+        let all: f64 = costs.iter().sum();
+        let mut order: Vec<usize> = (0..items.len()).collect();
+        order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
+        let (size, cancel) = (self.size, self.cancel.part());
+        let results: Vec<Mutex<Option<Result<R, Stopped>>>> = items.iter().map(|_| Mutex::default()).collect();
+        let told = Mutex::new((self, vec![0.0; items.len()]));
+        threads::side_by_side(items.len(), |place| {
+            let index = order[place];
+            let mut observe = |done: f64, what: &str| {
+                let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+                let (task, shares) = &mut *told;
+                shares[index] = done * costs[index] / all;
+                // A request to stop reaches the work by its own token.
+                let _ = task.tell(shares.iter().sum(), what);
+            };
+            let result = work(&items[index], &mut Task::new(size, &cancel, &mut observe));
+            if result.is_err() {
+                cancel.request();
+            }
+            *results[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+        });
+        let results = results.into_iter().map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
+        let (done, mut failed): (Vec<_>, Vec<_>) =
+            results.map(|result| result.unwrap_or(Err(Stopped::Cancelled))).partition(Result::is_ok);
+        failed.sort_by_key(|why| matches!(why, Err(Stopped::Cancelled)));
+        failed.into_iter().chain(done).collect()
+    }
+
     /// `full` or `quick`, as the order says.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         match self.size {
             Size::Quick => quick,
             Size::Full => full,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn progress_of_work_side_by_side_never_steps_back(costs in prop::collection::vec(0.1_f64..10.0, 1..12)) {
+            let (cancel, mut told) = (Cancel::default(), Vec::new());
+            let mut observe = |done, _: &str| told.push(done);
+            let mut task = Task::new(Size::Quick, &cancel, &mut observe);
+            let doubled = task.part(0.2, 0.7).each(&costs, |cost| *cost, |cost, task| {
+                for i in 0..=5 {
+                    task.tell(f64::from(i) / 5.0, "")?;
+                }
+                Ok(2.0 * cost)
+            });
+            prop_assert_eq!(doubled, Ok(costs.iter().map(|cost| 2.0 * cost).collect()));
+            prop_assert!(told.is_sorted() && told[0] >= 0.2);
+            prop_assert!((told[told.len() - 1] - 0.7).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_failure_stops_the_work_beside_it_and_is_what_is_told() {
+        let cancel = Cancel::default();
+        let result = Task::new(Size::Quick, &cancel, &mut |_, _| ()).each(
+            &[1.0, 2.0],
+            |cost| *cost,
+            |cost, task| {
+                if *cost == 2.0 {
+                    return Err(Stopped::Failed("no".to_owned()));
+                }
+                while task.tell(0.5, "").is_ok() {}
+                Err::<(), _>(Stopped::Cancelled)
+            },
+        );
+        assert_eq!(result, Err(Stopped::Failed("no".to_owned())));
+        assert!(!cancel.requested(), "only the part is stopped");
     }
 }

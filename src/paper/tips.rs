@@ -73,11 +73,40 @@ impl Tip {
     }
 }
 
+/// Which loop: mu_rho, points along a side, which surface, how far down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Order {
+    /// mu_rho.
+    pub mu_rho: f64,
+    /// Points along a side.
+    pub points: usize,
+    /// Which surface is solved.
+    pub way: Way,
+    /// Where the drive turns.
+    pub turn: Turn,
+}
+
+impl Order {
+    /// The loop to zero load and back, solved as [`Way::of`] its mu_rho.
+    pub fn new(mu_rho: f64, points: usize) -> Self {
+        Self { mu_rho, points, way: Way::of(mu_rho), turn: Turn::ZeroLoad }
+    }
+
+    /// Transforms grow with the points, increments with the root of their number, and iterations with it, too; single points that let
+    /// go cost a step each, and a mirrored quarter is a quarter.
+    fn cost(&self) -> f64 {
+        let steps = if self.mu_rho < TRAPS { 1.0 } else { 20.0 };
+        let share = if self.way == Way::Whole { 4.0 } else { 1.0 };
+        (self.points as f64).powi(3) * steps * share
+    }
+}
+
 /// Runs the loop from separation to the turn and back.
 ///
 /// # Errors
 /// Where it stopped, in words.
-pub fn run(mu_rho: f64, points: usize, way: Way, turn: Turn, task: &mut Task<'_>) -> Result<Tip, Stopped> {
+pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
+    let Order { mu_rho, points, way, turn } = *order;
     let mut scene = scenes::tip(points, mu_rho);
     scene.drive.turn = turn;
     scene.title += &format!(", n = {points}");
@@ -108,21 +137,14 @@ pub fn run(mu_rho: f64, points: usize, way: Way, turn: Turn, task: &mut Task<'_>
     })
 }
 
-/// Runs all loops of a list of (mu_rho, meshes), in its order.
-pub(super) fn run_all(list: &[(f64, &[usize])], task: &mut Task<'_>) -> Result<Vec<Tip>, Stopped> {
-    let pairs: Vec<(f64, usize)> = list.iter().flat_map(|(mu, meshes)| meshes.iter().map(|n| (*mu, *n))).collect();
-    // Transforms grow with the points, increments with the root of their number, and iterations with it, too; single points that let
-    // go cost a step each.
-    let cost = |&(mu, n): &(f64, usize)| (n as f64).powi(3) * if mu < TRAPS { 1.0 } else { 20.0 };
-    let all: f64 = pairs.iter().map(cost).sum();
-    let mut done = 0.0;
-    let mut tips = Vec::with_capacity(pairs.len());
-    for pair in &pairs {
-        let next = done + cost(pair) / all;
-        tips.push(run(pair.0, pair.1, Way::of(pair.0), Turn::ZeroLoad, &mut task.part(done.min(1.0), next.min(1.0)))?);
-        done = next;
-    }
-    Ok(tips)
+/// Runs all these loops, several at a time.
+pub(super) fn run_all(orders: &[Order], task: &mut Task<'_>) -> Result<Vec<Tip>, Stopped> {
+    task.each(orders, Order::cost, run)
+}
+
+/// The loops of a list of (mu_rho, meshes).
+pub(super) fn orders(list: &[(f64, &[usize])]) -> Vec<Order> {
+    list.iter().flat_map(|(mu, meshes)| meshes.iter().map(|n| Order::new(*mu, *n))).collect()
 }
 
 /// Loops kept with the program, since the finest take an hour together: mu_rho and points along a side of each. The file is the output

@@ -208,7 +208,7 @@ fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
 fn theory(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     let bounds = plot.plot_bounds();
     // Names stand on different parts of curves that lie close together.
-    let shares = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4), ("JKR", 0.85), ("JKR, periodic", 0.1)];
+    let shares = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4), ("JKR", 0.85), ("JKR, periodic", 0.45)];
     for (name, points) in state.overlay() {
         plot.line(line("theory", &points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
         let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > bounds.min()[k] && p[k] < bounds.max()[k]);

@@ -22,7 +22,7 @@ pub(super) struct Aside<J> {
 pub(super) struct Leave<'a> {
     /// Raised when a newer order has come.
     pub(super) cancel: &'a Cancel,
-    waiting: &'a dyn Fn() -> bool,
+    waiting: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Leave<'_> {
@@ -76,7 +76,7 @@ impl<J> Drop for Aside<J> {
     }
 }
 
-fn run<J>(inbox: &Receiver<Order<J>>, work: &dyn Fn(J, &Leave<'_>), cancel: &Cancel) {
+fn run<J: Send>(inbox: &Receiver<Order<J>>, work: &dyn Fn(J, &Leave<'_>), cancel: &Cancel) {
     while let Ok(order) = inbox.recv() {
         match order {
             Order::Start(job) => {

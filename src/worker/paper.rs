@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const PACE: Duration = Duration::from_millis(80);
 
 /// Starts the thread.
-pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Aside<Page> {
+pub(super) fn spawn(tell: impl Fn(Event) + Send + Sync + 'static) -> Aside<Page> {
     Aside::spawn("paper", move |page, leave| {
         let tell = |news| tell(Event::Paper { page, news });
         let computed = catch_unwind(AssertUnwindSafe(|| compute(page, &tell, leave)));
@@ -25,7 +25,7 @@ pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Aside<Page> {
     })
 }
 
-fn compute(page: Page, tell: &dyn Fn(PaperNews), leave: &Leave<'_>) -> Result<PaperNews, Stopped> {
+fn compute(page: Page, tell: &(dyn Fn(PaperNews) + Sync), leave: &Leave<'_>) -> Result<PaperNews, Stopped> {
     let mut told: Option<Instant> = None;
     let mut observe = |done: f64, what: &str| {
         if leave.goes_on() && told.is_none_or(|at| at.elapsed() >= PACE) {
