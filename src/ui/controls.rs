@@ -15,6 +15,9 @@ use crate::solver::method::MethodKind;
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
 use std::ops::RangeInclusive;
 
+/// Largest seed that a number typed into a field still means exactly.
+pub const SEED_MAX: u64 = 1 << 53;
+
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
@@ -42,15 +45,29 @@ pub fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, u
     let mut edited = value;
     let mut changed = false;
     let speed = (value.abs() * 0.005).max(1e-4);
-    ui.horizontal(|ui| {
-        let label = ui.label(name);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let drag = DragValue::new(&mut edited).range(range).speed(speed).max_decimals(6).update_while_editing(false);
-            let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
-            changed = ui.add(drag).labelled_by(label.id).changed();
-        });
+    labelled(ui, name, |ui| {
+        let drag = DragValue::new(&mut edited).range(range).speed(speed).max_decimals(6).update_while_editing(false);
+        let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
+        let response = ui.add(drag);
+        changed = response.changed();
+        response
     });
     (changed && edited != value).then_some(edited)
+}
+
+/// The same for a whole number.
+pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
+    let mut edited = value;
+    labelled(ui, name, |ui| ui.add(DragValue::new(&mut edited).range(range).speed(0.05).update_while_editing(false)));
+    (edited != value).then_some(edited)
+}
+
+/// A name on the left, and on the right what it names.
+fn labelled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) {
+    ui.horizontal(|ui| {
+        let label = ui.label(name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| add(ui).labelled_by(label.id));
+    });
 }
 
 fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -204,10 +221,8 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         scene.accuracy = value;
         edit(actions, scene);
     }
-    if let Some(value) = number(ui, "Seed", scene.seed as f64, 0.0..=9e15, "") {
-        let mut scene = (**scene).clone();
-        scene.seed = value.round() as u64;
-        edit(actions, scene);
+    if let Some(seed) = whole(ui, "Seed", scene.seed, 0..=SEED_MAX) {
+        edit(actions, Scene { seed, ..(**scene).clone() });
     }
     ui.label("Model").on_hover_text("which part of the cell the walk represents");
     let wishes = [

@@ -1,7 +1,7 @@
 //! The rigid counter-surface: which, and its numbers. Lengths in ranges of the law.
 
 use super::action::Action;
-use super::controls::number;
+use super::controls::{SEED_MAX, number, whole};
 use super::scene_edit;
 use super::view_state::ViewState;
 use crate::experiment::scene::Model;
@@ -68,14 +68,15 @@ fn parameters(ui: &mut Ui, model: &Model, indenter: &mut Indenter) {
         Indenter::Hertz { radius } => edit("Tip radius R", radius, rho, 1e-3, 1e7, "ρ"),
         Indenter::Wave { amplitude, periods } => {
             edit("Amplitude", amplitude, rho, 1e-6, 1e6, "ρ");
-            let most = (model.grid.nx / 4) as f64;
+            let most = model.grid.nx as u64 / 4;
             for (axis, name) in
                 ["Waves along x", "Waves along y"].into_iter().enumerate().take(if model.grid.is_line() { 1 } else { 2 })
             {
-                let mut count = periods[axis] as f64;
                 // One of the two has to stay.
-                edit(name, &mut count, 1.0, if periods[1 - axis] == 0 { 1.0 } else { 0.0 }, most, "");
-                periods[axis] = count.round() as usize;
+                let least = u64::from(periods[1 - axis] == 0);
+                if let Some(count) = whole(ui, name, periods[axis] as u64, least..=most) {
+                    periods[axis] = count as usize;
+                }
             }
         }
         Indenter::Rough(rough) => {
@@ -83,9 +84,9 @@ fn parameters(ui: &mut Ui, model: &Model, indenter: &mut Indenter) {
             edit("RMS height", &mut rough.rms, rho, 1e-6, 1e6, "ρ");
             edit("Longest wave", &mut rough.longest, rho, rough.shortest / rho, length / rho, "ρ");
             edit("Shortest wave", &mut rough.shortest, rho, length / WAVES_MAX as f64 / rho, rough.longest / rho, "ρ");
-            let mut seed = rough.seed as f64;
-            edit("Surface seed", &mut seed, 1.0, 0.0, 9e15, "");
-            rough.seed = seed.round() as u64;
+            if let Some(seed) = whole(ui, "Surface seed", rough.seed, 0..=SEED_MAX) {
+                rough.seed = seed;
+            }
         }
     }
 }

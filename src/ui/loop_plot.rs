@@ -21,7 +21,8 @@ const CLICK: f64 = 14.0;
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32, axes_seen: &mut u64) {
     let palette = theme::palette(ui.visuals().dark_mode);
     heading(ui, state, actions, &palette);
-    legend(ui, state, &palette);
+    let theory = state.overlay();
+    legend(ui, state, !theory.is_empty(), &palette);
     let words = dissipated(state);
     ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
     let mut new_axes = None;
@@ -47,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
             if let Some((low, high)) = new_axes {
                 plot.set_plot_bounds(PlotBounds::from_min_max(low, high));
             }
-            draw(plot, state, &palette);
+            draw(plot, state, &theory, &palette);
         });
     let (response, transform) = (response.response, response.transform);
     if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) {
@@ -102,7 +103,7 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
     });
 }
 
-fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
+fn legend(ui: &mut Ui, state: &ViewState, theory: bool, palette: &Palette) {
     let wide = ui.available_width() > 380.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 1.0);
@@ -115,7 +116,7 @@ fn legend(ui: &mut Ui, state: &ViewState, palette: &Palette) {
         if state.live.as_ref().is_some_and(|live| !live.pieces.is_empty()) {
             entry(ui, palette.live, "—", "live");
         }
-        if state.paper.overlay {
+        if theory {
             entry(ui, palette.now, "—", "theory");
         }
         if !state.ghosts.is_empty() {
@@ -142,7 +143,7 @@ fn dissipated(state: &ViewState) -> String {
     }
 }
 
-fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+fn draw(plot: &mut PlotUi<'_>, state: &ViewState, lines: &[TheoryLine], palette: &Palette) {
     if let Some(closed) = state.closed_loop.as_ref().filter(|closed| closed.shade.x.len() > 1) {
         let shade = &closed.shade;
         plot.add(FilledArea::new("dissipated", &shade.x, &shade.low, &shade.high).fill_color(palette.shade).allow_hover(false));
@@ -157,7 +158,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
         }
     }
     live(plot, state, palette);
-    theory(plot, state, palette);
+    theory(plot, lines, palette);
     curve(plot, &state.curve, palette);
     pattern_names(plot, &state.curve, palette);
     jumps(plot, state, palette);
@@ -204,19 +205,22 @@ fn live(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
     }
 }
 
+/// Name and points of a theory line.
+type TheoryLine = (&'static str, Vec<[f64; 2]>);
+
 /// What theory says of this scene, thin, with its names on the curves.
-fn theory(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
+fn theory(plot: &mut PlotUi<'_>, lines: &[TheoryLine], palette: &Palette) {
     let bounds = plot.plot_bounds();
     // Names stand on different parts of curves that lie close together.
-    let shares = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4), ("JKR", 0.85), ("JKR, periodic", 0.45)];
-    for (name, points) in state.overlay() {
-        plot.line(line("theory", &points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
+    let shares = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4), ("JKR", 0.85), ("JKR, periodic", 0.99)];
+    for (name, points) in lines {
+        plot.line(line("theory", points, palette.now.gamma_multiply(0.75), 1.2).allow_hover(false));
         let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > bounds.min()[k] && p[k] < bounds.max()[k]);
         let seen: Vec<&[f64; 2]> = points.iter().filter(inside).collect();
-        let share = shares.iter().find(|(known, _)| *known == name).map(|(_, share)| share * seen.len() as f64);
+        let share = shares.iter().find(|(known, _)| known == name).map(|(_, share)| share * seen.len() as f64);
         if let Some(at) = share.and_then(|index| seen.get(index as usize)) {
             let word = Text::new("theory", PlotPoint::new(at[0], at[1]), RichText::new(format!(" {name} ")).small());
-            let side = if name == "bulge" { egui::Align2::RIGHT_TOP } else { egui::Align2::LEFT_BOTTOM };
+            let side = if *name == "bulge" { egui::Align2::RIGHT_TOP } else { egui::Align2::LEFT_BOTTOM };
             plot.text(word.color(palette.now).anchor(side).allow_hover(false));
         }
     }

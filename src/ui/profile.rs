@@ -104,8 +104,11 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     while k * spacing <= high {
         let y = frame.bottom() - ((k * spacing - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
-        let text = scene_edit::tick_words(k * spacing);
-        painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
+        // The uppermost number gives way to the name of the axis.
+        if y > frame.top() + 16.0 {
+            let text = scene_edit::tick_words(k * spacing);
+            painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
+        }
         k += 1.0;
     }
     let length = state.model.grid.length / state.rho();

@@ -2,10 +2,11 @@
 
 use super::action::{Action, FileTask};
 use super::controls::named;
+use super::typeset::plain;
 use super::view_state::ViewState;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
-use egui::{ComboBox, Ui};
+use egui::{Align, ComboBox, Layout, Ui, vec2};
 
 /// The bar; it wraps where the window is narrow.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -49,9 +50,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let label = ui.label("Preset");
-    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 180.0 };
-    let combo =
-        ComboBox::from_id_salt("preset").width(width).selected_text(state.scene.title.as_str()).truncate().show_ui(ui, |ui| {
+    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 220.0 };
+    let title = plain(&state.scene.title);
+    // A width of its own bounds a combo box from below only; a long title must not push the bar into a second row.
+    let size = vec2(width, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        let combo = ComboBox::from_id_salt("preset").width(width).selected_text(title.as_str()).truncate().show_ui(ui, |ui| {
             for (i, preset) in presets::all().iter().enumerate() {
                 let key = if i < 9 { format!("{}  {}", i + 1, preset.name) } else { preset.name.to_owned() };
                 if ui.selectable_label(false, key).clicked() {
@@ -59,7 +63,8 @@ fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 }
             }
         });
-    combo.response.labelled_by(label.id).on_hover_text(state.scene.source.as_str());
+        combo.response.labelled_by(label.id).on_hover_text(format!("{title}\n{}", state.scene.source));
+    });
 }
 
 fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {

@@ -26,6 +26,9 @@ use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, R
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+/// What the title of an edited scene begins with.
+const CHANGED: &str = "Changed: ";
+
 /// Something went wrong, in words, with what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
@@ -231,10 +234,16 @@ impl ViewState {
         true
     }
 
-    /// Replaces the scene by an edited one, remembering the old one for undo.
-    pub fn edit_scene(&mut self, scene: Scene) {
+    /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says that it is not the one opened.
+    pub fn edit_scene(&mut self, mut scene: Scene) {
         let before = self.scene.clone();
-        if scene != *before && self.set_scene(scene) {
+        if scene == *before {
+            return;
+        }
+        if !scene.title.starts_with(CHANGED) {
+            scene.title.insert_str(0, CHANGED);
+        }
+        if self.set_scene(scene) {
             self.history.remember(before);
         }
     }

@@ -161,6 +161,10 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
     let scenes = bench.scenes();
     assert_eq!(scenes.iter().map(|scene| scene.law.shape.word()).collect::<Vec<_>>(), ["cosine"]);
     assert_eq!(bench.state().run, 2);
+    bench.click("law mie");
+    assert_eq!(bench.scenes()[0].title, format!("Changed: {}", fig2().title));
+    bench.press(Modifiers::COMMAND, Key::Z);
+    bench.heard();
     bench.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.scenes().iter().map(|scene| (**scene).clone()).collect::<Vec<_>>(), [fig2()]);
     bench.press(Modifiers::COMMAND, Key::Y);
@@ -283,6 +287,15 @@ fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
     for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jump,"] {
         assert!(names.contains(words), "{words} in {names}");
     }
+}
+
+#[test]
+fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
+    let mut bench = Bench::new();
+    bench.reach(0.3, Branch::Approach);
+    assert!(bench.state().hint);
+    bench.reach(0.2, Branch::Approach);
+    assert!(!bench.state().hint);
 }
 
 #[test]

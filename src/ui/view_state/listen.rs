@@ -101,6 +101,8 @@ impl ViewState {
     fn add_state(&mut self, state: StateRecord) {
         self.moved_to(state.mean_displacement);
         self.branch = state.branch;
+        // Who has been all the way down is told nothing new.
+        self.hint &= state.mean_displacement > self.limits.0;
         self.curve.push(&state, &self.model.law);
         self.stiffness.push_with(&state, &self.model.law, eigenvalue_scale(state.stiffness_min));
         if self.record.states.len() >= STATES_MAX {
