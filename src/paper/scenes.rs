@@ -64,7 +64,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
             range: Range::Length(ROUGH_RANGE * ROUGH_RMS),
         },
         indenter: Indenter::Rough(surface),
-        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.03 * ROUGH_RMS },
+        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.01 * ROUGH_RMS },
         accuracy: 0.01,
         seed: 1,
     }
