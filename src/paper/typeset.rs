@@ -139,7 +139,8 @@ fn letter(word: &str) -> Option<String> {
         return Some(greek.to_string());
     }
     let (stem, accent) = ACCENTS.iter().find_map(|(name, accent)| Some((word.strip_suffix(name)?, accent)))?;
-    let base = if stem.len() == 1 && !["c", "h", "t", "b", "w"].contains(&stem) { stem.to_owned() } else { letter(stem)? };
+    let one = |stem: &str| matches!(stem.as_bytes(), [b'a'..=b'z']) && !["c", "h", "t", "b", "w"].contains(&stem);
+    let base = if one(stem) { stem.to_owned() } else { letter(stem)? };
     // The paper's ahat and abar are made of alpha.
     let base = if stem == "a" { "α".to_owned() } else { base };
     Some(format!("{base}{accent}"))
@@ -200,7 +201,9 @@ mod tests {
 
     #[test]
     fn ordinary_words_and_loose_signs_stay_as_they_are() {
-        for text in ["what a chat about the bar", "a ~ b", "rhombus, pie", "a_", "x^", "", "tenth: 100 %", "u01, tau0"] {
+        for text in
+            ["what a chat about the bar", "What? That.", "a ~ b", "rhombus, pie", "a_", "x^", "", "tenth: 100 %", "u01, tau0"]
+        {
             assert_eq!(marked(text), text);
         }
     }
