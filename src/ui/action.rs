@@ -48,6 +48,8 @@ pub enum Action {
     UsePath(PathBuf),
     /// Close whatever dialog is open.
     CloseDialog,
+    /// Show or hide the palette of commands.
+    ToggleCommands,
     /// Show or hide the sheet of keys.
     ToggleHelp,
     /// Light to dark and back.

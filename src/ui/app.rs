@@ -62,7 +62,7 @@ impl App {
         self.announce(&ctx);
         self.panels(ui, &mut actions);
         paper::window(&ctx, &self.state, &mut actions);
-        self.dialogs.show(&ctx, &mut actions);
+        self.dialogs.show(&ctx, &self.state, &mut actions);
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
             ctx.request_repaint();
@@ -154,6 +154,7 @@ impl App {
             Action::AskFile(task) => self.dialogs.ask(task),
             Action::UsePath(path) => self.use_path(&path),
             Action::CloseDialog => self.dialogs.close(),
+            Action::ToggleCommands => self.dialogs.toggle_commands(),
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
             Action::ToggleTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;

@@ -1,7 +1,9 @@
-//! Dialogs: a file by the desktop's chooser or by its typed path, and the sheet of keys. Nothing here waits.
+//! Dialogs: a file by the desktop's chooser or by its typed path, the sheet of keys, the palette of commands. Nothing here waits.
 
 use super::action::{Action, FileTask};
+use super::commands::Palette;
 use super::keys;
+use super::view_state::ViewState;
 use egui::{Align2, Context, RichText, Ui, Window};
 use std::path::PathBuf;
 use std::pin::Pin;
@@ -27,6 +29,7 @@ pub struct Dialogs {
     file: Option<FileDialog>,
     /// True while the sheet of keys is shown.
     pub help: bool,
+    commands: Option<Palette>,
 }
 
 struct FileDialog {
@@ -40,18 +43,25 @@ struct FileDialog {
 impl Dialogs {
     /// Dialogs that ask `chooser` for files.
     pub fn new(chooser: impl FnMut(FileRequest) -> PathFuture + 'static) -> Self {
-        Self { chooser: Box::new(chooser), file: None, help: false }
+        Self { chooser: Box::new(chooser), file: None, help: false, commands: None }
     }
 
     /// True while one is open.
     pub fn is_open(&self) -> bool {
-        self.file.is_some() || self.help
+        self.file.is_some() || self.help || self.commands.is_some()
     }
 
     /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to decide first.
     pub fn ask(&mut self, task: FileTask) {
         let pending = task.variants().is_empty().then(|| (self.chooser)(FileRequest { task }));
         self.file = Some(FileDialog { task, path: task.file_name().to_owned(), note: None, pending, fresh: true });
+    }
+
+    /// Opens the palette of commands in place of whatever is open, or closes it.
+    pub fn toggle_commands(&mut self) {
+        let open = self.commands.is_none();
+        self.close();
+        self.commands = open.then(Palette::default);
     }
 
     /// What the open file dialog is for.
@@ -63,12 +73,16 @@ impl Dialogs {
     pub fn close(&mut self) {
         self.file = None;
         self.help = false;
+        self.commands = None;
     }
 
     /// Draws what is open and asks the desktop's chooser for its answer.
-    pub fn show(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
+    pub fn show(&mut self, ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
         if self.help {
             help(ctx, actions);
+        }
+        if let Some(commands) = &mut self.commands {
+            commands.show(ctx, state, actions);
         }
         let Self { chooser, file: Some(file), .. } = self else { return };
         file.poll(ctx, actions);

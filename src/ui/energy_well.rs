@@ -1,7 +1,6 @@
 //! The energy well: the energy along the softest mode, with the state as a ball in it.
 
 use super::loop_plot::{line, small, ticks};
-use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::walk::EnergyWell;
@@ -39,7 +38,6 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
         .grid_color(grid)
         .x_grid_spacer(|input| ticks(input, 8.0))
         .y_grid_spacer(|input| ticks(input, 5.0))
-        .y_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,

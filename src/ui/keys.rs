@@ -7,7 +7,8 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 18] = [
+pub const SHEET: [(&str, &str); 19] = [
+    ("Ctrl+K", "everything by its name: laws, presets, figures, files"),
     ("← →", "one step of u₀ down, up (with Shift a tenth)"),
     ("PgDn PgUp", "ten steps down, up"),
     ("Home End", "start, turning point"),
@@ -72,6 +73,7 @@ fn command(key: Key, shift: bool, free: bool) -> Option<Action> {
         Key::O => Some(Action::AskFile(FileTask::OpenScene)),
         Key::S => Some(Action::AskFile(FileTask::SaveScene)),
         Key::Q => Some(Action::Quit),
+        Key::K => Some(Action::ToggleCommands),
         // A text field has an undo of its own.
         Key::Z if free && !shift => Some(Action::Undo),
         Key::Z | Key::Y if free => Some(Action::Redo),

@@ -31,13 +31,16 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         new_axes = Some(state.axes());
     }
     let grid = ui.visuals().text_color().gamma_multiply(0.45);
+    let height = (height - 88.0).max(120.0);
+    // As many numbers as stand clear of each other.
+    let count = f64::from((height - 30.0) / 28.0).min(8.0);
     let response = fixed("loop")
-        .height((height - 88.0).max(120.0))
+        .height(height)
         .x_axis_label("u₀ / ρ")
         .y_axis_label("stress / σₘₐₓ")
         .grid_color(grid)
         .x_grid_spacer(|input| ticks(input, 7.0))
-        .y_grid_spacer(|input| ticks(input, 8.0))
+        .y_grid_spacer(move |input| ticks(input, count))
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
@@ -68,6 +71,9 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
     let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
     Plot::new(id)
         .custom_x_axes(vec![x_axis])
+        // The plot's own words round a tick of 0.5 to 0.
+        .x_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
+        .y_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
         .allow_drag(false)
         .allow_scroll(false)
         .allow_zoom(false)

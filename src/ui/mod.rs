@@ -16,6 +16,7 @@ pub mod theme;
 pub mod view_state;
 
 mod accuracy;
+mod commands;
 mod controls;
 mod dialogs;
 mod display;

@@ -6,7 +6,7 @@ use super::{accuracy, energy_well, event_list, paper, stability};
 use egui::{Role, Ui, WidgetInfo};
 
 /// The tabs in order.
-const TABS: [(Tab, &str, &str); 5] = [
+pub const TABS: [(Tab, &str, &str); 5] = [
     (Tab::Events, "Events", "every jump so far"),
     (Tab::Stability, "Stability", "how far the next jump is, and which time steps GFMD survives"),
     (Tab::EnergyWell, "Energy well", "the energy along the softest mode"),

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod bench;
+mod commands;
 mod live;
 mod model;
 mod paper;

@@ -1,0 +1,167 @@
+//! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the keyboard.
+
+use super::action::{Action, FileTask, Tab, ViewOptions};
+use super::scene_edit;
+use super::tabs::TABS;
+use super::view_state::ViewState;
+use crate::experiment::plan::Wish;
+use crate::paper::GALLERY;
+use crate::physics::law::Shape;
+use crate::solver::method::MethodKind;
+use crate::storage::presets;
+use crate::worker::protocol::{Page, Sweep};
+use egui::{Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window};
+
+/// Something that can be done now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// What it is called and found by.
+    pub name: String,
+    /// The keys that do the same, if there are any.
+    pub keys: &'static str,
+    /// What it asks for.
+    pub actions: Vec<Action>,
+}
+
+impl Command {
+    fn new(name: &str, keys: &'static str, action: Action) -> Self {
+        Self { name: name.to_owned(), keys, actions: vec![action] }
+    }
+}
+
+/// Everything that can be done in this state.
+fn all(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    let view = |view: ViewOptions| Action::SetView(view);
+    let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
+    let mut list = vec![
+        one("Play approach", "", Action::Play(Sweep::Approach)),
+        one("Play retract", "", Action::Play(Sweep::Retract)),
+        one("Play loop", "", Action::Play(Sweep::Loop)),
+        one("Play or pause", "Space", Action::TogglePlay),
+        one("Stop", "Esc", Action::Stop),
+        one("Reverse", "R", Action::Reverse),
+        one("One increment onwards", ".", Action::Increment),
+        one("Go to the start of u₀", "Home", Action::SetTarget(state.limits.1)),
+        one("Go to the turning point of u₀", "End", Action::SetTarget(state.limits.0)),
+        one("Reset to rest at the start", "", Action::Reset),
+        one("Look at the next jump", "J", Action::StepJump(true)),
+        one("Look at the jump before", "K", Action::StepJump(false)),
+        one("Open a scene", "Ctrl+O", Action::AskFile(FileTask::OpenScene)),
+        one("Save the scene", "Ctrl+S", Action::AskFile(FileTask::SaveScene)),
+        one("Copy the scene as text", "Ctrl+C", Action::CopyScene),
+        one("Export states as CSV", "", Action::AskFile(FileTask::ExportLoopCsv)),
+        one("Export jumps as CSV", "", Action::AskFile(FileTask::ExportEventsCsv)),
+        one("Export the stress curve as PNG", "S", Action::AskFile(FileTask::ExportLoopPng)),
+        one("Export the gap map as PNG", "", Action::AskFile(FileTask::ExportGapPng)),
+        one("Undo", "Ctrl+Z", Action::Undo),
+        one("Redo", "Ctrl+Y", Action::Redo),
+        one("Fit the axes to the data", "", Action::Fit(true)),
+        one("Axes of the scene", "", Action::Fit(false)),
+        one(&on("theory over the live plot", state.paper.overlay), "", Action::OverlayTheory(!state.paper.overlay)),
+        one(
+            &on("the soft mode on the map", state.view.soft_mode),
+            "",
+            view(ViewOptions { soft_mode: !state.view.soft_mode, ..state.view }),
+        ),
+        one("Switch between light and dark", "", Action::ToggleTheme),
+        one("Restore layout", "", Action::RestoreLayout),
+        one("Keys and marks", "?", Action::ToggleHelp),
+        one("Quit", "Ctrl+Q", Action::Quit),
+    ];
+    list.extend(presets::all().iter().enumerate().map(|(i, preset)| {
+        const KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
+        one(&format!("Preset {}", preset.name), KEYS.get(i).unwrap_or(&""), Action::LoadPreset(i))
+    }));
+    list.extend(Shape::all().into_iter().map(|shape| {
+        let scene = scene_edit::with_shape(&state.scene, &state.model, shape);
+        one(&format!("Cohesive law: {}", shape.word().replace('_', " ")), "", Action::EditScene(Box::new(scene)))
+    }));
+    let models = [(Wish::Plan, "as planned"), (Wish::Whole, "whole cell"), (Wish::Quarter, "quarter")];
+    list.extend(models.map(|(wish, word)| one(&format!("Model: {word}"), "", Action::SetWish(wish))));
+    list.extend(MethodKind::ALL.map(|method| one(&format!("Method: {}", method.title()), "", Action::SetMethod(method))));
+    list.extend(TABS.map(|(tab, name, _)| one(&format!("Tab: {name}"), "", view(ViewOptions { tab, ..state.view }))));
+    let page = |name: String, page: Page| {
+        let tab = view(ViewOptions { tab: Tab::Paper, ..state.view });
+        Command { name, keys: "", actions: vec![tab, Action::OpenPage(page)] }
+    };
+    list.extend(GALLERY.iter().map(|entry| page(format!("Fig. {}: {}", entry.number, entry.title), Page::Figure(entry.number))));
+    list.push(page("Errata: what the print got wrong".to_owned(), Page::Errata));
+    list
+}
+
+/// What these words find: every word somewhere in the name. A number alone is a u0, in ranges.
+pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
+    let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
+    let place = words.trim().parse::<f64>().ok().filter(|u0| (low..=high).contains(u0));
+    let go = place.map(|u0| Command::new(&format!("Go to u₀ = {u0} ρ"), "", Action::SetTarget(u0 * state.rho())));
+    let wanted: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
+    let fits = |command: &Command| {
+        let name = command.name.to_lowercase();
+        wanted.iter().all(|word| name.contains(word.as_str()))
+    };
+    go.into_iter().chain(all(state).into_iter().filter(fits)).collect()
+}
+
+/// The open palette.
+#[derive(Default)]
+pub struct Palette {
+    words: String,
+    chosen: usize,
+    shown: bool,
+}
+
+impl Palette {
+    /// Draws it; what is run closes it first.
+    pub fn show(&mut self, ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
+        Window::new("Commands")
+            .title_bar(false)
+            .resizable(false)
+            .anchor(Align2::CENTER_TOP, [0.0, 60.0])
+            .show(ctx, |ui| self.body(ui, state, actions));
+    }
+
+    fn body(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+        ui.set_width((ui.ctx().content_rect().width() - 60.0).min(480.0));
+        let (up, down, enter) = ui.input_mut(|input| {
+            let mut pressed = |key| input.count_and_consume_key(Modifiers::NONE, key);
+            (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter) > 0)
+        });
+        let hint = "what to do, or a value of u₀ in ranges";
+        let field = ui.add(TextEdit::singleline(&mut self.words).hint_text(hint).desired_width(f32::INFINITY));
+        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
+        if !std::mem::replace(&mut self.shown, true) {
+            field.request_focus();
+        }
+        if field.changed() {
+            self.chosen = 0;
+        }
+        let list = found(state, &self.words);
+        let last = list.len().saturating_sub(1);
+        self.chosen = (self.chosen + down).saturating_sub(up).min(last);
+        let mut run = if enter { list.get(self.chosen) } else { None };
+        let height = (ui.ctx().content_rect().height() - 140.0).clamp(100.0, 420.0);
+        ScrollArea::vertical().max_height(height).show(ui, |ui| {
+            ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
+                for (index, command) in list.iter().enumerate() {
+                    let keys = RichText::new(command.keys).small().weak();
+                    let row = egui::Button::selectable(index == self.chosen, command.name.as_str()).right_text(keys).truncate();
+                    let row = ui.add(row);
+                    if row.clicked() {
+                        run = Some(command);
+                    }
+                    if up + down > 0 && index == self.chosen {
+                        row.scroll_to_me(None);
+                    }
+                }
+            });
+            if list.is_empty() {
+                ui.label(RichText::new("Nothing has all these words in its name.").weak());
+            }
+        });
+        if let Some(command) = run {
+            actions.push(Action::CloseDialog);
+            actions.extend(command.actions.iter().cloned());
+        }
+    }
+}

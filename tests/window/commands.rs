@@ -1,0 +1,65 @@
+//! The palette of commands.
+
+use super::bench::{Bench, fig2};
+use egui::{Event, Key, Modifiers};
+use tackscope::ui::action::Tab;
+use tackscope::worker::protocol::{Command, Page};
+
+/// Opens the palette and types these words.
+fn asked(words: &str) -> Bench {
+    let mut bench = Bench::new();
+    bench.heard();
+    bench.press(Modifiers::COMMAND, Key::K);
+    bench.window.event(Event::Text(words.to_owned()));
+    bench.window.run();
+    bench
+}
+
+#[test]
+fn a_command_is_found_by_parts_of_its_name_and_run_by_enter() {
+    let mut bench = asked("COS law");
+    assert!(bench.names().contains("Cohesive law: cosine") && !bench.names().contains("Play or pause"));
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().scene.law.shape.word(), "cosine");
+    assert!(!bench.names().contains("Cohesive law: cosine"), "it is closed");
+}
+
+#[test]
+fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
+    let mut bench = asked("tab:");
+    bench.press(Modifiers::NONE, Key::ArrowDown);
+    bench.press(Modifiers::NONE, Key::ArrowDown);
+    bench.press(Modifiers::NONE, Key::ArrowUp);
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().view.tab, Tab::Stability);
+    bench.press(Modifiers::COMMAND, Key::K);
+    bench.click("Play approach");
+    assert!(bench.state().sweep.is_some());
+}
+
+#[test]
+fn a_figure_opens_in_its_tab() {
+    let mut bench = asked("fig. 12");
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!((bench.state().view.tab, bench.state().paper.page), (Tab::Paper, Page::Figure(12)));
+}
+
+#[test]
+fn a_number_alone_is_a_mean_displacement_if_the_drive_reaches_it() {
+    let mut bench = asked("2.5");
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().target, 2.5);
+    assert!(bench.heard().iter().any(|command| matches!(command, Command::SetTarget { .. })));
+    assert!(!asked("17").names().contains("Go to u₀ = 17"));
+}
+
+#[test]
+fn escape_and_words_that_find_nothing_change_nothing() {
+    let mut bench = asked("no such thing");
+    assert!(bench.names().contains("Nothing has all these words"));
+    bench.press(Modifiers::NONE, Key::Enter);
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.names().contains("Nothing has all these words"));
+    assert!(bench.heard().is_empty());
+    assert_eq!(*bench.state().scene, fig2());
+}
