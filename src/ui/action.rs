@@ -85,6 +85,8 @@ pub enum Action {
     SelectJump(usize),
     /// Look at the next jump (true) or the one before.
     StepJump(bool),
+    /// Keep the loop on the plot, or let go of it.
+    ToggleKept,
     /// Look at nothing.
     ClearSelection,
     /// The scene as text on the clipboard.

@@ -178,6 +178,7 @@ impl App {
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(forward) => state.step_jump(forward),
+            Action::ToggleKept => state.toggle_kept(),
             Action::ClearSelection => state.selection = None,
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));

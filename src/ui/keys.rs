@@ -7,7 +7,7 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 19] = [
+pub const SHEET: [(&str, &str); 20] = [
     ("Ctrl+K", "everything by its name: laws, presets, figures, files"),
     ("← →", "one step of u₀ down, up (with Shift a tenth)"),
     ("PgDn PgUp", "ten steps down, up"),
@@ -19,6 +19,7 @@ pub const SHEET: [(&str, &str); 19] = [
     ("1 … 9", "presets"),
     ("S", "export a picture"),
     ("J K", "next jump, jump before"),
+    ("L", "keep this loop on the plot, to compare; let go of it"),
     ("Click on the curve", "the numbers of that state"),
     ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
     ("Ctrl+O Ctrl+S", "open, save a scene"),
@@ -96,6 +97,7 @@ fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Actio
         _ if repeat => return None,
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
+        Key::L => Action::ToggleKept,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
         Key::Escape if state.selection.is_some() && !state.busy => Action::ClearSelection,
         Key::Escape => Action::Stop,

@@ -8,7 +8,7 @@ use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::record::Branch;
 use egui::emath::Rangef;
-use egui::{AsIdSalt, Color32, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
+use egui::{AsIdSalt, Color32, Response, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint,
     PlotPoints, PlotUi, Points, Text,
@@ -110,7 +110,8 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 }
 
 fn legend(ui: &mut Ui, state: &ViewState, theory: bool, palette: &Palette) {
-    let wide = ui.available_width() > 380.0;
+    let more = usize::from(state.kept.is_some()) + usize::from(!state.ghosts.is_empty()) + usize::from(theory);
+    let wide = ui.available_width() > 380.0 + 60.0 * more as f32;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 1.0);
         entry(ui, palette.approach, "◀", "approach");
@@ -125,16 +126,20 @@ fn legend(ui: &mut Ui, state: &ViewState, theory: bool, palette: &Palette) {
         if theory {
             entry(ui, palette.now, "—", "theory");
         }
+        if let Some(kept) = &state.kept {
+            entry(ui, palette.ghost, "▬", "kept").on_hover_text(&kept.title);
+        }
         if !state.ghosts.is_empty() {
             entry(ui, palette.ghost, "—", "earlier");
         }
     });
 }
 
-fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) {
+fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) -> Response {
     ui.label(RichText::new(mark).color(colour).small().strong());
-    ui.label(RichText::new(word).small());
+    let response = ui.label(RichText::new(word).small());
     ui.add_space(6.0);
+    response
 }
 
 /// The dissipated energy in words: of a walked loop, or else of the live one.
@@ -157,6 +162,9 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, lines: &[TheoryLine], palette:
     for (stable, points) in &state.flat_state {
         let style = if *stable { LineStyle::Solid } else { LineStyle::dashed_dense() };
         plot.line(line("flat state", points, palette.flat, 1.0).style(style).allow_hover(false));
+    }
+    for points in state.kept.iter().flat_map(|kept| &kept.lines) {
+        plot.line(line("kept", points, palette.ghost, 2.5).allow_hover(false));
     }
     for ghost in &state.ghosts {
         for piece in &ghost.pieces {

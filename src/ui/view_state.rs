@@ -1,6 +1,7 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod axes;
+mod keep;
 mod listen;
 mod live_view;
 mod measure;
@@ -8,6 +9,7 @@ mod motion;
 mod paper;
 mod select;
 
+pub use keep::Kept;
 pub use live_view::LiveView;
 pub use paper::PaperState;
 pub use select::Selection;
@@ -108,6 +110,8 @@ pub struct ViewState {
     pub selection: Option<Selection>,
     /// Curves of earlier loops.
     pub ghosts: VecDeque<Curve>,
+    /// The loop that is kept to compare with.
+    pub kept: Option<Kept>,
     /// The last closed loop.
     pub closed_loop: Option<ClosedLoop>,
     /// The flat state's curve.
@@ -173,6 +177,7 @@ impl ViewState {
             live: None,
             selection: None,
             ghosts: VecDeque::new(),
+            kept: None,
             closed_loop: None,
             failure: None,
             notice: None,

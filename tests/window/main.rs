@@ -382,6 +382,24 @@ fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
 }
 
 #[test]
+fn a_kept_loop_stays_while_the_law_changes_until_it_is_let_go() {
+    let mut bench = Bench::new();
+    bench.press(Modifiers::NONE, Key::L);
+    assert!(bench.state().kept.is_none() && bench.names().contains("no loop to keep"));
+    for u0 in [4.0, 3.9, 3.8] {
+        bench.reach(u0, Branch::Approach);
+    }
+    let drawn: Vec<[f64; 2]> = bench.state().curve.points().collect();
+    bench.press(Modifiers::NONE, Key::L);
+    bench.click("law cosine");
+    assert!(bench.state().curve.points().next().is_none());
+    let kept = bench.state().kept.clone().expect("it is kept");
+    assert_eq!((kept.lines.concat(), kept.title), (drawn, fig2().title));
+    bench.press(Modifiers::NONE, Key::L);
+    assert!(bench.state().kept.is_none());
+}
+
+#[test]
 fn without_a_file_chooser_the_path_can_be_typed() {
     let mut bench = Bench::new();
     bench.click("Save…");

@@ -8,7 +8,8 @@ impl ViewState {
     /// Fits the plot's axes to the data, or back to the scene.
     pub fn fit_axes(&mut self, to_data: bool) {
         self.axes_version += 1;
-        let points: Vec<[f64; 2]> = self.curve.points().chain(self.ghosts.iter().flat_map(Curve::points)).collect();
+        let kept = self.kept.iter().flat_map(|kept| kept.lines.iter().flatten().copied());
+        let points: Vec<[f64; 2]> = self.curve.points().chain(self.ghosts.iter().flat_map(Curve::points)).chain(kept).collect();
         let Some(&first) = points.first().filter(|_| to_data) else {
             self.fit = None;
             return;
