@@ -13,7 +13,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Errand, Event, Page, PaperNews, Sweep};
+use tackscope::worker::protocol::{Command, Errand, Event, Page, PaperNews, Speed, Sweep};
 use tackscope::worker::session::Session;
 use tackscope::worker::{Output, Worker};
 
@@ -58,6 +58,22 @@ fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
         .collect();
     assert_eq!(*path.last().unwrap(), 2.0);
     assert!(path.windows(2).all(|w| w[0] - w[1] <= 0.02 + 1e-9 && w[1] <= w[0]), "{path:?}");
+}
+
+#[test]
+fn slow_motion_takes_four_times_as_long_and_full_speed_does_not_wait() {
+    let mut session = Session::default();
+    drain(&mut session, vec![set_scene(1, fig2(32))]);
+    session.command(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Approach }, &mut |_| ());
+    let mut pause = |speed| {
+        session.command(Command::SetSpeed { speed }, &mut |_| ());
+        let now = Instant::now();
+        session.step(now, &Cancel::default(), &mut |_| ());
+        session.wait(now).expect("it is under way")
+    };
+    let normal = pause(Speed::Normal);
+    assert!(normal > Duration::ZERO);
+    assert_eq!([pause(Speed::Slow), pause(Speed::Full)], [4 * normal, Duration::ZERO]);
 }
 
 #[test]

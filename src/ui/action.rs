@@ -4,7 +4,7 @@ use super::scene_edit::Follows;
 use crate::experiment::plan::Wish;
 use crate::experiment::scene::Scene;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::{Page, Sweep};
+use crate::worker::protocol::{Page, Speed, Sweep};
 use std::path::PathBuf;
 
 /// An intent of the user.
@@ -230,6 +230,8 @@ pub struct ViewOptions {
     pub stability: StabilityOf,
     /// Which cost the chart shows.
     pub cost: CostOf,
+    /// How fast sweeps and jumps are shown.
+    pub speed: Speed,
 }
 
 impl Default for ViewOptions {
@@ -242,6 +244,7 @@ impl Default for ViewOptions {
             tab: Tab::default(),
             stability: StabilityOf::default(),
             cost: CostOf::default(),
+            speed: Speed::default(),
         }
     }
 }

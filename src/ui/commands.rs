@@ -3,6 +3,7 @@
 use super::action::{Action, FileTask, Tab, ViewOptions};
 use super::scene_edit;
 use super::tabs::TABS;
+use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
 use crate::experiment::plan::Wish;
 use crate::paper::GALLERY;
@@ -78,6 +79,7 @@ fn all(state: &ViewState) -> Vec<Command> {
         let scene = scene_edit::with_shape(&state.scene, &state.model, shape);
         one(&format!("Cohesive law: {}", shape.word().replace('_', " ")), "", Action::EditScene(Box::new(scene)))
     }));
+    list.extend(SPEEDS.map(|(speed, _, words)| one(&format!("Speed: {words}"), "", view(ViewOptions { speed, ..state.view }))));
     let models = [(Wish::Plan, "as planned"), (Wish::Whole, "whole cell"), (Wish::Quarter, "quarter")];
     list.extend(models.map(|(wish, word)| one(&format!("Model: {word}"), "", Action::SetWish(wish))));
     list.extend(MethodKind::ALL.map(|method| one(&format!("Method: {}", method.title()), "", Action::SetMethod(method))));

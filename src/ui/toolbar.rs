@@ -1,11 +1,11 @@
 //! The top bar: preset, play, files, theme, help.
 
-use super::action::{Action, FileTask};
+use super::action::{Action, FileTask, ViewOptions};
 use super::controls::named;
 use super::typeset::plain;
 use super::view_state::ViewState;
 use crate::storage::presets;
-use crate::worker::protocol::Sweep;
+use crate::worker::protocol::{Speed, Sweep};
 use egui::{Align, ComboBox, Layout, Ui, vec2};
 
 /// The bar; it wraps where the window is narrow.
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let label = ui.label("Preset");
-    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 220.0 };
+    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 190.0 };
     let title = plain(&state.scene.title);
     // A width of its own bounds a combo box from below only; a long title must not push the bar into a second row.
     let size = vec2(width, ui.spacing().interact_size.y);
@@ -89,7 +89,24 @@ fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     if named(ui.add_enabled(state.busy, egui::Button::new("⏹")), "Stop").on_hover_text("Stop (Esc)").clicked() {
         actions.push(Action::Stop);
     }
+    speed(ui, state, actions);
     if ui.button("Reset").on_hover_text("Back to rest at the start").clicked() {
         actions.push(Action::Reset);
     }
+}
+
+/// What each speed is called, short and in full.
+pub const SPEEDS: [(Speed, &str, &str); 3] =
+    [(Speed::Slow, "¼×", "slow motion"), (Speed::Normal, "1×", "normal speed"), (Speed::Full, "max", "as fast as it is computed")];
+
+fn speed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let present = SPEEDS.iter().find(|(speed, ..)| *speed == state.view.speed).map_or("", |(_, short, _)| short);
+    let combo = ComboBox::from_id_salt("speed").width(44.0).selected_text(present).show_ui(ui, |ui| {
+        for (speed, short, words) in SPEEDS {
+            if ui.selectable_label(speed == state.view.speed, format!("{short}  {words}")).clicked() {
+                actions.push(Action::SetView(ViewOptions { speed, ..state.view }));
+            }
+        }
+    });
+    named(combo.response, "Speed").on_hover_text("how fast sweeps and jumps are shown");
 }

@@ -24,7 +24,7 @@ use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
 use crate::solver::method::MethodKind;
-use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
+use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -135,6 +135,8 @@ pub struct ViewState {
     scene_pending: bool,
     target_pending: bool,
     watching: bool,
+    /// The speed that the solver was told.
+    speed: Speed,
     outbox: Vec<Command>,
 }
 
@@ -190,6 +192,7 @@ impl ViewState {
             scene_pending: true,
             target_pending: false,
             watching: false,
+            speed: Speed::default(),
             outbox: Vec::new(),
         })
     }
@@ -338,6 +341,9 @@ impl ViewState {
         let watching = self.view.tab == Tab::EnergyWell;
         if std::mem::replace(&mut self.watching, watching) != watching {
             commands.push(Command::Watch { energy_well: watching });
+        }
+        if std::mem::replace(&mut self.speed, self.view.speed) != self.view.speed {
+            commands.push(Command::SetSpeed { speed: self.view.speed });
         }
         commands
     }

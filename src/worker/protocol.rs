@@ -13,6 +13,7 @@ use crate::paper::overlay::ZeroRange;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Identifies one run of one scene; events of an older run are stale and dropped by the receiver.
 pub type RunId = u64;
@@ -30,6 +31,29 @@ pub enum Sweep {
     Retract,
     /// A fresh closed loop: start, turn, start.
     Loop,
+}
+
+/// How fast sweeps and jumps are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Speed {
+    /// Slow motion: a quarter of the normal speed.
+    Slow,
+    /// A loop of some hundred states in some seconds, a jump as a short film.
+    #[default]
+    Normal,
+    /// As fast as they are computed.
+    Full,
+}
+
+impl Speed {
+    /// The pause for which the normal speed has this one.
+    pub fn pause(self, normal: Duration) -> Duration {
+        match self {
+            Speed::Slow => 4 * normal,
+            Speed::Normal => normal,
+            Speed::Full => Duration::ZERO,
+        }
+    }
 }
 
 /// A measurement that takes its time, done beside the walk by a thread of its own.
@@ -140,6 +164,11 @@ pub enum Command {
         run: RunId,
         /// Its number.
         motion: Motion,
+    },
+    /// Show sweeps and jumps at this speed from now on.
+    SetSpeed {
+        /// How fast.
+        speed: Speed,
     },
     /// Say (or stop saying) what the energy well of each state looks like.
     Watch {

@@ -1,7 +1,7 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
 use super::course::Course;
-use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Sweep};
+use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
 use super::run_loop::Output;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{SceneError, Turn};
@@ -13,9 +13,9 @@ use crate::solver::equilibrium::Equilibrium;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Shortest time between two states of a sweep, so that a loop can be watched.
+/// Shortest time between two states of a sweep at normal speed, so that a loop can be watched.
 const PACE_STATE: Duration = Duration::from_millis(12);
-/// Shortest time between two pictures of a jump, so that it is seen as a short film.
+/// Shortest time between two pictures of a jump at normal speed, so that it is seen as a short film.
 const PACE_FILM: Duration = Duration::from_millis(16);
 
 /// Shortest time between two energy wells on the move, and the largest share of the time they may take.
@@ -43,6 +43,7 @@ pub struct Session {
     busy: bool,
     paused: bool,
     not_before: Option<Instant>,
+    speed: Speed,
     /// Somebody looks at the energy well.
     watched: bool,
     /// The well at rest as far as it is computed.
@@ -95,6 +96,7 @@ impl Session {
                 self.watched = energy_well;
                 self.look_into_the_well();
             }
+            Command::SetSpeed { speed } => self.speed = speed,
             Command::Measure { .. } | Command::StopMeasuring | Command::OpenPage { .. } | Command::ClosePage | Command::Quit => {}
         }
     }
@@ -112,7 +114,7 @@ impl Session {
         for happening in happenings {
             match happening {
                 Happening::Moving { stress } => {
-                    pace = PACE_FILM;
+                    pace = self.speed.pause(PACE_FILM);
                     let mean_displacement = walk.displacement();
                     let gap = Arc::new(walk.gap());
                     sink(Output::Frame(
@@ -126,7 +128,7 @@ impl Session {
                 }
                 Happening::State(state) => {
                     if self.sweep.is_some() {
-                        pace = PACE_STATE;
+                        pace = self.speed.pause(PACE_STATE);
                     }
                     self.record.states.push(state.clone());
                     self.good = Some((walk.state().clone(), state.clone()));
@@ -165,8 +167,8 @@ impl Session {
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none. Returns the run it belongs to.
     pub fn recover(&mut self) -> RunId {
-        let Self { run, motion, course, good, record, watched, .. } = std::mem::take(self);
-        *self = Self { run, motion, course, record, watched, ..Self::default() };
+        let Self { run, motion, course, good, record, speed, watched, .. } = std::mem::take(self);
+        *self = Self { run, motion, course, record, speed, watched, ..Self::default() };
         if let Some(course) = &self.course {
             self.walk = match good {
                 Some((state, record)) => course.resume(state, record).ok(),
@@ -177,7 +179,7 @@ impl Session {
     }
 
     fn begin(&mut self, run: RunId, course: Course, sink: &mut dyn FnMut(Output)) {
-        *self = Self { run, watched: self.watched, ..Self::default() };
+        *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
         match course.walk() {
             Ok(mut walk) => {
                 let system = walk.system();
@@ -198,7 +200,7 @@ impl Session {
     }
 
     fn refuse(&mut self, run: RunId, error: SceneError, sink: &mut dyn FnMut(Output)) {
-        *self = Self { run, watched: self.watched, ..Self::default() };
+        *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
         sink(Output::Event(Event::Failed {
             run,
             message: format!("This scene cannot run: {} = {}", error.key, error.value),

@@ -3,7 +3,7 @@
 use super::bench::{Bench, fig2};
 use egui::{Event, Key, Modifiers};
 use tackscope::ui::action::Tab;
-use tackscope::worker::protocol::{Command, Page};
+use tackscope::worker::protocol::{Command, Page, Speed};
 
 /// Opens the palette and types these words.
 fn asked(words: &str) -> Bench {
@@ -62,4 +62,16 @@ fn escape_and_words_that_find_nothing_change_nothing() {
     assert!(!bench.names().contains("Nothing has all these words"));
     assert!(bench.heard().is_empty());
     assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn the_speed_is_told_once_and_survives_another_scene() {
+    let mut bench = asked("slow motion");
+    bench.press(Modifiers::NONE, Key::Enter);
+    let told = |bench: &mut Bench| {
+        bench.heard().iter().filter(|command| matches!(command, Command::SetSpeed { speed: Speed::Slow })).count()
+    };
+    assert_eq!(told(&mut bench), 1);
+    bench.press(Modifiers::NONE, Key::Num2);
+    assert_eq!((told(&mut bench), bench.state().view.speed), (0, Speed::Slow));
 }

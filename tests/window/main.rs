@@ -49,6 +49,7 @@ fn every_control_is_found_by_its_label() {
         "Play loop",
         "Pause",
         "Stop",
+        "Speed",
         "Reset",
         "Open…",
         "Save…",
