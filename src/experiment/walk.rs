@@ -7,15 +7,17 @@ mod accept;
 mod advance;
 mod fall;
 pub(super) mod guard;
+mod happening;
 mod landing;
 mod views;
 mod widen;
 
+pub use happening::{Counts, Happening, Progress};
 pub use views::EnergyWell;
 
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;
-use super::record::{Branch, Cause, JumpRecord, StateRecord};
+use super::record::{Branch, Cause, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
@@ -32,44 +34,6 @@ use guard::{Guard, slides_on, with_coarse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
-
-/// What one step of the walk brought.
-#[derive(Clone, Debug)]
-pub enum Happening {
-    /// A new state on the path.
-    State(StateRecord),
-    /// The surface is moving at fixed u0; [`Walk::gap`] shows it.
-    Moving {
-        /// Mean stress at this instant (E*).
-        stress: f64,
-    },
-    /// A jump was completed; the state after it follows.
-    Jump(JumpRecord),
-}
-
-/// What is left to do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
-    /// More steps are needed.
-    Working,
-    /// At the target.
-    Resting,
-    /// Interrupted by the cancel token; the last state stands.
-    Cancelled,
-    /// Cannot go on; the last state stands.
-    Stuck(String),
-}
-
-/// What was spent so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counts {
-    /// Fourier transforms.
-    pub transforms: usize,
-    /// Iterations of the method.
-    pub iterations: usize,
-    /// Recorded states with a pattern.
-    pub patterned_increments: usize,
-}
 
 /// Why a branch cannot be followed beyond `at`.
 #[derive(Clone, Debug)]

@@ -33,7 +33,7 @@ impl Command {
 /// Everything that can be done in this state.
 fn all(state: &ViewState) -> Vec<Command> {
     let one = Command::new;
-    let view = |view: ViewOptions| Action::SetView(view);
+    let view = Action::SetView;
     let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
     let mut list = vec![
         one("Play approach", "", Action::Play(Sweep::Approach)),
