@@ -213,7 +213,7 @@ fn words(micro: usize, off: &str) -> String {
          thick ridge up to its end. Solid: the area between the flat branch and the exact ridge, from the upper flat limit u_nc to the \
          ridge's end u_c, with the flat term γ(u_nc) − γ(u_c) added (it is negative; the text subtracts it). It holds to 2 % where the \
          range ρ̃, for the cosine law g̃_c, is below 0.1, and is no theory of longer ranges, at which the ridge itself changes (at the \
-         shortest ranges here the loops lose more than it by: {}). What it leaves out is the give of the contact: under the tension σ \
+         shortest ranges here the loops lose more than it by: {}). One thing it leaves out is the give of the contact: under the tension σ \
          the energy of a ridge is lower by at least σ²/(2γ″). At u_nc that is some (g̃_c)^{{4/3}} γ/8 for the cosine law, for which u_nc is g_c, \
          and far less for the Morse law, for which it is many ranges. ρ/ρ₀ is (L_c/L)^½ for both laws: a cosine law is put where a Morse law of \
          the same largest softening is (g_c = √2 πρ), which by Eq. 10 needs the same mesh. The stiffness of the cosine law jumps at its \

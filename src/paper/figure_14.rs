@@ -19,7 +19,8 @@ pub(super) const ENTRY: Entry = Entry {
 
 /// Mean gap at the turn, in root mean square heights.
 const TURN: f64 = -0.1;
-/// Windows of the fit: largest compression over largest tension. Where it is below 8 the two exponentials merge on one surface or more.
+/// Windows of the fit: largest compression over largest tension. Chosen after seeing 1 to 80: up to 5 the two
+/// exponentials merge on one surface or more, and at 6 and 7, where they do not, the range of adhesion comes out smaller.
 const WINDOWS: [f64; 2] = [8.0, 16.0];
 /// Mean gaps at which both ways are read.
 const GAPS: usize = 160;
@@ -157,8 +158,8 @@ fn words(surfaces: &[Surface], size: Size) -> String {
          at 2 h_std (root mean square gradient {gradient:.2}), γ = {gamma} E*h_std, and the fit reaches down to where the \
          compression is {} or {} times the largest tension. The range of adhesion over ρ is {} in the first window, {} in the \
          second (printed: close to 4), that of repulsion over ρ/2 {} and {} (printed: 1.6). Where the data reach less far beyond zero \
-         stress the two exponentials merge on one surface or another and determine neither. These settings are a choice among some \
-         twenty that were tried (longest wavelength 4 to 32 h_std, γ 0.1 to 0.4 E*h_std, windows 1 to 80): ratios from 2.5 upwards \
+         stress the two exponentials merge on one surface or another and determine neither. These settings are a choice, made \
+         after seeing the results, among many that were tried (longest wavelength 4 to 32 h_std, γ 0.1 to 0.4 E*h_std, windows 1 to 80): ratios from 2.5 upwards \
          came out, the higher the wider the window, and one surface was close to the print. The errors are those of the fit alone. \
          From window to window and from surface to surface the numbers change by more, so that agreement in kind is all that can be \
          asked for: both ranges are \
