@@ -5,7 +5,7 @@
 //! -- --nocapture` looks at 2000 scenes on up to 48 x 48 points and prints the table of `assets/guide/stability.md`; without it a few
 //! small ones are looked at.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
@@ -16,6 +16,7 @@ use tackscope::experiment::record::StateRecord;
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::vector::dot;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
@@ -107,13 +108,23 @@ fn derivative(field: &Array2<f64>, axis: usize) -> DVector<f64> {
     )
 }
 
-/// True if no eigenvalue is below `shift`.
+/// True if no eigenvalue is below `shift`: Cholesky's factorisation, row by row, comes to its end.
 fn none_below(a: &DMatrix<f64>, shift: f64) -> bool {
-    let mut shifted = a.clone();
-    for r in 0..a.nrows() {
-        shifted[(r, r)] -= shift;
+    let n = a.nrows();
+    let mut rows: Vec<Vec<f64>> = Vec::with_capacity(n);
+    for i in 0..n {
+        let mut row: Vec<f64> = Vec::with_capacity(i + 1);
+        for j in 0..i {
+            row.push((a[(i, j)] - dot(&row, &rows[j][..j])) / rows[j][j]);
+        }
+        let pivot = a[(i, i)] - shift - dot(&row, &row);
+        if !(pivot > 0.0) {
+            return false;
+        }
+        row.push(pivot.sqrt());
+        rows.push(row);
     }
-    Cholesky::new(shifted).is_some()
+    true
 }
 
 /// What was found in the scenes of one kind.
@@ -207,10 +218,10 @@ fn audit(scene: &Scene, reduction: Reduction, tally: &mut Tally) {
                 let hair = 1e-9 * (PI / model.grid.spacing() + model.law.softening_max());
                 let (value, error) = (state.stiffness_min / length, state.stiffness_error / length);
                 tally.states += 1;
-                let stable = none_below(&a, -hair);
-                let wrong = (state.stop == Stop::Stable) && !stable;
-                let least = if value < 0.0 { f64::NEG_INFINITY } else { value - error - hair };
-                let outside = !(none_below(&a, least.max(-1e9)) && !none_below(&a, value + hair));
+                // A positive lower bound that holds is a sign that holds.
+                let bounded = none_below(&a, value - error - hair);
+                let wrong = state.stop == Stop::Stable && !bounded && !none_below(&a, -hair);
+                let outside = !bounded && value >= 0.0 || none_below(&a, value + hair);
                 tally.wrong += usize::from(wrong);
                 tally.outside += usize::from(outside);
                 if wrong || outside {
@@ -243,8 +254,14 @@ fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
         // The work on a dense matrix grows with the sixth power of the side.
         let most = match (asked, seed % 40) {
             (None, _) => 12,
-            (_, 0) => 48,
-            (_, 1..4) => 32,
+            (_, 0) => {
+                if seed % 400 == 0 {
+                    48
+                } else {
+                    32
+                }
+            }
+            (_, 1..4) => 24,
             _ => 16,
         };
         let (scene, reduction) = random_scene(&mut rng, most);

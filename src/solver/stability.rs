@@ -150,7 +150,9 @@ impl Tracker {
     /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from below.
     fn at(&mut self, place: &mut Place<'_>, sharp: f64, cancel: &Cancel) -> (Stiffness, Vec<f64>) {
         let room = self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| proof.room(place));
-        if room > 0.0 && let Some(softest) = self.modes.first() {
+        if room > 0.0
+            && let Some(softest) = self.modes.first()
+        {
             let (seen, mode) = place.measured(softest.clone());
             if seen.error <= sharp * place.goal(TRACKED, seen.value) && room >= KEPT * seen.value {
                 return (Stiffness { value: seen.value, error: seen.value - room }, mode);
