@@ -107,6 +107,7 @@ fn counts(run: &LoopRun) -> CountSummary {
         jumps: run.record.jumps.len(),
         patterned_increments: counts.patterned_increments,
         transforms: counts.transforms,
+        proof_transforms: counts.proof_transforms,
         transforms_per_patterned_increment: per_increment.into(),
         iterations: counts.iterations,
     }

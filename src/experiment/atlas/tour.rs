@@ -85,7 +85,7 @@ impl Atlas {
         if run.outcome == Outcome::Completed {
             journey.closed()?;
         }
-        run.counts.transforms = tour.transforms();
+        (run.counts.transforms, run.counts.proof_transforms) = (tour.transforms(), tour.guard.proof_transforms());
         Ok(run)
     }
 }
