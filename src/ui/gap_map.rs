@@ -5,6 +5,7 @@ use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
+use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
 use crate::worker::protocol::Frame;
@@ -213,13 +214,13 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     }
     let text = ui.visuals().text_color();
     ui.painter().text(pos2(bar.left() - 2.0, map.top()), Align2::LEFT_TOP, "gap / ρ", theme::small(), text);
-    let spacing = scene_edit::tick_spacing(top, 8.0);
+    let spacing = ticks::spacing(top, 8.0);
     let mut value = 0.0;
     while value <= top * 1.001 {
         let y = bar.bottom() - (value / top) as f32 * bar.height();
         ui.painter().hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
         let above = value + spacing > top * 1.001 && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
-        let label = if above { format!("≥{}", scene_edit::tick_words(value)) } else { scene_edit::tick_words(value) };
+        let label = format!("{}{}", if above { "≥" } else { "" }, ticks::label(value, spacing));
         ui.painter().text(pos2(bar.right() + 7.0, y), Align2::LEFT_CENTER, label, theme::small(), text);
         value += spacing;
     }

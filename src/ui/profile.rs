@@ -5,6 +5,7 @@ use super::gap_picture::GapPicture;
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
+use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
@@ -99,20 +100,20 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     let colour = ui.visuals().text_color();
     let tick = Stroke::new(1.0, colour);
     let painter = ui.painter();
-    let spacing = scene_edit::tick_spacing(high - low, 5.0);
+    let spacing = ticks::spacing(high - low, 5.0);
     let mut k = (low / spacing).ceil();
     while k * spacing <= high {
         let y = frame.bottom() - ((k * spacing - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
         // The uppermost number gives way to the name of the axis.
         if y > frame.top() + 16.0 {
-            let text = scene_edit::tick_words(k * spacing);
+            let text = ticks::label(k * spacing, spacing);
             painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
         }
         k += 1.0;
     }
     let length = state.model.grid.length / state.rho();
-    let spacing = scene_edit::tick_spacing(length, 5.5);
+    let spacing = ticks::spacing(length, 5.5);
     let mut value = 0.0;
     while value <= 0.9 * length {
         let x = frame.left() + (value / length) as f32 * frame.width();
@@ -124,7 +125,7 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         } else {
             Align2::CENTER_TOP
         };
-        let text = scene_edit::tick_words(value);
+        let text = ticks::label(value, spacing);
         painter.text(pos2(x, frame.bottom() + 5.0), anchor, text, theme::small(), colour);
         value += spacing;
     }

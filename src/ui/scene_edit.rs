@@ -195,19 +195,6 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
     (-0.5 * top, top)
 }
 
-/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
-pub fn tick_spacing(span: f64, count: f64) -> f64 {
-    let x = (span / count).max(1e-12);
-    let decade = 10f64.powf(x.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
-}
-
-/// The words of a tick, without the noise of its last digits and without a minus before zero.
-pub fn tick_words(value: f64) -> String {
-    let rounded = (value * 1e6).round() / 1e6;
-    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
-}
-
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10, ... at or above `x`.
 pub fn nice(x: f64) -> f64 {
     let decade = 10f64.powf(x.max(1e-12).log10().floor());

@@ -4,6 +4,7 @@
 mod accuracy;
 mod bench;
 mod commands;
+mod dialogs;
 mod live;
 mod model;
 mod paper;
