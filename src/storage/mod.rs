@@ -9,6 +9,7 @@ pub mod export;
 mod failure;
 pub mod figure;
 pub mod files;
+mod open;
 pub mod picture;
 pub mod presets;
 pub mod report;
@@ -16,3 +17,4 @@ pub mod scene_file;
 pub mod summary;
 
 pub use failure::Failure;
+pub use open::{open_scene, read_regular, remove};
