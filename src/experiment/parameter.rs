@@ -139,7 +139,7 @@ pub(super) fn number(x: f64) -> String {
     let size = x.abs();
     if x == SEED_MAX {
         i64::MAX.to_string()
-    } else if size == 0.0 || (1e-3..1e6).contains(&size) {
+    } else if size == 0.0 || (1e-3..1e10).contains(&size) {
         x.to_string()
     } else {
         format!("{x:e}")

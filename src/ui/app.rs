@@ -11,7 +11,8 @@ use crate::storage::{self, export, picture, presets, scene_file};
 use crate::worker::job::{Fate, Job};
 use crate::worker::protocol::Command;
 use egui::containers::PanelState;
-use egui::{CentralPanel, Context, Panel, Ui};
+use egui::scroll_area::ScrollSource;
+use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -32,6 +33,9 @@ pub struct App {
 
 /// The reading of a scene, which may take as long as the file system likes.
 type Opening = Job<Result<Scene, storage::Failure>>;
+
+/// The least room in which the panels stand beside each other (points).
+const LAYOUT: Vec2 = vec2(760.0, 480.0);
 
 /// How often a file that is being opened is asked for, besides the call that tells it is there.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
@@ -73,7 +77,7 @@ impl App {
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         self.announce(&ctx);
-        self.panels(ui, &mut actions);
+        self.everything(ui, &mut actions);
         paper::window(&ctx, &self.state, &mut actions);
         self.dialogs.show(&ctx, &self.state, &mut actions);
         // The panels above were drawn before this; draw them once more with what follows.
@@ -135,9 +139,24 @@ impl App {
         }
     }
 
+    /// The panels; where the window is smaller than they need, the whole of them scrolls.
+    fn everything(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let room = ui.available_size();
+        if room.x >= LAYOUT.x && room.y >= LAYOUT.y {
+            return self.panels(ui, actions);
+        }
+        // Dragging belongs to sliders, map and plots.
+        let source = ScrollSource::SCROLL_BAR | ScrollSource::MOUSE_WHEEL;
+        ScrollArea::both().auto_shrink(false).scroll_source(source).show(ui, |ui| {
+            let size = room.max(LAYOUT);
+            let (_, rect) = ui.allocate_space(size);
+            self.panels(&mut ui.new_child(UiBuilder::new().max_rect(rect)), actions);
+        });
+    }
+
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let state = &self.state;
-        let width = ui.ctx().content_rect().width();
+        let width = ui.available_width();
         Panel::top("toolbar").show(ui, |ui| {
             ui.add_space(3.0);
             toolbar::show(ui, state, actions);
