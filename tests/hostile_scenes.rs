@@ -26,7 +26,7 @@ const MEMORY_KB: u64 = 4 << 20;
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Longest time to answer Ctrl-C.
 const ANSWER: Duration = Duration::from_secs(1);
-/// Within this an answer may come where the machine is busy with other work; between the two it is counted as late.
+/// After this long without an answer it hangs.
 const HANG: Duration = Duration::from_secs(20);
 
 /// Scenes from which files are made: every law and every ground, on tiny meshes with few steps.
@@ -346,7 +346,13 @@ fn no_scene_file_makes_the_program_panic_hang_or_print_what_is_no_number() {
                         return;
                     }
                     let (text, more) = file(number, &seeds);
-                    let (end, words, answer) = run(folder.path(), &text, &more);
+                    let (mut end, mut words, mut answer) = run(folder.path(), &text, &more);
+                    // Late by itself, or because the machine was busy with something else?
+                    for _ in 0..2 {
+                        if end == End::Late {
+                            (end, words, answer) = run(folder.path(), &text, &more);
+                        }
+                    }
                     if end.is_fault() {
                         if let Some(keep) = std::env::var_os("TACKSCOPE_KEEP") {
                             let _ = fs::create_dir_all(&keep);
