@@ -60,8 +60,10 @@ impl<J> Drop for Aside<J> {
 
 fn run<J>(inbox: &Receiver<(J, Cancel)>, work: &dyn Fn(J, &Cancel)) {
     for (job, token) in inbox {
-        // Dropped while it waited: it still says that it is over.
-        work(job, &token);
+        // One that was dropped while it waited is never begun.
+        if !token.requested() {
+            work(job, &token);
+        }
     }
 }
 
@@ -81,11 +83,14 @@ mod tests {
         });
         let next = || heard.recv_timeout(Duration::from_secs(5)).expect("cancelled");
         aside.start(1);
+        std::thread::sleep(Duration::from_millis(50));
         aside.start(2);
         assert_eq!(next(), 1);
+        std::thread::sleep(Duration::from_millis(50));
         aside.stop();
         assert_eq!(next(), 2);
         aside.start(3);
+        std::thread::sleep(Duration::from_millis(50));
         drop(aside);
         assert_eq!(next(), 3);
     }
