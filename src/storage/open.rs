@@ -35,3 +35,20 @@ pub fn remove(path: &Path) {
     // What cannot be removed stays, and is refused again next time.
     let _ = fs::remove_file(path);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pipe_is_refused_without_waiting_for_what_it_may_give() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(open_scene(&path).unwrap_err().to_string().contains("a pipe or a device"));
+        remove(&path);
+        assert!(!path.exists() && open_scene(&path).is_err() && open_scene(folder.path()).is_err());
+        files::write_whole(&path, b"12345678").unwrap();
+        assert!(read_regular(&path, 8).is_ok() && read_regular(&path, 7).is_err());
+    }
+}

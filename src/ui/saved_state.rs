@@ -128,17 +128,4 @@ mod tests {
         assert_eq!(kept(&saved("(what is this", "{{{{")), [""; 0]);
         assert_eq!(kept("no ron at all"), [""; 0]);
     }
-
-    #[test]
-    fn a_file_that_is_not_regular_or_too_long_is_removed() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("app.ron");
-        mend(&path);
-        files::write_whole(&path, &vec![b' '; BYTES_MAX as usize + 1]).unwrap();
-        mend(&path);
-        assert!(!path.exists());
-        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-        mend(&path);
-        assert!(!path.exists());
-    }
 }
