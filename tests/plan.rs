@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, plan, reference};
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, next_fast, plan, reference};
 use tackscope::experiment::run::{run_planned, run_reduced};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
@@ -134,4 +134,25 @@ fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, Wish::Plan).road, Road::Walk(Reduction::Quarter));
     assert_eq!(plan(&scene, &model, Wish::Whole).road, Road::Walk(Reduction::Whole));
+}
+
+#[test]
+fn the_next_fast_count_is_the_first_of_a_search_and_found_at_once_however_large() {
+    let is_fast = |n: usize| {
+        let mut rest = n;
+        for p in [2, 3, 5] {
+            while rest.is_multiple_of(p) {
+                rest /= p;
+            }
+        }
+        n.is_multiple_of(8) && rest == 1
+    };
+    for n in (0..3000).chain([4095, 4096, 4097, 99_991]) {
+        let found = next_fast(n);
+        assert_eq!(Some(found), (n.max(1)..).find(|&n| is_fast(n)), "{n}");
+    }
+    for n in [10_usize.pow(15) + 1, 1 << 59, usize::MAX] {
+        let found = next_fast(n);
+        assert!(is_fast(found) && found >= n.min(1 << 60), "{n}: {found}");
+    }
 }

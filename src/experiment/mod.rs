@@ -8,6 +8,7 @@ pub mod flat_branch;
 pub mod forecast;
 pub mod live_loop;
 pub mod measured_law;
+pub mod parameter;
 pub mod plan;
 pub mod record;
 pub mod run;

@@ -75,6 +75,12 @@ pub fn spacing(span: f64, count: f64) -> f64 {
     [1.0, 2.0, 5.0].into_iter().map(|f| f * unit).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * unit)
 }
 
+/// The ticks of an axis from `low` to `high`, about `count` of them, and their distance. Never many, whatever the ends are.
+pub fn within(low: f64, high: f64, count: f64) -> (Vec<f64>, f64) {
+    let spacing = spacing(high - low, count);
+    (multiples(low, high, spacing).collect(), spacing)
+}
+
 /// The words of a tick whose neighbours are `spacing` away, with a real minus sign.
 pub fn label(value: f64, spacing: f64) -> String {
     digits(value, spacing).replace('-', "\u{2212}")
@@ -100,7 +106,7 @@ pub fn digits(value: f64, spacing: f64) -> String {
 
 fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last.min(first + 50)).map(move |i| i as f64 * step)
+    (first..=last.min(first.saturating_add(50))).map(move |i| i as f64 * step)
 }
 
 /// A small whole number times a power of ten, as one reads it.

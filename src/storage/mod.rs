@@ -11,6 +11,7 @@ pub mod figure;
 pub mod files;
 pub mod folder;
 mod line;
+mod open;
 pub mod picture;
 pub mod presets;
 pub mod process;
@@ -20,3 +21,4 @@ pub mod summary;
 
 pub use failure::Failure;
 pub use line::line;
+pub use open::{open_scene, read_regular, remove};

@@ -247,14 +247,8 @@ pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) ->
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
 pub fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let step = ticks::spacing(high - low, count);
-    let first = (low / step).ceil();
-    (0..60)
-        .map(|i| (first + f64::from(i)) * step)
-        .take_while(|x| *x <= high)
-        .map(|value| GridMark { value, step_size: step })
-        .collect()
+    let (values, step_size) = ticks::within(input.bounds.0, input.bounds.1, count);
+    values.into_iter().map(|value| GridMark { value, step_size }).collect()
 }
 
 /// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.

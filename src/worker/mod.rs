@@ -3,6 +3,8 @@
 mod aside;
 mod course;
 pub mod crew;
+mod end;
+pub mod job;
 mod live;
 mod measure;
 mod paper;
