@@ -158,7 +158,7 @@ impl Tracker {
         {
             let (seen, mode) = place.measured(softest.clone());
             if seen.error <= sharp * place.goal(TRACKED, seen.value) && room >= KEPT * seen.value {
-                return (Stiffness { value: seen.value, error: seen.value - room }, mode);
+                return (Stiffness { value: seen.value, error: (seen.value - room).max(0.0) }, mode);
             }
         }
         let mut relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
@@ -171,7 +171,7 @@ impl Tracker {
                 return (Stiffness { value, error: found.residual }, mode);
             }
             if room >= KEPT * value {
-                return (Stiffness { value, error: value - room }, mode);
+                return (Stiffness { value, error: (value - room).max(0.0) }, mode);
             }
             let before = place.ws.transforms;
             let sign_alone = value < SIGN_ALONE * place.system.grid().q1() || find + 2 >= FINDS;
@@ -242,6 +242,7 @@ impl Place<'_> {
         let Self { system, removed, preconditioner, ws } = self;
         let (strangers, least, most) = if known.is_empty() { (6, 8, 80) } else { (0, 1, 12) };
         let mut start = known;
+        start.iter_mut().for_each(|mode| system.make_real(mode));
         start.extend((0..strangers).map(|_| random_smooth(system, rng)));
         let limits = EigenLimits { pairs: 2, least, most, relative, absolute: NEAR_ZERO * system.grid().q1() };
         let precondition = |r: &[f64], out: &mut [f64]| {
@@ -298,6 +299,7 @@ impl Place<'_> {
 
     /// The eigenvalue of a `mode`, its error, and the mode normalised.
     fn measured(&mut self, mut mode: Vec<f64>) -> (Stiffness, Vec<f64>) {
+        self.system.make_real(&mut mode);
         project_out(&mut mode, &self.removed);
         let length = norm(&mode);
         scale(&mut mode, 1.0 / length);

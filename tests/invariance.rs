@@ -1,0 +1,106 @@
+//! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
+
+use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::record::JumpRecord;
+use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
+use tackscope::experiment::scene::{Points, Range, Scene, Turn};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::indenter::Indenter;
+use tackscope::solver::method::MethodKind;
+use tackscope::storage::presets;
+
+fn looped(scene: &Scene, reduction: Reduction) -> LoopRun {
+    let run = run_reduced(scene, MethodKind::NewtonKrylov, reduction, &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed);
+    run
+}
+
+fn wavy() -> Scene {
+    let mut scene = presets::resolve("wavy").unwrap();
+    scene.cell.points = Points::Square(32);
+    scene.law.range = Range::Length(0.3);
+    scene
+}
+
+/// The same jumps at the same places, in ranges, with the same releases.
+fn assert_same(one: &LoopRun, other: &LoopRun, within: f64, range: f64, what: &str) {
+    let places = |run: &LoopRun| run.record.jumps.iter().map(|j| j.mean_displacement / range).collect::<Vec<_>>();
+    let (a, b) = (places(one), places(other));
+    assert_eq!(a.len(), b.len(), "{what}: {a:?} {b:?}");
+    let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < within, "{what}: {off} ranges, {a:?} {b:?}");
+    let loss = |run: &LoopRun| run.record.jumps.iter().map(|j: &JumpRecord| j.released_energy).sum::<f64>();
+    assert!((loss(one) - loss(other)).abs() < within * loss(one).abs(), "{what}: {} {}", loss(one), loss(other));
+}
+
+#[test]
+fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
+    let mut scene = wavy();
+    (scene.drive.turn, scene.drive.step) = (Turn::At(-0.2), 0.03);
+    let mut run = |periods, seed| {
+        scene.indenter = Indenter::Wave { amplitude: 0.3, periods };
+        scene.seed = seed;
+        looped(&scene, Reduction::Whole)
+    };
+    let along_x = run([3, 0], 1);
+    assert!(!along_x.record.jumps.is_empty());
+    for seed in 1..4 {
+        assert_same(&along_x, &run([0, 3], seed), 1e-3, 0.3, &format!("seed {seed}"));
+    }
+}
+
+#[test]
+fn jumps_on_waves_do_not_depend_on_seed_or_step() {
+    let scene = wavy();
+    let first = looped(&scene, Reduction::Whole);
+    assert!(first.record.jumps.len() >= 8);
+    for seed in 2..6 {
+        assert_same(&first, &looped(&Scene { seed, ..scene.clone() }, Reduction::Whole), 1e-3, 0.3, &format!("seed {seed}"));
+    }
+    for step in [0.007, 0.05, 1.0] {
+        let mut other = scene.clone();
+        other.drive.step = step;
+        assert_same(&first, &looped(&other, Reduction::Whole), 1e-3, 0.3, &format!("step {step}"));
+    }
+}
+
+#[test]
+fn gentle_ground_loses_what_flat_ground_loses_on_a_mesh_with_an_odd_quarter() {
+    let flat = presets::resolve("fig2").unwrap();
+    let gentle = |points, amplitude| {
+        let mut scene = flat.clone();
+        (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.08);
+        scene.indenter = if amplitude == 0.0 { Indenter::Flat } else { Indenter::Wave { amplitude, periods: [1, 1] } };
+        looped(&scene, Reduction::Whole)
+    };
+    let (right, found) = (gentle(40, 0.0), gentle(42, 1e-4));
+    // The crest pulls the ends of branches along by the square root of its height at most: a hundredth of a range.
+    assert_same(&right, &found, 0.02, 1.0, "amplitude 1e-4");
+}
+
+#[test]
+fn steps_longer_than_a_pattern_lives_find_every_pattern() {
+    let scene = presets::resolve("fig2").unwrap();
+    let run = |step| {
+        let mut scene = scene.clone();
+        (scene.cell.points, scene.drive.step) = (Points::Square(48), step);
+        looped(&scene, Reduction::Whole)
+    };
+    let short = run(0.05);
+    assert_eq!(short.record.jumps.len(), 8);
+    for step in [1.0, 4.0] {
+        assert_same(&short, &run(step), 1e-3, 1.0, &format!("step {step}"));
+    }
+}
+
+#[test]
+fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
+    // One crest, on a mesh point here and between points there: that far apart are the meshes.
+    let mut scene = wavy();
+    scene.indenter = Indenter::Wave { amplitude: 0.5, periods: [1, 1] };
+    scene.cell.points = Points::Square(48);
+    scene.drive.step = 0.05;
+    let (whole, quarter) = (looped(&scene, Reduction::Whole), looped(&scene, Reduction::Quarter));
+    assert!(!whole.record.jumps.is_empty());
+    assert_same(&whole, &quarter, 5e-3, 0.3, "48 points");
+}
