@@ -15,10 +15,10 @@ use crate::solver::stability::random_smooth;
 /// Width, in ranges, to which the end of a branch is bracketed: a fifth of what a plan promises for jumps at half a range.
 const LOCATED: f64 = 1e-5;
 
-/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; folds on uneven
-/// ground come in pairs that may lie closer, and two of them in one step would go unseen.
+/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; on uneven ground a
+/// branch may be unstable for a tenth of a range alone, and a step across that goes unseen.
 const LONGEST_FLAT: f64 = 0.5;
-const LONGEST_UNEVEN: f64 = 0.15;
+const LONGEST_UNEVEN: f64 = 0.1;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
