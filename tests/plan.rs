@@ -97,8 +97,8 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
         let model = scene.model().unwrap();
         let plan = plan(&scene, &model, Wish::Plan);
         let newton = MethodKind::NewtonKrylov;
-        let (run, deviation) = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
-        assert_eq!(deviation, None);
+        let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+        assert_eq!(run.deviation, None);
         let finer = run_reduced(&reference(&scene, &model), newton, Reduction::Whole, &Cancel::default(), &mut |_| {}).unwrap();
         let measured = measured_error(&run.record, &finer.record);
         println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);

@@ -3,7 +3,7 @@
 use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_interrupt, say};
-use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, reference};
+use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, promise, reference, refusal};
 use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
@@ -44,6 +44,14 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
     let (scene, place) = scene(arguments)?;
     let refused = |error: SceneError| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
+    if let Some(reason) = refusal(&scene, &model, arguments.model) {
+        return Err(Failure::Value {
+            file: place.clone(),
+            key: "--model".to_owned(),
+            value: arguments.model.word().to_owned(),
+            allowed: format!("this scene has no atlas, since {reason}; leave --model out, or take whole"),
+        });
+    }
     files::prepare_folder(&arguments.out)?;
     let cancel = cancel_on_interrupt();
 
@@ -52,7 +60,7 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
     let wish = if newton || arguments.model != Wish::Plan { arguments.model } else { Wish::Whole };
     let plan = plan_of(&scene, &model, wish);
     let main = timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
-    report::write_results(&arguments.out, &scene, &model, &main.run)?;
+    report::write_results(&arguments.out, &scene, &model, &plan, &main.run)?;
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, arguments.method.word(), &main);
     let summary_path = arguments.out.join("summary.json");
     summary::write_summary(&summary_path, &told)?;
@@ -72,11 +80,12 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
             summary::write_summary(&summary_path, &told)?;
         }
     }
-    if let (Some(warning), false) = (model.warning(), arguments.quiet) {
-        eprintln!("tackscope: {warning}");
-    }
     if !arguments.quiet {
-        say(&closing_words(arguments, &model, &main.run, told.yardstick.as_ref()));
+        told.warnings.iter().for_each(|warning| eprintln!("tackscope: {warning}"));
+        say(&closing_words(arguments, &told, &main.run));
+    }
+    if let (Some(reason), Some(remedy)) = (&told.open_reason, &told.open_remedy) {
+        eprintln!("tackscope: loop not closed: {reason}; {remedy}");
     }
     if let Some(reason) = told.stop_reason {
         eprintln!("tackscope: {} at {reason}; what was computed is in {}", told.stop, arguments.out.display());
@@ -115,11 +124,11 @@ fn timed(
     let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
     let mut teller = Teller::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
-    let (run, deviation) = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news))?;
+    let run = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news))?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
-    Ok(Timed { run, deviation, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
+    Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {
@@ -131,19 +140,24 @@ fn exit_code(outcome: &Outcome) -> u8 {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &RunArguments, model: &Model, run: &LoopRun, yardstick: Option<&summary::Yardstick>) -> String {
-    let loss = match report::dissipated_energy(run, model) {
-        Some(loss) => format!("dissipated energy {:.4} gamma", if loss.abs() < 5e-5 { 0.0 } else { loss }),
-        None => "loop not closed".to_owned(),
+fn closing_words(arguments: &RunArguments, told: &summary::Summary, run: &LoopRun) -> String {
+    let loss = told.dissipated_energy.0;
+    let loss = match (&told.open_reason, loss.is_finite()) {
+        (Some(reason), _) => format!("loop not closed: {reason}"),
+        (None, false) => "loop not closed".to_owned(),
+        (None, true) => {
+            let accuracy = promise(Some(told.stated_error.0));
+            format!("dissipated energy {:.4} gamma, {accuracy}", if loss.abs() < 5e-5 { 0.0 } else { loss })
+        }
     };
-    let ratio = match yardstick {
+    let ratio = match &told.yardstick {
         Some(yardstick) if yardstick.processor_time_ratio.0.is_finite() => {
             format!(", {:.1} times less processor time than gfmd", yardstick.processor_time_ratio.0)
         }
         _ => String::new(),
     };
-    let (states, jumps) = (run.record.states.len(), run.record.jumps.len());
-    format!("{loss}, {jumps} jumps, {states} states{ratio}: written to {}", arguments.out.display())
+    let (states, tally) = (run.record.states.len(), run.record.tally());
+    format!("{loss}, {tally}, {states} states{ratio}: written to {}", arguments.out.display())
 }
 
 #[cfg(test)]

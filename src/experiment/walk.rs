@@ -14,6 +14,7 @@ mod widen;
 
 pub use happening::{Counts, Happening, Progress};
 pub use views::EnergyWell;
+pub use widen::Widened;
 
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;

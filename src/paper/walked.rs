@@ -16,7 +16,7 @@ pub(super) fn walk(scene: &Scene, reduction: Reduction) -> Result<Walk, Stopped>
 pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
     task.tell(0.0, &scene.title)?;
     let cancel = task.cancel;
-    let run = run_walk(walk, scene, cancel, &mut |report| {
+    let run = run_walk(walk, scene, MethodKind::NewtonKrylov, cancel, &mut |report| {
         if let Report::State { fraction, .. } = report {
             // A request to stop ends the loop by itself.
             let _ = task.tell(fraction, &scene.title);

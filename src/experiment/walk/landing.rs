@@ -1,9 +1,12 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
 use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
-use crate::experiment::record::{Cause, JumpRecord};
+use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
+use crate::physics::mesh_rule;
+use crate::physics::pattern::{Pattern, contact_set, moves_by_a_spacing};
+use crate::physics::theory::flat;
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
@@ -20,6 +23,10 @@ const PEAK: f64 = 4.0;
 const LEAST_KICK: f64 = 1e-4;
 /// Released energy, in gamma, below which a landing on the same pattern is no jump.
 const EVENT: f64 = 1e-6;
+/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a jump.
+const WEAK: f64 = 1e-2;
+/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits are uncertain.
+const APART: f64 = 3e-4;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
 /// How often an unstable landing may be kicked on before the walk gives up.
@@ -28,13 +35,21 @@ const KICKS: usize = 8;
 impl Walk {
     /// Starts the release at a barrier. `choose`: take the side of the soft mode on which the energy falls.
     pub(super) fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
-        let du = barrier.at - self.state.mean_displacement;
-        let energy_before = self.state.energy + self.state.stress * du;
+        let (_, energy_before) = self.carried_to(barrier.at);
         let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, KICK, choose);
         let Barrier { at, cause, soft_mode, .. } = barrier;
         let release = Release::new(z, at).with_tolerance(self.system.precision().tolerance());
         self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick: KICK, energy_before });
         Progress::Working
+    }
+
+    /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order, with the slope of the stress from
+    /// the state before.
+    fn carried_to(&self, u0: f64) -> (f64, f64) {
+        let (here, stress, du) = (self.state.mean_displacement, self.state.stress, u0 - self.state.mean_displacement);
+        let slope = self.before.map_or(0.0, |before| (stress - before.stress) / (here - before.at));
+        let there = stress + slope * du;
+        (there, self.state.energy + 0.5 * (stress + there) * du)
     }
 
     /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
@@ -180,7 +195,7 @@ impl Walk {
     pub(super) fn land(&mut self, mut jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let law = self.model.law;
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
-        let stress_before = self.state.stress;
+        let (stress_before, _) = self.carried_to(landed.mean_displacement);
         self.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
@@ -212,9 +227,19 @@ impl Walk {
         event: f64,
         observe: &mut dyn FnMut(Happening),
     ) {
-        self.state = landed;
+        let left = std::mem::replace(&mut self.state, landed);
         (self.before, self.short) = (None, None);
         let (from, to) = (self.record.pattern, self.pattern());
+        let du = (self.state.mean_displacement - left.mean_displacement).abs();
+        // The end lies somewhere on the way from the last state: what the release changes on it, and what the energy was carried.
+        let changed = (self.state.stress - stress_before).abs() + 0.5 * (stress_before - left.stress).abs();
+        let mut error = du * changed / self.model.law.surface_energy;
+        let (mut released, mut cause) = (released, cause);
+        if from != to && self.is_continuous(from, to, released, event) {
+            (released, error, cause) = (0.0, released.abs(), Cause::Transition);
+        } else if from == to && self.is_of_the_mesh(&left) {
+            cause = Cause::Mesh;
+        }
         if from == to && released <= event {
             self.history.push(self.state.mean_displacement, self.state.field.clone());
         } else {
@@ -227,9 +252,78 @@ impl Walk {
                 stress_before,
                 stress_after: self.state.stress,
                 released_energy: released,
+                release_error: error,
                 cause,
             }));
         }
+        // The change of pattern is told.
+        self.record.pattern = to;
         self.accept(observe);
+    }
+
+    /// True if the surface came to the present state, of another pattern, without a jump: then the branch it is on goes over into the one
+    /// it left, as at a supercritical bifurcation, and there is no stable state of it at a distance before the limit. After a jump there
+    /// is one, beside the state that was left.
+    fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
+        let small = released.abs() <= event;
+        let Some(flat) = self.flat.filter(|_| (small || released < WEAK) && (from == Pattern::Flat) != (to == Pattern::Flat)) else {
+            return small;
+        };
+        let side = if self.direction == Branch::Approach { 1.0 } else { -1.0 };
+        let (here, before) = (self.state.mean_displacement, self.state.mean_displacement + side * APART * self.model.law.range);
+        if to == Pattern::Flat {
+            return flat.state(before, 0).stop != Stop::Stable;
+        }
+        // So soft a state is told from the flat one only by a small residual.
+        let limits = NewtonLimits { tolerance: self.system.precision().floor().max(1e-10), ..NewtonLimits::of(&self.system) };
+        let problem = problem(&self.system, &self.preconditioner, self.slides);
+        let pattern = self.state.field.clone();
+        let found = solve(&problem, pattern.clone(), before, limits, &mut self.ws, &Cancel::default());
+        self.system.evaluate(&pattern, here, &mut vec![0.0; pattern.len()], &mut self.ws);
+        match found.end {
+            NewtonEnd::Converged => norm(&found.z) < 0.5 * norm(&pattern),
+            _ => small,
+        }
+    }
+
+    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
+    /// come to an end: where the flat state has its limit, if that lies on the way.
+    pub(super) fn note_transition(&self, to: Pattern, observe: &mut dyn FnMut(Happening)) {
+        let from = self.record.pattern;
+        let Some(flat) = self.flat.filter(|_| (from == Pattern::Flat) != (to == Pattern::Flat)) else { return };
+        let (a, b, law) = (self.record.mean_displacement, self.state.mean_displacement, &self.model.law);
+        let limits = flat::limits(law, self.model.grid.length).map(|(lower, upper)| [lower, upper]);
+        let on_the_way = limits.into_iter().flatten().find(|limit| a.min(b) < *limit && *limit < a.max(b));
+        let (at, stress) = on_the_way.map_or((b, self.state.stress), |limit| (limit, flat.state(limit, 0).stress));
+        let work = 0.5 * ((self.record.stress + stress) * (at - a) + (stress + self.state.stress) * (b - at));
+        observe(Happening::Jump(JumpRecord {
+            branch: self.direction,
+            mean_displacement: at,
+            from,
+            to,
+            stress_before: stress,
+            stress_after: stress,
+            released_energy: 0.0,
+            release_error: (self.record.energy + work - self.state.energy).abs() / law.surface_energy,
+            cause: Cause::Transition,
+        }));
+    }
+
+    /// True if a coarse mesh is why the surface jumped from `left` to the present state: on no mesh does the edge of the contact move by
+    /// more than a spacing in such a jump, so that it vanishes with refinement. Meshes on which the shortest wave that a smooth law makes
+    /// unstable is many spacings long have no such jumps.
+    fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
+        let law = self.model.law;
+        if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
+            return false;
+        }
+        // Looking is no part of the solution's cost.
+        let spent = self.ws.transforms;
+        let now = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
+        self.system.gap(&left.field, left.mean_displacement, &mut self.ws);
+        let before = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
+        self.system.gap(&self.state.field, self.state.mean_displacement, &mut self.ws);
+        self.ws.transforms = spent;
+        moves_by_a_spacing(&before, &now)
     }
 }

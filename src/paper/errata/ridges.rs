@@ -150,7 +150,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
     let model = scene.model().map_err(|error| refused(&scene, error))?;
     let plan = plan(&scene, &model, Wish::Plan);
     let found = run_planned(&scene, MethodKind::NewtonKrylov, &plan, task.cancel, &mut |_| {});
-    let run = completed(found.map_err(|error| refused(&scene, error))?.0, &scene)?;
+    let run = completed(found.map_err(|error| refused(&scene, error))?, &scene)?;
     let (law, units) = (&model.law, Units { length: model.grid.length, surface_energy: model.law.surface_energy });
     let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());
