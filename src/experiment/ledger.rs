@@ -21,7 +21,7 @@ pub struct Ledger {
     /// Why the loop is not closed; `None` if it is.
     pub open: Option<Open>,
     /// True where states are no equilibria or jumps are only noticed: energy is then lost between the jumps too.
-    viscous: bool,
+    pub viscous: bool,
 }
 
 /// Why a loop is not closed, and what to do about it.
@@ -56,9 +56,9 @@ impl Ledger {
         Some(predicted + located).filter(|error| *error < 1.0 && !self.viscous)
     }
 
-    /// |loop integral - sum of releases| over the loss; `None` where nothing is lost.
+    /// |loop integral - sum of releases| over the loss; `None` where nothing is lost, or some of it between the jumps.
     pub fn mismatch(&self) -> Option<f64> {
-        let loss = self.dissipated_energy().filter(|loss| loss.abs() > LOSS_MIN)?;
+        let loss = self.dissipated_energy().filter(|loss| loss.abs() > LOSS_MIN && !self.viscous)?;
         Some(((self.loop_integral - self.released_energy_sum) / loss).abs())
     }
 
@@ -152,6 +152,12 @@ impl LoopRecord {
                 done.push(std::mem::take(&mut stretch));
             }
             stretch.begin(a);
+            // What was noticed only later: the kink was passed unbroken.
+            let behind = |at: f64| (b[0] - a[0]) * (at - a[0]) < 0.0;
+            while jumps
+                .next_if(|j| j.cause == Cause::Transition && j.branch == pair[1].branch && behind(j.mean_displacement))
+                .is_some()
+            {}
             let between = |at: f64| (a[0] < at && at < b[0]) || (b[0] < at && at < a[0]);
             match jumps.next_if(|j| j.branch == pair[1].branch && (j.mean_displacement == b[0] || between(j.mean_displacement))) {
                 None => {

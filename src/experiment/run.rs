@@ -34,11 +34,6 @@ impl LoopRun {
         Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None }
     }
 
-    /// True if the drive went all the way and ends in the state with which it began.
-    pub fn is_closed(&self) -> bool {
-        self.ledger(1.0).is_some_and(|ledger| ledger.open.is_none())
-    }
-
     /// The ledger, for a law of `surface_energy` gamma; `None` if the drive was not completed.
     pub fn ledger(&self, surface_energy: f64) -> Option<Ledger> {
         (self.outcome == Outcome::Completed).then(|| self.record.ledger(surface_energy))
@@ -163,13 +158,7 @@ pub fn run_in_precision(
 }
 
 /// The same with a walk of this `method` that stands at the start of the drive of `scene`.
-pub fn run_walk(
-    walk: Walk,
-    scene: &Scene,
-    method: MethodKind,
-    cancel: &Cancel,
-    observe: &mut dyn FnMut(Report<'_>),
-) -> LoopRun {
+pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
     let mut drive = Drive::new(walk, scene);
     if let Some((what, remedy)) = drive.walk.record().fault() {
         drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason: format!("{what}; {remedy}") };

@@ -28,7 +28,10 @@ pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<Loop
 /// The loop if it is closed.
 pub(super) fn completed(run: LoopRun, scene: &Scene) -> Result<LoopRun, Stopped> {
     match &run.outcome {
-        Outcome::Completed => Ok(run),
+        Outcome::Completed => match run.record.ledger(1.0).open {
+            None => Ok(run),
+            Some(open) => Err(Stopped::Failed(format!("{}: loop not closed: {}", scene.title, open.reason))),
+        },
         Outcome::Cancelled => Err(Stopped::Cancelled),
         Outcome::NotConverged { mean_displacement, reason } => {
             Err(Stopped::Failed(format!("{}: stopped at u0 = {mean_displacement}: {reason}", scene.title)))

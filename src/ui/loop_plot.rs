@@ -172,7 +172,9 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, lines: &[TheoryLine], palette: &Palette) {
-    if let Some(closed) = state.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none() && closed.shade.x.len() > 1) {
+    if let Some(closed) =
+        state.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none() && closed.shade.x.len() > 1)
+    {
         let shade = &closed.shade;
         plot.add(FilledArea::new("dissipated", &shade.x, &shade.low, &shade.high).fill_color(palette.shade).allow_hover(false));
     }

@@ -266,7 +266,8 @@ impl Walk {
     /// is one, beside the state that was left.
     fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
         let small = released.abs() <= event;
-        let Some(flat) = self.flat.filter(|_| (small || released < WEAK) && (from == Pattern::Flat) != (to == Pattern::Flat)) else {
+        let Some(flat) = self.flat.filter(|_| (small || released < WEAK) && (from == Pattern::Flat) != (to == Pattern::Flat))
+        else {
             return small;
         };
         let side = if self.direction == Branch::Approach { 1.0 } else { -1.0 };
@@ -287,15 +288,18 @@ impl Walk {
     }
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
-    /// come to an end: where the flat state has its limit, if that lies on the way.
+    /// come to an end: at the limit of the flat state, which a faint pattern may have passed a little before.
     pub(super) fn note_transition(&self, to: Pattern, observe: &mut dyn FnMut(Happening)) {
         let from = self.record.pattern;
         let Some(flat) = self.flat.filter(|_| (from == Pattern::Flat) != (to == Pattern::Flat)) else { return };
         let (a, b, law) = (self.record.mean_displacement, self.state.mean_displacement, &self.model.law);
-        let limits = flat::limits(law, self.model.grid.length).map(|(lower, upper)| [lower, upper]);
-        let on_the_way = limits.into_iter().flatten().find(|limit| a.min(b) < *limit && *limit < a.max(b));
-        let (at, stress) = on_the_way.map_or((b, self.state.stress), |limit| (limit, flat.state(limit, 0).stress));
-        let work = 0.5 * ((self.record.stress + stress) * (at - a) + (stress + self.state.stress) * (b - at));
+        let upper = (self.direction == Branch::Approach) == (from == Pattern::Flat);
+        let limit = flat::limits(law, self.model.grid.length).map(|limits| if upper { limits.1 } else { limits.0 });
+        let (at, stress) = limit.map_or((b, self.state.stress), |limit| (limit, flat.state(limit, 0).stress));
+        let work = match a.min(b) < at && at < a.max(b) {
+            true => 0.5 * ((self.record.stress + stress) * (at - a) + (stress + self.state.stress) * (b - at)),
+            false => 0.5 * (self.record.stress + self.state.stress) * (b - a),
+        };
         observe(Happening::Jump(JumpRecord {
             branch: self.direction,
             mean_displacement: at,

@@ -163,7 +163,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
         because: "On the way in, the flat surface is already drawn towards the ground: that much less is lost when it jumps.",
         evidence: vec![Evidence {
             quantity: "energy over gamma that a loop of a line cell of 1024 ranges loses, computed",
-            found: run.record.work() / units.surface_energy,
+            found: run.record.released_energy_sum(),
             printed: thick - flat,
             right: thick + flat,
             // The theory has no range in the ridge itself: good to about a percent.
