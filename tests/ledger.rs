@@ -209,10 +209,20 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
                 assert_ne!(jump.from == Pattern::Flat, jump.to == Pattern::Flat);
             }
         }
+        assert_eq!(tally.transitions, if ratio < 1.1 { 4 } else { 2 }, "{:?}", run.record.jumps);
         // Below 1.1 L_c both limits are supercritical: patterns, but no hysteresis.
         assert_eq!(ratio < 1.1, tally.jumps == 0, "{tally}");
         assert!(ratio > 1.1 || ledger.loop_integral.abs() < 2e-6, "{ledger:?}");
     }
+}
+
+#[test]
+fn faint_patterns_of_a_square_cell_that_change_their_names_are_no_events() {
+    let (mut scene, ..) = line(Shape::Morse(Morse), 1.05);
+    scene.cell.points = Points::Square(16);
+    let run = run_reduced(&scene, MethodKind::NewtonKrylov, Reduction::Quarter, &Cancel::default(), &mut |_| {}).unwrap();
+    let tally = run.record.tally();
+    assert_eq!((tally.jumps, tally.of_the_mesh, tally.transitions), (0, 0, 4), "{:?}", run.record.jumps);
 }
 
 #[test]

@@ -153,7 +153,7 @@ impl LoopRecord {
             }
             stretch.begin(a);
             // What was noticed only later: the kink was passed unbroken.
-            let behind = |at: f64| (b[0] - a[0]) * (at - a[0]) < 0.0;
+            let behind = |at: f64| (b[0] - a[0]) * (at - a[0]) <= 0.0;
             while jumps
                 .next_if(|j| j.cause == Cause::Transition && j.branch == pair[1].branch && behind(j.mean_displacement))
                 .is_some()

@@ -95,6 +95,11 @@ pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
     LOCATED + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
 }
 
+/// What is expected of any law and mesh on flat ground; 1 where which jumps happen depends on the mesh itself, and nothing is promised.
+pub fn flat_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
+    if law.is_smooth() && mesh_rule::is_safe(mu_rho) { mesh_error(law, length, mu_rho) } else { 1.0 }
+}
+
 /// Relative accuracy to which jumps and energies are located on any mesh, by either road.
 const LOCATED: f64 = 5e-5;
 
@@ -139,13 +144,7 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     let flat = model.indenter == Indenter::Flat;
     let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
     let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
-    let known = flat && model.law.is_smooth() && mesh_rule::is_safe(model.mu_rho);
-    let mesh = match known {
-        true => mesh_error(&model.law, model.grid.length, model.mu_rho),
-        // Which jumps happen depends on the mesh itself: nothing is promised.
-        false if flat => 1.0,
-        false => f64::NAN,
-    };
+    let mesh = if flat { flat_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;

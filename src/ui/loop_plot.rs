@@ -165,7 +165,12 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
         return (words, open.or_else(|| ledger.warning()));
     }
     let words = match state.live.as_ref().map(|live| &live.state.found) {
-        Some(Ok(live)) => format!("∮ live loop: {:.4} γ lost in {} jumps", live.dissipated_energy, live.jumps.len()),
+        Some(Ok(live)) => format!(
+            "∮ live loop: {:.4} γ lost in {} jumps, {}",
+            live.dissipated_energy,
+            live.jumps.len(),
+            promise(Some(live.predicted_error))
+        ),
         _ => "Play loop to see what one cycle dissipates.".to_owned(),
     };
     (words, None)

@@ -1,6 +1,7 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
 use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
+use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
@@ -216,8 +217,8 @@ impl Walk {
         Progress::Working
     }
 
-    /// Stands on the state where a jump ended. What released less than `event` (gamma) and kept the pattern was none: Newton can fail
-    /// on a branch that goes on, and a mode can soften without a jump.
+    /// Stands on the state where a jump ended. What released less than `event` (gamma) was none, unless the flat state was left or
+    /// reached: Newton can fail on a branch that goes on, a mode can soften without a jump, and faint patterns change their names.
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
@@ -230,34 +231,38 @@ impl Walk {
         let left = std::mem::replace(&mut self.state, landed);
         (self.before, self.short) = (None, None);
         let (from, to) = (self.record.pattern, self.pattern());
+        let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
+        let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
+        let to = if as_good_as_flat(&self.state) { Pattern::Flat } else { to };
+        if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
+            self.history.push(self.state.mean_displacement, self.state.field.clone());
+            return self.accept(observe);
+        }
         let du = (self.state.mean_displacement - left.mean_displacement).abs();
         // The end lies somewhere on the way from the last state: what the release changes on it, and what the energy was carried.
         let changed = (self.state.stress - stress_before).abs() + 0.5 * (stress_before - left.stress).abs();
-        let mut error = du * changed / self.model.law.surface_energy;
-        let (mut released, mut cause) = (released, cause);
-        if from != to && self.is_continuous(from, to, released, event) {
-            (released, error, cause) = (0.0, released.abs(), Cause::Transition);
+        let located = du * changed / self.model.law.surface_energy;
+        let (released_energy, release_error, cause) = if self.is_continuous(from, to, released, event) {
+            (0.0, released.abs(), Cause::Transition)
         } else if from == to && self.is_of_the_mesh(&left) {
-            cause = Cause::Mesh;
-        }
-        if from == to && released <= event {
-            self.history.push(self.state.mean_displacement, self.state.field.clone());
+            (released, located, Cause::Mesh)
         } else {
-            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
-            observe(Happening::Jump(JumpRecord {
-                branch: self.direction,
-                mean_displacement: self.state.mean_displacement,
-                from,
-                to,
-                stress_before,
-                stress_after: self.state.stress,
-                released_energy: released,
-                release_error: error,
-                cause,
-            }));
-        }
-        // The change of pattern is told.
-        self.record.pattern = to;
+            (released, located, cause)
+        };
+        self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
+        // Nothing else happened on the way.
+        self.record.mean_displacement = self.state.mean_displacement;
+        observe(Happening::Jump(JumpRecord {
+            branch: self.direction,
+            mean_displacement: self.state.mean_displacement,
+            from,
+            to,
+            stress_before,
+            stress_after: self.state.stress,
+            released_energy,
+            release_error,
+            cause,
+        }));
         self.accept(observe);
     }
 
@@ -265,11 +270,8 @@ impl Walk {
     /// it left, as at a supercritical bifurcation, and there is no stable state of it at a distance before the limit. After a jump there
     /// is one, beside the state that was left.
     fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
-        let small = released.abs() <= event;
-        let Some(flat) = self.flat.filter(|_| (small || released < WEAK) && (from == Pattern::Flat) != (to == Pattern::Flat))
-        else {
-            return small;
-        };
+        let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
+        let Some(flat) = self.flat.filter(|_| weak) else { return false };
         let side = if self.direction == Branch::Approach { 1.0 } else { -1.0 };
         let (here, before) = (self.state.mean_displacement, self.state.mean_displacement + side * APART * self.model.law.range);
         if to == Pattern::Flat {
@@ -283,32 +285,43 @@ impl Walk {
         self.system.evaluate(&pattern, here, &mut vec![0.0; pattern.len()], &mut self.ws);
         match found.end {
             NewtonEnd::Converged => norm(&found.z) < 0.5 * norm(&pattern),
-            _ => small,
+            _ => released.abs() <= event,
         }
     }
 
+    /// True where the flat state is stable and `state` no more than a trace of a pattern on it, which the tolerance lets be.
+    fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
+        let there = flat.state(state.mean_displacement, 0);
+        there.stop == Stop::Stable && (state.energy - there.energy).abs() <= EVENT * self.model.law.surface_energy
+    }
+
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
-    /// come to an end: at the limit of the flat state, which a faint pattern may have passed a little before.
-    pub(super) fn note_transition(&self, to: Pattern, observe: &mut dyn FnMut(Happening)) {
-        let from = self.record.pattern;
-        let Some(flat) = self.flat.filter(|_| (from == Pattern::Flat) != (to == Pattern::Flat)) else { return };
-        let (a, b, law) = (self.record.mean_displacement, self.state.mean_displacement, &self.model.law);
-        let upper = (self.direction == Branch::Approach) == (from == Pattern::Flat);
-        let limit = flat::limits(law, self.model.grid.length).map(|limits| if upper { limits.1 } else { limits.0 });
-        let (at, stress) = limit.map_or((b, self.state.stress), |limit| (limit, flat.state(limit, 0).stress));
-        let work = match a.min(b) < at && at < a.max(b) {
-            true => 0.5 * ((self.record.stress + stress) * (at - a) + (stress + self.state.stress) * (b - at)),
-            false => 0.5 * (self.record.stress + self.state.stress) * (b - a),
+    /// come to an end: the flat state has its limit in between, on the stable side of which the surface is as good as flat.
+    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Happening)) {
+        let Some(flat) = self.flat else { return };
+        let (a, b, law) = (&self.record, &self.state, &self.model.law);
+        let Some(limits) = flat::limits(law, self.model.grid.length) else { return };
+        let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
+        let Some(at) = [limits.0, limits.1].into_iter().find(|limit| low < *limit && *limit <= high) else { return };
+        let leaves = flat.state(a.mean_displacement, 0).stop == Stop::Stable;
+        let (stable, energy, pattern) = match leaves {
+            true => (a.mean_displacement, a.energy, now),
+            false => (b.mean_displacement, b.energy, a.pattern),
         };
+        if (energy - flat.state(stable, 0).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
+            return;
+        }
+        let stress = flat.state(at, 0).stress;
+        let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
         observe(Happening::Jump(JumpRecord {
             branch: self.direction,
             mean_displacement: at,
-            from,
-            to,
+            from: if leaves { Pattern::Flat } else { pattern },
+            to: if leaves { pattern } else { Pattern::Flat },
             stress_before: stress,
             stress_after: stress,
             released_energy: 0.0,
-            release_error: (self.record.energy + work - self.state.energy).abs() / law.surface_energy,
+            release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
             cause: Cause::Transition,
         }));
     }
