@@ -67,8 +67,9 @@ impl Ridge {
         x[0] + (1..=self.n / 2).map(|k| x[k] * self.cosine(k, i)).sum::<f64>()
     }
 
-    /// `x` = u0 and the amplitudes 1, 2, .. of the waves; the first wave's is kept. Also du0/da1 along the branch.
-    fn solve(&self, mut x: Vec<f64>) -> (Vec<f64>, f64) {
+    /// `x` = u0 and the amplitudes 1, 2, .. of the waves; the first wave's is kept. Also du0/da1 along the branch. `None` where Newton's
+    /// method, for which the law has an end at zero gap, does not find it.
+    fn solve(&self, mut x: Vec<f64>) -> Option<(Vec<f64>, f64)> {
         let waves = self.n / 2;
         for _ in 0..60 {
             let at: Vec<_> = (0..self.n).map(|i| self.law.at(self.gap(&x, i))).collect();
@@ -82,16 +83,16 @@ impl Ridge {
             // The column of the first wave is that of u0 instead.
             let jacobian = DMatrix::from_fn(waves, waves, |k, j| entry(k + 1, if j == 0 { 0 } else { j + 1 }));
             let lu = jacobian.lu();
-            let step = lu.solve(&force).expect("a regular point");
+            let step = lu.solve(&force)?;
             for (j, dx) in step.iter().enumerate() {
                 x[if j == 0 { 0 } else { j + 1 }] -= dx;
             }
             if step.norm() < 1e-12 {
-                let slope = lu.solve(&DVector::from_fn(waves, |k, _| -entry(k + 1, 1))).expect("a regular point")[0];
-                return (x, slope);
+                let slope = lu.solve(&DVector::from_fn(waves, |k, _| -entry(k + 1, 1)))?[0];
+                return Some((x, slope));
             }
         }
-        panic!("Newton did not converge");
+        None
     }
 
     fn energy(&self, x: &[f64]) -> f64 {
@@ -105,8 +106,10 @@ impl Ridge {
         while step > 1e-9 {
             let mut trial = x.clone();
             trial[1] += step;
-            let (trial, slope) = self.solve(trial);
-            if before(&trial, slope) { x = trial } else { step *= 0.5 }
+            match self.solve(trial).filter(|(trial, slope)| before(trial, *slope)) {
+                Some((trial, _)) => x = trial,
+                None => step *= 0.5,
+            }
         }
         x
     }
@@ -118,7 +121,7 @@ fn exact_jumps(law: Law, length: f64) -> [(f64, f64); 2] {
     let (_, limit) = flat::limits(&law, length).unwrap();
     let mut faint = vec![0.0; 33];
     (faint[0], faint[1]) = (limit, 0.02);
-    let (faint, _) = ridge.solve(faint);
+    let (faint, _) = ridge.solve(faint).expect("a faint ridge");
     let fold = ridge.locate(&faint, 0.02, |_, slope| slope > 0.0);
     let landed = ridge.locate(&fold, 0.02, |x, _| x[0] > limit);
     let released = |x: &[f64]| (law.at(x[0]).energy - ridge.energy(x)) / law.surface_energy;

@@ -361,7 +361,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
     scene.law.range = Range::Length(range);
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
     let mut changes = Vec::new();
-    let mut mismatch = Vec::new();
+    let mut ledgers = Vec::new();
     for wish in [Wish::Quarter, Wish::Whole] {
         let commands = vec![wished(1, scene.clone(), wish), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
         let out = drain(&mut Session::default(), commands);
@@ -376,7 +376,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
                 }
                 Event::State { state, .. } => path.push(state.clone()),
                 Event::Failed { message, .. } => panic!("{message}"),
-                Event::Loop { summary, .. } => mismatch.push(summary.ledger.mismatch().unwrap()),
+                Event::Loop { summary, .. } => ledgers.push(summary.ledger.clone()),
                 _ => {}
             }
         }
@@ -386,8 +386,8 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
         assert!(path.iter().any(|s| s.model == "whole cell"));
     }
     assert!(changes.len() == 1 && changes[0].contains("not mirror-symmetric"), "{changes:?}");
-    println!("ledger mismatch of the quarter and of the whole cell: {mismatch:?}");
-    assert!(mismatch.len() == 2 && mismatch[0] < 0.05, "{mismatch:?}");
+    // The mesh traps the dimple beyond the start: neither loop closes, and both know.
+    assert!(ledgers.len() == 2 && ledgers[0].open.is_some() && ledgers[0].open == ledgers[1].open, "{ledgers:?}");
 }
 
 #[test]

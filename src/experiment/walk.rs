@@ -9,6 +9,7 @@ mod fall;
 pub(super) mod guard;
 mod happening;
 mod landing;
+mod transition;
 mod views;
 mod widen;
 
