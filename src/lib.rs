@@ -9,6 +9,8 @@
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// They panic where nobody listens; the command line has doors of its own.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod cli;
 pub mod experiment;

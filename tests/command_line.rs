@@ -1,29 +1,13 @@
 //! The real binary, as a user or a script meets it: files, sentences and exit codes.
 
+mod binary;
+
+use binary::{errors, folder, run, summary, tackscope};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tackscope::storage::presets;
-use tempfile::TempDir;
-
-fn tackscope() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-    command.stdin(Stdio::null());
-    command
-}
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a temporary folder")
-}
-
-fn run(scene: &str, out: &Path, more: &[&str]) -> Output {
-    tackscope().args(["run", scene, "--out"]).arg(out).args(more).output().expect("the binary runs")
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
 
 /// Runs, expects exit code 2 and one sentence with all these parts, and no results.
 #[track_caller]
@@ -316,8 +300,4 @@ fn ctrl_c_in_mid_run_writes_what_was_computed_and_says_so() {
     assert_eq!(fs::read_to_string(out.join("loop.csv")).expect("loop.csv").lines().count(), states + 1);
     assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
     assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
-}
-
-fn summary(folder: &Path) -> serde_json::Value {
-    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("summary.json")).expect("JSON")
 }

@@ -30,6 +30,12 @@ fn xdotool(arguments: &str) {
     assert!(tool("xdotool", &arguments).is_some(), "xdotool {arguments:?}");
 }
 
+/// A memory of the window in which every number is out of bounds.
+const HOSTILE: &str = r#"{
+    "window": "(normal_geometry:(outer_position_pixels:Some((x:90000.0,y:-70000.0)),scale_factor:1.0,inner_size_points:(x:1e9,y:NaN)),fullscreen:false,maximized:false)",
+    "egui": "(options:(zoom_factor:1000000.0))",
+}"#;
+
 /// Why the test cannot run here.
 fn missing() -> Option<&'static str> {
     if std::env::var_os("DISPLAY").is_none() {
@@ -79,10 +85,16 @@ fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
+    // What an earlier run may have left: a place far off any screen, a zoom that shows nothing.
+    let memory = folder.path().join("tackscope");
+    std::fs::create_dir(&memory).unwrap();
+    std::fs::write(memory.join("app.ron"), HOSTILE).unwrap();
     let child = Command::new(env!("CARGO_BIN_EXE_tackscope"))
         .env("HOME", folder.path())
         .env("XDG_DATA_HOME", folder.path())
-        .env_remove("WAYLAND_DISPLAY")
+        // Of a session that is gone, beside a display that is there.
+        .env("WAYLAND_DISPLAY", "wayland-gone")
+        .env_remove("WAYLAND_SOCKET")
         .stdin(Stdio::null())
         .spawn()
         .unwrap();

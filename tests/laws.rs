@@ -217,6 +217,41 @@ fn the_field_kernel_gives_what_the_single_point_gives() {
     }
 }
 
+#[test]
+fn laws_whose_two_parts_nearly_coincide_are_their_analytic_limit() {
+    let (n, law) = (2.0_f64, |shape| Law { shape, surface_energy: 1.0, range: 1.0 });
+    // As m -> n, f = -x^-n (1 + n ln x); as the ratio goes to 1, f = -(1 + x) e^-x. Both differ from the limit by the distance.
+    let power = |x: f64| {
+        let (l, b) = (x.ln(), x.powf(-n));
+        [-b * (1.0 + n * l), n * n * b * l / x, n * n * b * (1.0 - (n + 1.0) * l) / (x * x)]
+    };
+    let exponential = |x: f64| [-(1.0 + x) * (-x).exp(), x * (-x).exp(), (1.0 - x) * (-x).exp()];
+    for distance in [4.5e-16, 2e-15, 1e-13, 1e-10, 1e-7] {
+        let mie = law(Shape::Mie(Mie { m: n + distance, n }));
+        let double = law(Shape::DoubleExponential(DoubleExponential { ratio: 1.0 - distance }));
+        let softest = (7.0_f64 / 12.0).exp();
+        assert!((mie.softest_gap() - softest).abs() < 1e-14 + 2.0 * distance, "{distance}: {}", mie.softest_gap());
+        assert!((mie.softening_max() + power(softest)[2]).abs() < 1e-14 + 10.0 * distance);
+        assert!((double.softest_gap() - 2.0).abs() < 1e-14 + 2.0 * distance);
+        for x in scan((0.3, 6.0), 100) {
+            for (law, limit) in [(mie, power(x)), (double, exponential(x))] {
+                let (at, mut first, mut second) = (law.at(x), [0.0], [0.0]);
+                let energy = law.fill(&[x], &mut first, &mut second);
+                let size = 1.0 + limit.iter().map(|f| f.abs()).fold(0.0, f64::max);
+                for (found, right) in
+                    [at.energy, at.traction, at.stiffness, energy, first[0], second[0]].iter().zip(limit.iter().cycle())
+                {
+                    assert!(
+                        (found - right).abs() < size * (1e-14 + 20.0 * distance),
+                        "{:?} at {x}: {found} for {right}",
+                        law.shape
+                    );
+                }
+            }
+        }
+    }
+}
+
 fn any_shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         Just(Shape::Morse(Morse)),

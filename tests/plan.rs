@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, plan, reference, refusal};
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, next_fast, plan, reference, refusal};
 use tackscope::experiment::run::{run_planned, run_reduced};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
@@ -181,4 +181,25 @@ fn a_wish_overrules_the_plan_but_not_the_scene() {
     }
     let coarse = scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
     assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Wish::Atlas), None, "unwise, but possible");
+}
+
+#[test]
+fn the_next_fast_count_is_the_first_of_a_search_and_found_at_once_however_large() {
+    let is_fast = |n: usize| {
+        let mut rest = n;
+        for p in [2, 3, 5] {
+            while rest.is_multiple_of(p) {
+                rest /= p;
+            }
+        }
+        n.is_multiple_of(8) && rest == 1
+    };
+    for n in (0..3000).chain([4095, 4096, 4097, 99_991]) {
+        let found = next_fast(n);
+        assert_eq!(Some(found), (n.max(1)..).find(|&n| is_fast(n)), "{n}");
+    }
+    for n in [10_usize.pow(15) + 1, 1 << 59, usize::MAX] {
+        let found = next_fast(n);
+        assert!(is_fast(found) && found >= n.min(1 << 60), "{n}: {found}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader panic.
 
 use proptest::prelude::*;
+use tackscope::experiment::parameter::{self, Parameter};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
@@ -72,7 +73,10 @@ fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
 
 #[test]
 fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
-    says(&refusal("length = 256.0", "length = \"long\""), &["cell.length = \"long\"", "allowed is a finite number above 0"]);
+    says(
+        &refusal("length = 256.0", "length = \"long\""),
+        &["cell.length = \"long\"", "allowed is a finite number above 0", "from 1e-110 to 1e110"],
+    );
     says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
     let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
     says(&failure.to_string(), &["cell = 3", "allowed is a table, [cell]"]);
@@ -331,4 +335,133 @@ proptest! {
     fn a_damaged_scene_file_is_read_or_refused_by_name(text in mutated()) {
         parses_or_says_why(&text)?;
     }
+}
+
+/// The page that the README links.
+const GUIDE: &str = "assets/guide/scene-files.md";
+
+#[test]
+fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
+    let page = std::fs::read_to_string(GUIDE).expect("the page is there");
+    assert!(page.contains(&parameter::table()), "{GUIDE} should contain:\n\n{}", parameter::table());
+    let readme = std::fs::read_to_string("README.md").expect("the README is there");
+    assert!(readme.contains(GUIDE), "the README links {GUIDE}");
+}
+
+/// A scene that gives the number `parameter`, and the text in its file that is the number.
+fn giving(parameter: &Parameter) -> (String, String) {
+    let (mut text, mut line) = (fig2().to_owned(), format!("{} = ", parameter.name()));
+    let replaced = |text: String, from: &str, to: &str| text.replacen(from, to, 1);
+    match parameter.key {
+        "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
+        "law.m" | "law.n" => text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0"),
+        "law.ratio" => text = replaced(text, "kind = \"morse\"", "kind = \"double_exponential\"\nratio = 0.4"),
+        "indenter.radius" => text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0"),
+        "indenter.amplitude" | "indenter.periods" => {
+            text = replaced(text, "kind = \"flat\"", "kind = \"wave\"\namplitude = 0.5\nperiods = 1");
+        }
+        "indenter.seed" => {
+            text = replaced(text, "kind = \"flat\"", ROUGH);
+            line = "seed = 3".to_owned();
+        }
+        key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
+        _ => {}
+    }
+    let at = text.find(&format!("\n{line}")).unwrap_or_else(|| panic!("{line} is in the file")) + 1;
+    let end = text[at..].find(['\n', '#']).map_or(text.len(), |end| at + end);
+    let given = text[at..end].trim_end().to_owned();
+    (text, given)
+}
+
+#[test]
+fn a_number_outside_its_range_is_refused_with_the_range() {
+    for parameter in parameter::ALL {
+        let (text, given) = giving(parameter);
+        assert!(scene_file::parse(&text, NAME).is_ok(), "{}", parameter.key);
+        let (low, high) = (*parameter.range.start(), *parameter.range.end());
+        let whole = ["points", "periods", "seed"].contains(&parameter.name());
+        let beyond = if whole {
+            vec![
+                format!("{}", low as i64 - 1),
+                if high > 1e6 { "9223372036854775808".to_owned() } else { format!("{}", high as i64 + 1) },
+            ]
+        } else {
+            vec![
+                format!("{:e}", low - 0.5 * low.abs()),
+                format!("{:e}", high + 0.5 * high.abs()),
+                "nan".to_owned(),
+                "-inf".to_owned(),
+            ]
+        };
+        for value in beyond {
+            let changed = text.replacen(&given, &format!("{} = {value}", parameter.name()), 1);
+            let sentence = scene_file::parse(&changed, NAME).expect_err(&value).to_string();
+            // An integer that TOML cannot hold is refused by its parser.
+            if value != "9223372036854775808" {
+                says(&sentence, &[parameter.key, &parameter.allowed()]);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
+    let mut seen = std::collections::BTreeSet::new();
+    for parameter in parameter::ALL {
+        let scene = scene_file::parse(&giving(parameter).0, NAME).expect("allowed");
+        seen.extend(scene.numbers().iter().map(|(parameter, _)| parameter.key));
+        // What the file holds and what the scene lists are the same.
+        let text = scene_file::to_text(&scene);
+        let table: toml::Table = text.parse().expect("TOML");
+        for (section, value) in table.iter().filter_map(|(name, value)| Some((name, value.as_table()?))) {
+            for (name, _) in value.iter().filter(|(_, value)| value.is_float() || value.is_integer() || value.is_array()) {
+                let key = format!("{section}.{name}");
+                assert!(scene.numbers().iter().any(|(parameter, _)| parameter.key == key), "{key} is not listed");
+            }
+        }
+    }
+    assert_eq!(seen, parameter::ALL.iter().map(|parameter| parameter.key).collect());
+}
+
+#[test]
+fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
+    let base = fig2();
+    let reference = scene_file::parse(base, NAME).expect("allowed").model().expect("allowed");
+    for unit in [1e-100, 1e-9, 1e9, 1e100] {
+        let mut scene = scene_file::parse(base, NAME).expect("allowed");
+        scene.cell.length *= unit;
+        scene.law.surface_energy *= unit;
+        scene.law.range = Range::Length(unit);
+        (scene.drive.start, scene.drive.step) = (scene.drive.start * unit, scene.drive.step * unit);
+        scene.drive.turn = Turn::At(0.2 * unit);
+        let model = scene.model().unwrap_or_else(|error| panic!("{error}"));
+        assert!((model.mu_rho / reference.mu_rho - 1.0).abs() < 1e-12, "{unit}: {}", model.mu_rho);
+    }
+}
+
+#[test]
+fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
+    let wave = |periods: &str| {
+        let text = fig2().replacen("points = 64", "points = \"auto\"", 1);
+        let text = text.replacen("kind = \"flat\"", &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"), 1);
+        scene_file::parse(&text, NAME).expect_err("refused").to_string()
+    };
+    for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
+        says(&wave(periods), &["indenter.periods"]);
+    }
+}
+
+#[test]
+fn a_step_that_moves_nothing_is_refused() {
+    let tip = "kind = \"hertz\"\nradius = 30.0";
+    let text = fig2().replacen("kind = \"flat\"", tip, 1).replacen("turn = 0.2", "turn = \"zero_load\"", 1);
+    for step in ["1e-18", "1e-8", "1e-7"] {
+        let sentence =
+            scene_file::parse(&text.replacen("step = 0.02", &format!("step = {step}"), 1), NAME).expect_err(step).to_string();
+        says(&sentence, &["drive.step = 1e-", "at least"]);
+    }
+    says(
+        &refusal("start = 4.2\nturn = 0.2\nstep = 0.02", "start = 1e15\nturn = 999999999999999\nstep = 1e-6"),
+        &["drive.step", "digits"],
+    );
 }

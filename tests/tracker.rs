@@ -63,7 +63,8 @@ fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine
         let (value, error, there) = smallest(&z, u0, None);
         let (coarse, bound, here) = smallest(&z, u0, Some(88));
         assert!((coarse - value).abs() < 1e-3 * value.abs().max(0.1), "{pattern} at {u0}: {coarse} against {value}");
-        assert!(bound <= 0.02 * coarse.abs().max(0.1) && error <= 0.02 * value.abs().max(0.1), "{pattern}: {bound} {error}");
+        // From below to a fifth of the value, on either mesh.
+        assert!(bound <= 0.21 * coarse && error <= 0.21 * value, "{pattern}: {bound} {error}");
         assert!(here <= 2 && there > 20, "{pattern}: {here} and {there} transforms");
     }
 }
@@ -75,7 +76,7 @@ fn where_the_coarse_mesh_does_not_resolve_the_mode_the_fine_one_goes_on() {
     let (value, ..) = smallest(&z, u0, None);
     let (coarse, bound, here) = smallest(&z, u0, Some(12));
     assert!((coarse - value).abs() < 0.02 * value.abs(), "{coarse} against {value}");
-    assert!(here > 2 && bound <= 0.02 * coarse.abs(), "{here} transforms, error {bound}");
+    assert!(here > 20 && bound <= 0.21 * coarse, "{here} transforms, error {bound}");
 }
 
 proptest! {

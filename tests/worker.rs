@@ -464,3 +464,27 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
     );
     assert_eq!(told.last().map(|t| (t.0, t.1)), Some((steps, Fineness::Fine)));
 }
+
+#[test]
+fn the_threads_end_within_two_seconds_whatever_they_are_at() {
+    let heavy = || {
+        let mut scene = presets::find("hertz").unwrap().scene().unwrap();
+        scene.cell.points = Points::Square(512);
+        scene
+    };
+    let scenes = [fig2(192), heavy(), presets::find("rough").unwrap().scene().unwrap()];
+    for scene in scenes {
+        for pages in [Page::Figure(4), Page::Figure(14), Page::Errata, Page::Theory] {
+            let worker = Worker::spawn(|| {});
+            let errand = Errand::Chart { scene: Arc::new(scene.clone()), effort: Effort::Full { seconds: 60.0 } };
+            worker.send(set_scene(1, scene.clone()));
+            worker.send(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop });
+            worker.send(Command::Measure { run: 1, errand });
+            worker.send(Command::OpenPage { page: pages });
+            std::thread::sleep(Duration::from_millis(150));
+            let began = Instant::now();
+            drop(worker);
+            assert!(began.elapsed() < Duration::from_secs(2), "{pages:?}: {:?}", began.elapsed());
+        }
+    }
+}

@@ -1,49 +1,57 @@
 //! `tackscope chart`: every method on the same loop, speed against accuracy.
 
 use super::progress::Teller;
-use super::{BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_interrupt, say};
+use super::{BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say, told_replaced, unwritten, warn};
 use crate::experiment::chart::{Chart, Effort, News, Verdict, run};
-use crate::storage::{Failure, chart as paper, files, presets, scene_file};
+use crate::storage::folder::Folder;
+use crate::storage::{Failure, chart as paper, presets, scene_file};
+
+/// What is written, the file that says that all is there last.
+const FILES: [&str; 4] = ["chart.csv", "chart.svg", "chart.png", "chart.json"];
+/// Room that the files need, in bytes.
+const ROOM: u64 = 1_000_000;
 
 /// Measures the chart, writes its files and returns the exit code.
-pub(super) fn chart(arguments: &ChartArguments) -> u8 {
-    match try_chart(arguments) {
-        Ok(code) => code,
-        Err(failure) => {
-            eprintln!("tackscope: {failure}");
-            BAD_INPUT
-        }
-    }
-}
-
-fn try_chart(arguments: &ChartArguments) -> Result<u8, Failure> {
+///
+/// # Errors
+/// A scene that is refused, a folder that cannot be written, or a standard output that cannot.
+pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let scene = presets::resolve(&arguments.scene)?;
     let refused = |error| scene_file::refused(&arguments.scene, error);
     scene.validate().map_err(refused)?;
-    files::prepare_folder(&arguments.out)?;
+    let cancel = cancel_on_signal();
+    let folder = Folder::claim(&arguments.out, &[], ROOM)?;
+    told_replaced(folder.clear(&[], |name| FILES.contains(&name))?, arguments.quiet, &arguments.out);
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full { seconds: arguments.seconds } };
     let mut teller = Teller::new(arguments.quiet, &format!("{}: speed against accuracy", scene.title));
-    let chart = run(&scene, effort, &cancel_on_interrupt(), &mut |news| tell(&mut teller, &news)).map_err(refused)?;
+    let chart = run(&scene, effort, &cancel, &mut |news| tell(&mut teller, &news)).map_err(refused)?;
     teller.finish();
-    let out = &arguments.out;
-    paper::write_chart_csv(&out.join("chart.csv"), &chart)?;
-    paper::write_chart_json(&out.join("chart.json"), &arguments.scene, &scene, &chart)?;
-    paper::write_chart_svg(&out.join("chart.svg"), &chart, &scene.title)?;
-    paper::write_chart_png(&out.join("chart.png"), &chart, &scene.title)?;
-    if !arguments.quiet {
-        say(&closing_words(arguments, &chart));
+    let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
+    let written = [
+        paper::write_chart_csv(&csv, &chart),
+        paper::write_chart_svg(&svg, &chart, &scene.title),
+        paper::write_chart_png(&png, &chart, &scene.title),
+        paper::write_chart_json(&json, &arguments.scene, &scene, &chart),
+    ];
+    let failures: Vec<Failure> = written.into_iter().filter_map(Result::err).collect();
+    let code = exit_code(&chart, &arguments.out);
+    if unwritten(&failures) {
+        return Ok(BAD_INPUT);
     }
-    Ok(exit_code(&chart, out))
+    if !arguments.quiet {
+        say(&closing_words(arguments, &chart))?;
+    }
+    Ok(code)
 }
 
 fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
     let sound = chart.reference.as_ref().is_some_and(|reference| reference.finest.is_complete());
     if chart.cancelled {
-        eprintln!("tackscope: interrupted; what was measured is in {}", out.display());
+        warn(format_args!("interrupted; what was measured is in {}", out.display()));
         return INTERRUPTED;
     }
     if !sound {
-        eprintln!("tackscope: the reference did not close its loop: there are no errors in {}", out.display());
+        warn(format_args!("the reference did not close its loop: there are no errors in {}", out.display()));
         return NOT_CONVERGED;
     }
     DONE

@@ -1,32 +1,24 @@
 //! `tackscope figure` and `tackscope table`: the paper's figures and its table, computed anew.
 
 use super::progress::Teller;
-use super::{BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_interrupt, say};
+use super::{
+    BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, say, told_replaced, unwritten,
+    warn,
+};
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
 use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
+use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
-use crate::storage::{Failure, figure as paint, files};
+use crate::storage::{Failure, figure as paint};
 use crate::worker::crew::{self, News};
 use std::path::Path;
 
-/// Computes the figures, writes their files and returns the exit code.
-pub(super) fn figure(arguments: &FigureArguments) -> u8 {
-    told(try_figure(arguments))
-}
-
-/// Computes a table, writes its files and returns the exit code.
-pub(super) fn table(arguments: &TableArguments) -> u8 {
-    told(try_table(arguments))
-}
-
-fn told(result: Result<u8, Failure>) -> u8 {
-    result.unwrap_or_else(|failure| {
-        eprintln!("tackscope: {failure}");
-        BAD_INPUT
-    })
-}
+/// Room that the files of a figure need, in bytes.
+const ROOM: u64 = 1_000_000;
+/// What a report consists of.
+const SUMMED_UP: [&str; 2] = ["findings.csv", "report.html"];
 
 /// The entries that a word names, the longest first so that none is left alone at the end.
 fn chosen(word: &str) -> Result<Vec<&'static Entry>, Failure> {
@@ -55,36 +47,46 @@ fn unknown(what: &str, word: &str, numbers: impl Iterator<Item = usize>, more: &
 struct Harvest {
     figures: Vec<(&'static Entry, Figure)>,
     missing: Vec<(usize, Stopped)>,
-    unwritten: Option<Failure>,
+    unwritten: Vec<Failure>,
 }
 
-fn try_figure(arguments: &FigureArguments) -> Result<u8, Failure> {
+/// Computes the figures, writes their files and returns the exit code.
+///
+/// # Errors
+/// An unknown number, a folder that cannot be written, or a standard output that cannot.
+pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     let entries = chosen(&arguments.figure)?;
     let out = &arguments.out;
-    files::prepare_folder(out)?;
     let size = if arguments.quick { Size::Quick } else { Size::Full };
-    let cancel = cancel_on_interrupt();
+    let cancel = cancel_on_signal();
+    let folder = Folder::claim(out, &[], ROOM * entries.len() as u64)?;
+    let earlier = folder.clear(&[], |name| {
+        let summed_up = arguments.report && SUMMED_UP.contains(&name);
+        summed_up || entries.iter().any(|entry| is_of(&stem(entry.number), name))
+    })?;
+    told_replaced(earlier, arguments.quiet, out);
     let what = if entries.len() == 1 { "1 figure".to_owned() } else { format!("{} figures", entries.len()) };
     let teller = Teller::new(arguments.quiet, &format!("{what} of the paper, computed anew into {}", out.display()));
-    let mut harvest = gather(&entries, size, &cancel, &teller, out);
+    let mut harvest = gather(&entries, size, &cancel, &teller, &folder);
     teller.finish();
-    if let Some(failure) = harvest.unwritten {
-        return Err(failure);
-    }
     harvest.figures.sort_by_key(|(entry, _)| entry.number);
     harvest.missing.sort_by_key(|(number, _)| *number);
     if arguments.report {
-        report(&harvest, size, &cancel, out)?;
+        let failures = report(&harvest, size, &cancel, &folder);
+        harvest.unwritten.extend(failures);
     }
     for (number, why) in harvest.missing.iter().filter(|(_, why)| *why != Stopped::Cancelled) {
-        eprintln!("tackscope: Fig. {number}: {why}");
-    }
-    if !arguments.quiet {
-        say(&closing_words(&harvest, out));
+        warn(format_args!("Fig. {number}: {why}"));
     }
     let code = exit_code(&harvest.missing);
     if code == INTERRUPTED {
-        eprintln!("tackscope: interrupted; what was computed is in {}", out.display());
+        warn(format_args!("interrupted; what was computed is in {}", out.display()));
+    }
+    if unwritten(&harvest.unwritten) {
+        return Ok(BAD_INPUT);
+    }
+    if !arguments.quiet {
+        say(&closing_words(&harvest, out))?;
     }
     Ok(code)
 }
@@ -98,7 +100,7 @@ fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
 }
 
 /// Computes, and writes each figure as soon as it is there.
-fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Teller, out: &Path) -> Harvest {
+fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Teller, out: &Folder) -> Harvest {
     let mut harvest = Harvest::default();
     let mut shares = vec![0.0; entries.len()];
     crew::compute(entries, size, cancel, &mut |news| match news {
@@ -115,10 +117,7 @@ fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Tell
                 Ok(figure) => {
                     let words = findings_in_words(&figure.findings);
                     teller.note(&format!("Fig. {}: {} ({seconds:.1} s{words})", entry.number, entry.title));
-                    if let Err(failure) = write_figure(out, &figure) {
-                        harvest.unwritten.get_or_insert(failure);
-                        cancel.request();
-                    }
+                    harvest.unwritten.extend(write_figure(out, &figure));
                     harvest.figures.push((entry, figure));
                 }
                 Err(why) => harvest.missing.push((entry.number, why)),
@@ -128,8 +127,8 @@ fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Tell
     harvest
 }
 
-/// Writes `report.html` and `findings.csv` about what there is, also after a request to stop.
-fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Path) -> Result<(), Failure> {
+/// Writes `report.html` and `findings.csv` about what there is, also after a request to stop; returns what could not be written.
+fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Folder) -> Vec<Failure> {
     let mut missing: Vec<String> = harvest.missing.iter().map(|(number, why)| format!("Fig. {number}: {why}")).collect();
     let mut tables = Vec::new();
     for entry in TABLES {
@@ -145,9 +144,11 @@ fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Path) -> Result<
     let of_figures =
         harvest.figures.iter().flat_map(|(_, f)| f.findings.iter().map(|finding| (format!("Fig. {}", f.number), finding)));
     let of_tables = tables.iter().flat_map(|t| t.findings.iter().map(|finding| (format!("Table {}", t.number), finding)));
-    paint::write_findings_csv(&out.join("findings.csv"), of_figures.chain(of_tables))?;
+    let [findings, page] = SUMMED_UP.map(|name| out.join(name));
     let figures = harvest.figures.iter().map(|(entry, figure)| (figure, entry.look_for)).collect();
-    write_report(&out.join("report.html"), &Report { figures, tables: tables.iter().collect(), errata: &errata, missing })
+    let report = Report { figures, tables: tables.iter().collect(), errata: &errata, missing };
+    let written = [paint::write_findings_csv(&findings, of_figures.chain(of_tables)), write_report(&page, &report)];
+    written.into_iter().filter_map(Result::err).collect()
 }
 
 /// ", 3 of 4 findings agree", or nothing.
@@ -157,11 +158,25 @@ fn findings_in_words(findings: &[Finding]) -> String {
     if judged.is_empty() { String::new() } else { format!(", {agree} of {} findings agree", judged.len()) }
 }
 
-fn write_figure(out: &Path, figure: &Figure) -> Result<(), Failure> {
-    let name = |end: &str| out.join(format!("figure-{:02}.{end}", figure.number));
-    paint::write_figure_csv(&name("csv"), figure)?;
-    paint::write_figure_svg(&name("svg"), figure)?;
-    paint::write_figure_png(&name("png"), figure)
+/// What the files of a figure begin with.
+fn stem(number: usize) -> String {
+    format!("figure-{number:02}")
+}
+
+/// True for `figure-02.csv`, `figure-02-map-a.csv` and the like.
+fn is_of(stem: &str, name: &str) -> bool {
+    name.strip_prefix(stem).is_some_and(|end| end.starts_with(['.', '-']))
+}
+
+/// Writes the files of a figure; returns those that could not be written.
+fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
+    let name = |end: &str| out.join(format!("{}.{end}", stem(figure.number)));
+    let written = [
+        paint::write_figure_csv(&name("csv"), figure),
+        paint::write_figure_svg(&name("svg"), figure),
+        paint::write_figure_png(&name("png"), figure),
+    ];
+    written.into_iter().filter_map(Result::err).collect()
 }
 
 /// The one line on standard output.
@@ -173,40 +188,45 @@ fn closing_words(harvest: &Harvest, out: &Path) -> String {
     format!("{count} figure{}{missing}{words}: written to {}", if count == 1 { "" } else { "s" }, out.display())
 }
 
-fn try_table(arguments: &TableArguments) -> Result<u8, Failure> {
+/// Computes a table, writes its files and returns the exit code.
+///
+/// # Errors
+/// As [`figure`].
+pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
     let number = arguments.table.parse::<usize>().ok();
     let entry = TABLES.iter().find(|entry| Some(entry.number) == number);
     let entry = entry.ok_or_else(|| unknown("table", &arguments.table, TABLES.iter().map(|entry| entry.number), ""))?;
     let out = &arguments.out;
-    files::prepare_folder(out)?;
-    let cancel = cancel_on_interrupt();
+    let cancel = cancel_on_signal();
+    let folder = Folder::claim(out, &[], ROOM)?;
+    told_replaced(folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?, arguments.quiet, out);
     match (entry.compute)(&mut Task::new(Size::Full, &cancel, &mut |_, _| {})) {
         Ok(table) => {
-            write_table(out, &table)?;
+            if unwritten(&write_table(&folder, &table)) {
+                return Ok(BAD_INPUT);
+            }
             if !arguments.quiet {
-                say(&format!(
-                    "Table {}: {}{}: written to {}",
-                    entry.number,
-                    entry.title,
-                    findings_in_words(&table.findings),
-                    out.display()
-                ));
+                let findings = findings_in_words(&table.findings);
+                say(&format!("Table {}: {}{findings}: written to {}", entry.number, entry.title, out.display()))?;
             }
             Ok(DONE)
         }
         Err(Stopped::Cancelled) => Ok(INTERRUPTED),
         Err(why) => {
-            eprintln!("tackscope: Table {}: {why}", entry.number);
+            warn(format_args!("Table {}: {why}", entry.number));
             Ok(NOT_CONVERGED)
         }
     }
 }
 
-fn write_table(out: &Path, table: &Table) -> Result<(), Failure> {
+fn write_table(out: &Folder, table: &Table) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("table-{}.{end}", table.number));
-    paint::write_table_csv(&name("csv"), table)?;
-    paint::write_table_svg(&name("svg"), table)?;
-    paint::write_table_png(&name("png"), table)
+    let written = [
+        paint::write_table_csv(&name("csv"), table),
+        paint::write_table_svg(&name("svg"), table),
+        paint::write_table_png(&name("png"), table),
+    ];
+    written.into_iter().filter_map(Result::err).collect()
 }
 
 #[cfg(test)]

@@ -1,18 +1,19 @@
 //! Floor 5: the command line (clap) and terminal progress. No physics formulas.
 //!
-//! Exit codes: 0 done, 2 bad input (nothing was computed, or nothing could be written), 3 not converged, 130 interrupted; after
-//! 3 and 130 everything computed so far is written. Results go to files, one closing line to standard output, progress and
-//! refusals to standard error. May use every room below.
+//! Exit codes: 0 done, 2 bad input (nothing was computed) or something that could not be written, 3 not converged, 130 interrupted
+//! (Ctrl-C, SIGTERM, SIGHUP); after 3 and 130 everything computed so far is written, after 2 all of it that could be. Results go to
+//! files, one closing line to standard output, progress and refusals to standard error. May use every room below.
 
 mod chart;
 mod figure;
+mod output;
 mod presets;
 mod progress;
 mod report;
 mod run;
 mod window;
 
-use clap::builder::PossibleValue;
+use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -20,16 +21,21 @@ use std::process::ExitCode;
 use crate::experiment::plan::Wish;
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::storage::{Failure, files, process};
+use crate::worker::signals;
+use output::{say, tell, warn};
 
 /// Done.
 const DONE: u8 = 0;
-/// Bad input.
+/// Bad input, or a file that could not be written.
 const BAD_INPUT: u8 = 2;
 /// A state was not found.
 const NOT_CONVERGED: u8 = 3;
-/// Stopped by Ctrl-C.
+/// Stopped by Ctrl-C or another signal.
 const INTERRUPTED: u8 = 130;
+
+/// Longest time that a chart may be given.
+const SECONDS_MAX: f64 = 1e6;
 
 /// A desktop explorer of adhesive hysteresis: lower a soft body onto a sticky surface, pull it off, and watch where it jumps.
 ///
@@ -38,7 +44,8 @@ const INTERRUPTED: u8 = 130;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, 2 bad input, 3 not converged, 130 interrupted (3 and 130: what was computed is written)."
+    after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not converged, 130 interrupted by Ctrl-C, SIGTERM \
+                  or SIGHUP (3 and 130: what was computed is written)."
 )]
 struct CommandLine {
     #[command(subcommand)]
@@ -49,8 +56,8 @@ struct CommandLine {
 enum Command {
     /// Compute a closed loop without a window
     ///
-    /// Writes loop.csv, events.csv, summary.json, loop.svg, loop.png and gaps/*.png into the folder, replacing those of an
-    /// earlier run.
+    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png and at last summary.json into the folder, in place of those of an
+    /// earlier run, which are removed at the start. Until all is written summary.json says "running".
     Run(RunArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
@@ -77,7 +84,7 @@ struct FigureArguments {
     #[arg(value_name = "N|all")]
     figure: String,
     /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     out: PathBuf,
     /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and findings.csv
     #[arg(long)]
@@ -97,7 +104,7 @@ struct TableArguments {
     #[arg(value_name = "N")]
     table: String,
     /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     out: PathBuf,
     /// Say nothing but errors
     #[arg(long, short)]
@@ -110,7 +117,7 @@ struct ChartArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
     /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     out: PathBuf,
     /// Say nothing but errors
     #[arg(long, short)]
@@ -119,7 +126,7 @@ struct ChartArguments {
     #[arg(long)]
     quick: bool,
     /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
-    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick")]
+    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick", value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 }
 
@@ -129,7 +136,7 @@ struct RunArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
     /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder())]
     out: PathBuf,
     /// Say nothing but errors
     #[arg(long, short)]
@@ -182,16 +189,63 @@ impl ValueEnum for MethodKind {
     }
 }
 
-/// Runs the program and returns its exit code: 0 done, 2 bad input, 3 not converged, 130 interrupted.
+/// A folder as it was typed.
+fn folder() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| files::typed(&path))
+}
+
+/// A budget of processor time.
+fn seconds(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= SECONDS_MAX => Ok(seconds),
+        _ => Err(format!("allowed is a number above 0, at most {SECONDS_MAX} (eleven days)")),
+    }
+}
+
+/// Runs the program and returns its exit code: 0 done, 2 bad input or a file not written, 3 not converged, 130 interrupted.
 pub fn main() -> ExitCode {
-    ExitCode::from(match CommandLine::parse().command {
-        Some(Command::Run(arguments)) => run::run(&arguments),
-        Some(Command::Chart(arguments)) => chart::chart(&arguments),
-        Some(Command::Figure(arguments)) => figure::figure(&arguments),
-        Some(Command::Table(arguments)) => figure::table(&arguments),
-        Some(Command::Presets) => presets::list(),
-        None => window_or_default_scene(),
+    ExitCode::from(match CommandLine::try_parse() {
+        Ok(arguments) => match arguments.command {
+            Some(Command::Run(arguments)) => code(run::run(&arguments)),
+            Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
+            Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
+            Some(Command::Table(arguments)) => code(figure::table(&arguments)),
+            Some(Command::Presets) => code(presets::list()),
+            None => window_or_default_scene(),
+        },
+        Err(words) => code(explain(&words)),
     })
+}
+
+/// The exit code of a command, its failure told.
+fn code(result: Result<u8, Failure>) -> u8 {
+    result.unwrap_or_else(|failure| {
+        warn(failure);
+        BAD_INPUT
+    })
+}
+
+/// Help and version on standard output, what is wrong with the command line on standard error.
+fn explain(words: &clap::Error) -> Result<u8, Failure> {
+    let text = words.render().to_string();
+    if words.use_stderr() {
+        text.lines().for_each(tell);
+        return Ok(BAD_INPUT);
+    }
+    text.lines().try_for_each(say).map(|()| DONE)
+}
+
+/// Tells every file that could not be written; true if there was one.
+fn unwritten(failures: &[Failure]) -> bool {
+    failures.iter().for_each(warn);
+    !failures.is_empty()
+}
+
+/// Says that results of an earlier run were in the way.
+fn told_replaced(count: usize, quiet: bool, folder: &std::path::Path) {
+    if count > 0 && !quiet {
+        warn(format_args!("{} held an earlier run, which this one replaces", folder.display()));
+    }
 }
 
 /// The window, or where there is no display the default scene without it.
@@ -199,12 +253,12 @@ fn window_or_default_scene() -> u8 {
     match window::open() {
         Ok(()) => DONE,
         Err(window::NoWindow::Broken(reason)) => {
-            eprintln!("tackscope: the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead");
+            warn(format_args!("the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"));
             BAD_INPUT
         }
         Err(window::NoWindow::NoDisplay(reason)) => {
-            eprintln!("tackscope: no window here ({reason}): running the scene fig2 into tackscope-out/ instead");
-            run::run(&RunArguments {
+            warn(format_args!("no window here ({reason}): running the scene fig2 into tackscope-out/ instead"));
+            code(run::run(&RunArguments {
                 scene: "fig2".to_owned(),
                 out: PathBuf::from("tackscope-out"),
                 quiet: false,
@@ -215,29 +269,14 @@ fn window_or_default_scene() -> u8 {
                 verify: false,
                 model: Wish::Plan,
                 yardstick: false,
-            })
+            }))
         }
     }
 }
 
-/// A token that the first Ctrl-C raises; the second one ends the program at once.
-fn cancel_on_interrupt() -> Cancel {
-    let cancel = Cancel::default();
-    let (token, before) = (cancel.clone(), AtomicBool::new(false));
-    // Without a handler Ctrl-C ends the program the hard way: worse, yet no reason not to run.
-    let _ = ctrlc::set_handler(move || {
-        if before.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        token.request();
-    });
-    cancel
-}
-
-/// Prints a line to standard output; a reader that has gone away (`| head`) is no error.
-fn say(line: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{line}");
+/// A token that the first request from outside raises; one that comes later than a moment after it ends the program at once.
+fn cancel_on_signal() -> Cancel {
+    signals::cancel_on_signal(process::ignored_signals(), files::at_rest, i32::from(INTERRUPTED))
 }
 
 #[cfg(test)]
@@ -248,5 +287,13 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn a_budget_is_a_finite_number_above_zero() {
+        for word in ["nan", "-5", "0", "inf", "1e7", "", "3 s"] {
+            assert!(seconds(word).is_err(), "{word}");
+        }
+        assert_eq!(["1e-9", "180", "1e6"].map(|word| seconds(word).unwrap()), [1e-9, 180.0, 1e6]);
     }
 }

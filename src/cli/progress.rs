@@ -1,9 +1,12 @@
 //! What a run says while it goes: a bar on a terminal, plain lines otherwise, both on standard error.
 
+use super::tell;
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::run::Report;
+use crate::paper::ticks::digits;
+use crate::storage::line;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 
 /// Resolution of the bar.
 const TICKS: u64 = 1000;
@@ -28,31 +31,31 @@ impl Teller {
             return Teller::Silent;
         }
         if !std::io::stderr().is_terminal() {
-            line(heading);
+            tell(heading);
             return Teller::Lines { tenths: 0 };
         }
         let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(15));
         let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}, {eta} left  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.println(heading);
+        bar.println(line(heading));
         Teller::Bar(bar)
     }
 
-    /// Tells one piece of news.
-    pub(super) fn tell(&mut self, news: &Report<'_>) {
+    /// Tells one piece of news, u0 to a hundredth of the drive's `step`.
+    pub(super) fn tell(&mut self, news: &Report<'_>, step: f64) {
         match (self, news) {
             (Teller::Silent, _) => {}
-            (Teller::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump)),
+            (Teller::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump, step)),
             (Teller::Bar(bar), Report::State { record, fraction }) => {
                 bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
-                bar.set_message(state_words(record));
+                bar.set_message(state_words(record, step));
             }
-            (Teller::Lines { .. }, Report::Jump(jump)) => line(&jump_words(jump)),
+            (Teller::Lines { .. }, Report::Jump(jump)) => tell(&jump_words(jump, step)),
             (Teller::Lines { tenths }, Report::State { record, fraction }) => {
                 let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
                 if reached > *tenths {
                     *tenths = reached;
-                    line(&format!("{:>3} %  {}", 10 * reached, state_words(record)));
+                    tell(&format!("{:>3} %  {}", 10 * reached, state_words(record, step)));
                 }
             }
         }
@@ -61,7 +64,7 @@ impl Teller {
     /// Says what is being done, where there is a bar.
     pub(super) fn now(&self, words: &str) {
         if let Teller::Bar(bar) = self {
-            bar.set_message(words.to_owned());
+            bar.set_message(line(words));
         }
     }
 
@@ -76,8 +79,8 @@ impl Teller {
     pub(super) fn note(&self, words: &str) {
         match self {
             Teller::Silent => {}
-            Teller::Bar(bar) => bar.println(words),
-            Teller::Lines { .. } => line(words),
+            Teller::Bar(bar) => bar.println(line(words)),
+            Teller::Lines { .. } => tell(words),
         }
     }
 
@@ -89,18 +92,18 @@ impl Teller {
     }
 }
 
-fn state_words(state: &StateRecord) -> String {
-    format!("{} at u0 = {:.4}: {}", state.branch, state.mean_displacement, state.pattern)
+fn state_words(state: &StateRecord, step: f64) -> String {
+    format!("{} at u0 = {}: {}", state.branch, digits(state.mean_displacement, 0.01 * step), state.pattern)
 }
 
-fn jump_words(jump: &JumpRecord) -> String {
+fn jump_words(jump: &JumpRecord, step: f64) -> String {
     format!(
-        "jump   {} at u0 = {:.4}: {} to {}, released {:.4} gamma ({})",
-        jump.branch, jump.mean_displacement, jump.from, jump.to, jump.released_energy, jump.cause
+        "jump   {} at u0 = {}: {} to {}, released {:.4} gamma ({})",
+        jump.branch,
+        digits(jump.mean_displacement, 0.01 * step),
+        jump.from,
+        jump.to,
+        jump.released_energy,
+        jump.cause
     )
-}
-
-/// A line on standard error; nobody listening is no error.
-fn line(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
 }

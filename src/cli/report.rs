@@ -4,12 +4,12 @@ use crate::experiment::ledger::Ledger;
 use crate::experiment::plan::{Plan, Road};
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome};
-use crate::experiment::scene::{Model, Scene};
+use crate::experiment::scene::{Model, Scene, Turn};
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
+use crate::storage::folder::Folder;
 use crate::storage::summary::{CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
-use crate::storage::{Failure, export, files, picture, scene_file};
-use std::path::Path;
+use crate::storage::{Failure, export, picture, scene_file};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -24,6 +24,18 @@ pub(super) fn stop_word(outcome: &Outcome) -> &'static str {
         Outcome::Completed => "completed",
         Outcome::NotConverged { .. } => "not converged",
         Outcome::Cancelled => "cancelled",
+    }
+}
+
+/// What stands in `summary.json` until all is computed and written, and so beside whatever a killed run has left.
+pub(super) fn begun(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str) -> Summary {
+    let run = LoopRun { outcome: Outcome::Cancelled, ..LoopRun::empty() };
+    let nothing = Timed { run, wall_seconds: f64::NAN, processor_seconds: f64::NAN };
+    Summary {
+        stop: "running",
+        stop_reason: Some("not finished: it is still running, or was killed".to_owned()),
+        released_energy_sum: Number(f64::NAN),
+        ..summary(given, scene, model, plan, method, &nothing)
     }
 }
 
@@ -106,6 +118,7 @@ fn counts(run: &LoopRun) -> CountSummary {
         transitions: tally.transitions,
         patterned_increments: counts.patterned_increments,
         transforms: counts.transforms,
+        proof_transforms: counts.proof_transforms,
         transforms_per_patterned_increment: per_increment.into(),
         iterations: counts.iterations,
     }
@@ -139,19 +152,51 @@ pub(super) fn yardstick(model: &Model, main: &Timed, other: &Timed) -> Yardstick
     }
 }
 
-/// Writes tables and pictures of a walk, and removes the gap pictures of an earlier one.
-pub(super) fn write_results(folder: &Path, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Result<(), Failure> {
-    export::write_loop_csv(&folder.join("loop.csv"), &run.record.states)?;
-    export::write_events_csv(&folder.join("events.csv"), &run.record.jumps)?;
-    picture::write_loop_svg(&folder.join("loop.svg"), &run.record, &model.law, &scene.title, plan.predicted_error)?;
-    picture::write_loop_png(&folder.join("loop.png"), &run.record, &model.law, &scene.title, plan.predicted_error)?;
-    let gaps = folder.join("gaps");
-    files::remove_old(&gaps, is_gap_picture)?;
+/// The folder of the gap pictures.
+pub(super) const GAPS: &str = "gaps";
+
+/// The file that says how it went.
+pub(super) const SUMMARY: &str = "summary.json";
+
+/// What is written beside it.
+const FILES: [&str; 4] = ["loop.csv", "events.csv", "loop.svg", "loop.png"];
+
+/// True for a file (as in `gaps/1-approach-bulge.png`) that a run writes.
+pub(super) fn is_result(name: &str) -> bool {
+    let gap = name.strip_prefix(GAPS).and_then(|name| name.strip_prefix('/'));
+    name == SUMMARY || FILES.contains(&name) || gap.is_some_and(is_gap_picture)
+}
+
+/// Room that the results may need, in bytes.
+pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
+    /// A state in the table and in the pictures; what does not grow; a point in all gap pictures.
+    const SIZES: [f64; 3] = [300.0, 1e6, 4.0];
+    /// More states than this are not reckoned with.
+    const STATES_MAX: f64 = 1e6;
+    let drive = &scene.drive;
+    let turn = if let Turn::At(turn) = drive.turn { turn } else { drive.start - scene.cell.length };
+    let states = (2.0 * (drive.start - turn) / drive.step).clamp(0.0, STATES_MAX);
+    let points = (model.grid.nx * model.grid.ny) as f64;
+    (SIZES[0] * states + SIZES[1] + SIZES[2] * points) as u64
+}
+
+/// Writes tables and pictures of a walk; returns what could not be written.
+pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Vec<Failure> {
+    let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
+    let mut written = vec![
+        export::write_loop_csv(&states, &run.record.states),
+        export::write_events_csv(&jumps, &run.record.jumps),
+        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title, plan.predicted_error),
+        picture::write_loop_png(&png, &run.record, &model.law, &scene.title, plan.predicted_error)
+            .and_then(|()| picture::attach_scene(&png, scene)),
+    ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
     for (i, landing) in run.landings.iter().enumerate() {
-        picture::write_gap_png_scaled(&gaps.join(gap_picture(i, landing)), &landing.gap, scale)?;
+        let path = folder.join(GAPS).join(gap_picture(i, landing));
+        let picture = picture::write_gap_png_scaled(&path, &landing.gap, scale);
+        written.push(picture.and_then(|()| picture::attach_scene(&path, scene)));
     }
-    Ok(())
+    written.into_iter().filter_map(Result::err).collect()
 }
 
 /// `1-approach-bulge.png` for the first landing, and so on.

@@ -2,45 +2,24 @@
 
 use super::progress::Teller;
 use super::report::{self, Timed};
-use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_interrupt, say};
+use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
 use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, promise, reference, refusal};
 use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
-use crate::storage::summary::Number;
-use crate::storage::{Failure, files, presets, scene_file, summary};
+use crate::storage::folder::Folder;
+use crate::storage::summary::{Number, Summary, write_summary};
+use crate::storage::{Failure, presets, scene_file};
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
 /// Computes the loop, writes its files and returns the exit code.
-pub(super) fn run(arguments: &RunArguments) -> u8 {
-    match try_run(arguments) {
-        Ok(code) => code,
-        Err(failure) => {
-            eprintln!("tackscope: {failure}");
-            BAD_INPUT
-        }
-    }
-}
-
-fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
-    if arguments.yardstick && arguments.method == MethodKind::Gfmd {
-        return Err(Failure::Value {
-            file: "command line".to_owned(),
-            key: "--yardstick".to_owned(),
-            value: "with --method gfmd".to_owned(),
-            allowed: "the yardstick is gfmd itself; leave one of the two out".to_owned(),
-        });
-    }
-    if arguments.model == Wish::Atlas && arguments.method != MethodKind::NewtonKrylov {
-        return Err(Failure::Value {
-            file: "command line".to_owned(),
-            key: "--model".to_owned(),
-            value: format!("atlas with --method {}", arguments.method.word()),
-            allowed: "only newton follows the branches of an atlas; leave one of the two out".to_owned(),
-        });
-    }
+///
+/// # Errors
+/// A scene or an option that is refused, a folder that cannot be written, or a standard output that cannot.
+pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
+    check_options(arguments)?;
     let (scene, place) = scene(arguments)?;
     let refused = |error: SceneError| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
@@ -52,46 +31,102 @@ fn try_run(arguments: &RunArguments) -> Result<u8, Failure> {
             allowed: format!("this scene has no atlas, since {reason}; leave --model out, or take whole"),
         });
     }
-    files::prepare_folder(&arguments.out)?;
-    let cancel = cancel_on_interrupt();
-
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
     let wish = if newton || arguments.model != Wish::Plan { arguments.model } else { Wish::Whole };
     let plan = plan_of(&scene, &model, wish);
+
+    let cancel = cancel_on_signal();
+    let folder = Folder::claim(&arguments.out, &[report::GAPS], report::room(&scene, &model))?;
+    let earlier = folder.clear(&[report::GAPS], report::is_result)?;
+    told_replaced(earlier, arguments.quiet, &arguments.out);
+    let summary_path = folder.join(report::SUMMARY);
+    let method = arguments.method.word();
+    write_summary(&summary_path, &report::begun(&arguments.scene, &scene, &model, &plan, method))?;
+
     let main = timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
-    report::write_results(&arguments.out, &scene, &model, &plan, &main.run)?;
-    let mut told = report::summary(&arguments.scene, &scene, &model, &plan, arguments.method.word(), &main);
-    let summary_path = arguments.out.join("summary.json");
-    summary::write_summary(&summary_path, &told)?;
-    if arguments.yardstick && main.run.outcome == Outcome::Completed {
-        let whole = plan_of(&scene, &model, Wish::Whole);
-        let other = timed(arguments, &scene, &model, &whole, MethodKind::Gfmd, &cancel).map_err(refused)?;
-        told.yardstick = Some(report::yardstick(&model, &main, &other));
-        summary::write_summary(&summary_path, &told)?;
-    }
-    if arguments.verify && main.run.outcome == Outcome::Completed {
-        let finer = reference(&scene, &model);
-        let finer_model = finer.model().map_err(refused)?;
-        let whole = plan_of(&finer, &finer_model, Wish::Whole);
-        let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, &cancel).map_err(refused)?;
-        if better.run.outcome == Outcome::Completed {
-            told.measured_error = Number(measured_error(&main.run.record, &better.run.record));
-            summary::write_summary(&summary_path, &told)?;
-        }
+    let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
+    let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
+    failures.extend(write_summary(&summary_path, &told).err());
+    let mut code = exit_code(&main.run.outcome);
+    if main.run.outcome == Outcome::Completed && (arguments.yardstick || arguments.verify) {
+        let compared = compare(arguments, &scene, &model, &main, &cancel, &mut told).map_err(refused)?;
+        failures.extend(write_summary(&summary_path, &told).err());
+        code = compared;
     }
     if !arguments.quiet {
-        told.warnings.iter().for_each(|warning| eprintln!("tackscope: {warning}"));
-        say(&closing_words(arguments, &told, &main.run));
+        told.warnings.iter().for_each(warn);
+    }
+    if let Some(reason) = &told.stop_reason {
+        warn(format_args!("{} at {reason}; what was computed is in {}", told.stop, arguments.out.display()));
     }
     if let (Some(reason), Some(remedy)) = (&told.open_reason, &told.open_remedy) {
-        eprintln!("tackscope: loop not closed: {reason}; {remedy}");
+        warn(format_args!("loop not closed: {reason}; {remedy}"));
     }
-    if let Some(reason) = told.stop_reason {
-        eprintln!("tackscope: {} at {reason}; what was computed is in {}", told.stop, arguments.out.display());
+    if unwritten(&failures) {
+        return Ok(BAD_INPUT);
     }
-    let yardstick_cut = told.yardstick.is_some_and(|yardstick| yardstick.stop == report::stop_word(&Outcome::Cancelled));
-    Ok(if yardstick_cut { INTERRUPTED } else { exit_code(&main.run.outcome) })
+    if !arguments.quiet {
+        say(&closing_words(arguments, &told, &main.run))?;
+    }
+    Ok(code)
+}
+
+/// Refuses options that contradict each other.
+fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
+    let refuse = |key: &str, value: String, allowed: &str| {
+        Err(Failure::Value { file: "command line".to_owned(), key: key.to_owned(), value, allowed: allowed.to_owned() })
+    };
+    if arguments.yardstick && arguments.method == MethodKind::Gfmd {
+        let allowed = "the yardstick is gfmd itself; leave one of the two out";
+        return refuse("--yardstick", "with --method gfmd".to_owned(), allowed);
+    }
+    if arguments.model == Wish::Atlas && arguments.method != MethodKind::NewtonKrylov {
+        let value = format!("atlas with --method {}", arguments.method.word());
+        return refuse("--model", value, "only newton follows the branches of an atlas; leave one of the two out");
+    }
+    Ok(())
+}
+
+/// Computes what was asked for beside the loop, and puts it into the summary; returns the exit code.
+fn compare(
+    arguments: &RunArguments,
+    scene: &Scene,
+    model: &Model,
+    main: &Timed,
+    cancel: &Cancel,
+    told: &mut Summary,
+) -> Result<u8, SceneError> {
+    let mut code = DONE;
+    if arguments.yardstick {
+        let whole = plan_of(scene, model, Wish::Whole);
+        let other = timed(arguments, scene, model, &whole, MethodKind::Gfmd, cancel)?;
+        told.yardstick = Some(report::yardstick(model, main, &other));
+        if other.run.outcome == Outcome::Cancelled {
+            code = INTERRUPTED;
+            warn("interrupted before the yardstick was done; the loop itself is complete");
+        }
+    }
+    if arguments.verify {
+        let finer = reference(scene, model);
+        let finer_model = finer.model()?;
+        let whole = plan_of(&finer, &finer_model, Wish::Whole);
+        let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, cancel)?;
+        match &better.run.outcome {
+            Outcome::Completed => told.measured_error = Number(measured_error(&main.run.record, &better.run.record)),
+            Outcome::Cancelled => {
+                code = INTERRUPTED;
+                warn("interrupted before the verification was done; the loop itself is complete");
+            }
+            Outcome::NotConverged { mean_displacement, reason } => {
+                code = NOT_CONVERGED;
+                warn(format_args!(
+                    "the verification did not converge at u0 = {mean_displacement}: {reason}: the error is not known"
+                ));
+            }
+        }
+    }
+    Ok(code)
 }
 
 /// The scene with what the command line replaces in it, and how to name both in a refusal.
@@ -124,7 +159,7 @@ fn timed(
     let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
     let mut teller = Teller::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
-    let run = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news))?;
+    let run = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news, scene.drive.step))?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
@@ -140,7 +175,7 @@ fn exit_code(outcome: &Outcome) -> u8 {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &RunArguments, told: &summary::Summary, run: &LoopRun) -> String {
+fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> String {
     let loss = told.dissipated_energy.0;
     let loss = match (&told.open_reason, loss.is_finite()) {
         (Some(reason), _) => format!("loop not closed: {reason}"),

@@ -1,7 +1,7 @@
 //! The flat state on flat ground: a closed form that costs nothing, stable up to where Eq. 8 says.
 
 use crate::physics::law::Law;
-use crate::physics::theory::flat::stiffness_min;
+use crate::physics::theory::flat::{limits, stiffness_min};
 use crate::solver::Stop;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 
@@ -10,12 +10,14 @@ use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 pub struct FlatBranch {
     law: Law,
     length: f64,
+    /// The gaps between which it is unstable.
+    unstable: Option<(f64, f64)>,
 }
 
 impl FlatBranch {
     /// The branch.
     pub fn new(law: Law, length: f64) -> Self {
-        Self { law, length }
+        Self { law, length, unstable: limits(&law, length) }
     }
 
     /// The flat state at gap `u0`, exact, as amplitudes of the given dimension.
@@ -41,15 +43,20 @@ impl FlatBranch {
     }
 
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and the first unstable double found
-    /// by bisection; `None` if it is not lost. A way longer than the soft part of the law is looked at in pieces of a tenth range.
+    /// by bisection; `None` if it is not lost.
     pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let stable = |u: f64| stiffness_min(&self.law, self.length, u) >= 0.0;
-        let pieces = ((to - from).abs() / (0.1 * self.law.range)).ceil().max(1.0) as usize;
-        let ends = (0..=pieces).map(|i| from + (to - from) * i as f64 / pieces as f64).collect::<Vec<_>>();
-        let piece = ends.windows(2).find(|w| !stable(w[1]))?;
-        let (mut a, mut b) = (piece[0], piece[1]);
+        let (lower, upper) = self.unstable?;
+        // The unstable gaps are one interval: the gap of the way that lies nearest to its middle tells whether it is met.
+        let (mut a, mut b) = (from, (0.5 * (lower + upper)).clamp(from.min(to), from.max(to)));
+        if stable(b) {
+            return None;
+        }
         while (b - a).abs() > 1e-9 * self.law.range {
             let middle = 0.5 * (a + b);
+            if middle == a || middle == b {
+                break;
+            }
             if stable(middle) {
                 a = middle;
             } else {
@@ -57,5 +64,61 @@ impl FlatBranch {
             }
         }
         Some((a, b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+    use proptest::prelude::*;
+
+    fn any_law() -> impl Strategy<Value = Law> {
+        let shape = prop_oneof![
+            Just(Shape::Morse(Morse)),
+            Just(Shape::Mie(Mie { m: 8.0, n: 2.0 })),
+            Just(Shape::Cosine(Cosine { smooth: true })),
+            (0.1..0.99_f64).prop_map(|ratio| Shape::DoubleExponential(DoubleExponential { ratio })),
+        ];
+        (shape, -3.0..3.0_f64).prop_map(|(shape, decade)| Law { shape, surface_energy: 0.15, range: 10f64.powf(decade) })
+    }
+
+    proptest! {
+        /// Against a scan of the whole way in small pieces.
+        #[test]
+        fn the_limit_on_the_way_is_where_a_scan_first_meets_an_unstable_gap(
+            law in any_law(), periods in 1.01..30.0_f64, from in -1.0..12.0_f64, to in -1.0..12.0_f64,
+        ) {
+            let length = periods * crate::physics::theory::flat::critical_length(&law);
+            let branch = FlatBranch::new(law, length);
+            let base = law.equilibrium_gap();
+            let (from, to) = (base + from.abs() * law.range, base + to.abs() * law.range);
+            let stable = |u: f64| stiffness_min(&law, length, u) >= 0.0;
+            prop_assume!(stable(from));
+            let scanned = (0..=20_000).map(|i| from + (to - from) * f64::from(i) / 20_000.0).find(|&u| !stable(u));
+            match (branch.limit_between(from, to), scanned) {
+                (None, None) => {}
+                (Some((last, first)), scanned) => {
+                    prop_assert!(stable(last) && !stable(first) && (last - first).abs() <= 1e-9 * law.range);
+                    let step = (to - from).abs() / 20_000.0;
+                    // An interval thinner than the scan's step may be missed by it, never by the branch.
+                    let met = scanned.map_or(step, |u| (u - first).abs());
+                    prop_assert!(met <= step * (1.0 + 1e-9) || scanned.is_none(), "{first} {scanned:?}");
+                }
+                (None, Some(u)) => prop_assert!(false, "unstable at {u}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_way_of_any_length_is_searched_in_no_time() {
+        let law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 0.1 };
+        let branch = FlatBranch::new(law, 64.0);
+        for far in [1e7, 1e60, 1e300] {
+            let (last, first) = branch.limit_between(far, 0.0).expect("the limit lies on the way");
+            let (_, upper) = limits(&law, 64.0).expect("unstable");
+            assert!((last - upper).abs() <= 1e-9 && (first - upper).abs() <= 1e-9, "{last} {first} {upper}");
+            assert_eq!(branch.limit_between(far, 0.5 * far), None);
+        }
     }
 }

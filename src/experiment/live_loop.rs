@@ -5,6 +5,7 @@ use super::atlas::{Atlas, Chart, Cycle, Place, Unmapped};
 use super::plan;
 use super::record::{Branch, JumpRecord, StateRecord};
 use super::scene::{Model, Scene, Turn};
+use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
@@ -94,9 +95,15 @@ pub struct LiveLoop {
 #[derive(Debug, Default)]
 pub struct LiveLoops {
     last: Option<(Atlas, Vec<Place>)>,
+    cancel: Cancel,
 }
 
 impl LiveLoops {
+    /// Loops whose computation `cancel` interrupts; what is under way is then refused.
+    pub fn obeying(cancel: &Cancel) -> Self {
+        Self { last: None, cancel: cancel.clone() }
+    }
+
     /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over are then learnt again.
     ///
     /// # Errors
@@ -114,6 +121,7 @@ impl LiveLoops {
             Some(found) => found,
             None => {
                 let mut atlas = Atlas::new(chart);
+                atlas.obey(&self.cancel);
                 let cycle = atlas.cycle(start, turn)?;
                 (atlas, cycle)
             }

@@ -9,6 +9,7 @@ pub mod forecast;
 pub mod ledger;
 pub mod live_loop;
 pub mod measured_law;
+pub mod parameter;
 pub mod plan;
 pub mod record;
 pub mod run;

@@ -115,21 +115,23 @@ pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
     }
 }
 
+/// Largest count that [`next_fast`] looks beyond; larger ones are taken for it.
+const COUNT_MAX: usize = 1 << 60;
+
 /// The next multiple of 8 at or above `n` with no prime factors but 2, 3 and 5: quick to transform, also on a quarter cell.
 pub fn next_fast(n: usize) -> usize {
-    let mut candidate = n.max(1).next_multiple_of(8);
-    loop {
-        let mut rest = candidate;
-        for p in [2, 3, 5] {
-            while rest.is_multiple_of(p) {
-                rest /= p;
-            }
+    let least = n.clamp(1, COUNT_MAX).div_ceil(8);
+    let mut best = least.next_power_of_two();
+    let mut fives = 1;
+    while fives < best {
+        let mut odd = fives;
+        while odd < best {
+            best = best.min(odd * least.div_ceil(odd).next_power_of_two());
+            odd *= 3;
         }
-        if rest == 1 {
-            return candidate;
-        }
-        candidate += 8;
+        fives *= 5;
     }
+    8 * best
 }
 
 /// The atlas of a scene on `n` points along a side.

@@ -29,7 +29,7 @@ pub struct LoopRun {
 
 impl LoopRun {
     /// A loop of which nothing is computed yet.
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let (record, counts) = (LoopRecord::default(), Counts::default());
         Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None }
     }

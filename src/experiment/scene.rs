@@ -1,11 +1,14 @@
 //! What to compute: the scene, as a file or the window describes it.
 
+use super::parameter::{self, Parameter, number};
 use super::plan::{next_fast, points_for};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::roughness::WAVES_MAX;
+
+pub use super::parameter::POINTS_MAX;
 
 /// A complete description of an experiment. The contact modulus E* is 1; lengths are in any one unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,8 +140,11 @@ pub struct SceneError {
     pub allowed: String,
 }
 
-/// Largest number of points along one side.
-pub const POINTS_MAX: usize = 4096;
+/// Most steps from the start to the turn.
+const STEPS_MAX: f64 = 1e6;
+
+/// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
+const STEP_SHARE: f64 = 1e-10;
 
 impl Scene {
     /// Where the approach is to go (length): to the turning point, or, where the sign of the stress ends it, far below anything a tip
@@ -159,80 +165,139 @@ impl Scene {
         self.model().map(|_| ())
     }
 
+    /// Every number that the scene gives, with what is allowed of it.
+    pub fn numbers(&self) -> Vec<(&'static Parameter, f64)> {
+        let Self { cell, law, indenter, drive, accuracy, seed, .. } = self;
+        let mut numbers = vec![
+            (&parameter::LENGTH, cell.length),
+            (&parameter::SURFACE_ENERGY, law.surface_energy),
+            (&parameter::START, drive.start),
+            (&parameter::STEP, drive.step),
+            (&parameter::TARGET, *accuracy),
+            (&parameter::SEED, *seed as f64),
+        ];
+        if let Points::Square(n) | Points::Line(n) = cell.points {
+            numbers.push((&parameter::POINTS, n as f64));
+        }
+        match law.shape {
+            Shape::Mie(Mie { m, n }) => numbers.extend([(&parameter::MIE_N, n), (&parameter::MIE_M, m)]),
+            Shape::DoubleExponential(DoubleExponential { ratio }) => numbers.push((&parameter::RATIO, ratio)),
+            Shape::Morse(_) | Shape::Cosine(_) => {}
+        }
+        numbers.push(match law.range {
+            Range::Length(range) => (&parameter::RANGE, range),
+            Range::MuRho(mu_rho) => (&parameter::MU_RHO, mu_rho),
+        });
+        match *indenter {
+            Indenter::Flat => {}
+            Indenter::Hertz { radius } => numbers.push((&parameter::RADIUS, radius)),
+            Indenter::Wave { amplitude, periods } => {
+                numbers.push((&parameter::AMPLITUDE, amplitude));
+                numbers.extend(periods.map(|count| (&parameter::PERIODS, count as f64)));
+            }
+            Indenter::Rough(rough) => numbers.extend([
+                (&parameter::HURST, rough.hurst),
+                (&parameter::RMS, rough.rms),
+                (&parameter::LONGEST, rough.longest),
+                (&parameter::SHORTEST, rough.shortest),
+                (&parameter::GROUND_SEED, rough.seed as f64),
+            ]),
+        }
+        if let Turn::At(turn) = drive.turn {
+            numbers.push((&parameter::TURN, turn));
+        }
+        numbers
+    }
+
     /// Decides what the scene leaves open: mesh, range, mu_rho.
     ///
     /// # Errors
-    /// The first value that is not allowed.
+    /// The first value that is not allowed: by itself, then beside the others.
     pub fn model(&self) -> Result<Model, SceneError> {
-        let length = positive("cell.length", self.cell.length)?;
-        let surface_energy = positive("law.surface_energy", self.law.surface_energy)?;
+        for (parameter, value) in self.numbers() {
+            parameter.check(value)?;
+        }
         self.check_shape()?;
         self.check_drive()?;
         self.check_indenter()?;
-        if !(self.accuracy > 0.0 && self.accuracy < 1.0) {
-            return Err(refuse("accuracy.target", self.accuracy, "a number above 0 and below 1, as in 0.01"));
-        }
-        let unit = Law { shape: self.law.shape, surface_energy, range: 1.0 };
-        let (grid, reason) = match (self.cell.points, self.law.range) {
-            (Points::Square(n), _) => (Grid::square(length, even("cell.points", n)?), "points given".to_owned()),
-            (Points::Line(n), _) => (Grid::line(length, even("cell.points", n)?), "line cell given".to_owned()),
-            (Points::Auto, Range::MuRho(mu)) => {
-                let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
-                return Err(refuse("law.mu_rho", mu, allowed));
-            }
-            (Points::Auto, Range::Length(range)) => {
-                let range = positive("law.range", range)?;
-                let law = Law { range, ..unit };
-                let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.points_needed(length)));
-                let mu = mesh_rule::mu_rho(&law, length / n as f64);
-                if n > POINTS_MAX {
-                    let allowed = format!(
-                        "this range needs {n} points a side, more than {POINTS_MAX}: a larger law.range or a smaller cell.length"
-                    );
-                    return Err(refuse("cell.points", "auto", &allowed));
-                }
-                // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
-                let reason = match self.indenter == Indenter::Flat && law.is_smooth() {
-                    true => format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy),
-                    false => format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy),
-                };
-                (Grid::square(length, n), reason)
-            }
-        };
+        let unit = Law { shape: self.law.shape, surface_energy: self.law.surface_energy, range: 1.0 };
+        let (grid, reason) = self.mesh(&unit)?;
         let range = match self.law.range {
-            Range::Length(range) => positive("law.range", range)?,
-            Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), positive("law.mu_rho", mu)?),
+            Range::Length(range) => range,
+            Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), mu),
         };
-        if let Indenter::Wave { periods, .. } = self.indenter
-            && (periods.iter().any(|&p| 4 * p > grid.nx) || grid.is_line() && periods[1] > 0)
-        {
-            let allowed = if grid.is_line() { "along x alone on a line cell, and " } else { "" };
-            let allowed = format!("{allowed}at most a quarter of the points along a side ({})", grid.nx / 4);
-            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
-        }
+        self.check_waves(&grid)?;
         let law = Law { range, ..unit };
         let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
+        if !parameter::MU_RHO.range.contains(&mu_rho) {
+            let (low, high) = (parameter::MU_RHO.range.start(), parameter::MU_RHO.range.end());
+            let allowed = format!("a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}");
+            return Err(refuse("law.range", number(range), &allowed));
+        }
         if let Turn::At(turn) = self.drive.turn
             && self.indenter == Indenter::Flat
             && !law.at(turn).energy.is_finite()
         {
-            return Err(refuse("drive.turn", turn, "a gap at which the law is finite: so deep in its wall it overflows"));
+            return Err(refuse("drive.turn", number(turn), "a gap at which the law is finite: so deep in its wall it overflows"));
+        }
+        if let Turn::ZeroLoad = self.drive.turn
+            && range / self.drive.step > STEPS_MAX
+        {
+            return Err(refuse("drive.step", number(self.drive.step), "at least a millionth of law.range"));
         }
         Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
     }
 
+    /// The mesh, and in words why; `unit` is the law with a range of 1.
+    fn mesh(&self, unit: &Law) -> Result<(Grid, String), SceneError> {
+        let length = self.cell.length;
+        let range = match (self.cell.points, self.law.range) {
+            (Points::Square(n), _) => return Ok((Grid::square(length, even(n)?), "points given".to_owned())),
+            (Points::Line(n), _) => return Ok((Grid::line(length, even(n)?), "line cell given".to_owned())),
+            (Points::Auto, Range::MuRho(mu)) => {
+                let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
+                return Err(refuse("law.mu_rho", number(mu), allowed));
+            }
+            (Points::Auto, Range::Length(range)) => range,
+        };
+        if let Indenter::Wave { periods, .. } = self.indenter
+            && self.indenter.points_needed(length) > POINTS_MAX
+        {
+            let allowed = format!("with cell.points = \"auto\" at most {}, each wave with its eight points", POINTS_MAX / 8);
+            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
+        }
+        let law = Law { range, ..*unit };
+        let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.points_needed(length)));
+        if n > POINTS_MAX {
+            let allowed =
+                format!("this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length");
+            return Err(refuse("cell.points", "auto", &allowed));
+        }
+        let mu = mesh_rule::mu_rho(&law, length / n as f64);
+        // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
+        let reason = match self.indenter == Indenter::Flat && law.is_smooth() {
+            true => format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy),
+            false => format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy),
+        };
+        Ok((Grid::square(length, n), reason))
+    }
+
     fn check_shape(&self) -> Result<(), SceneError> {
         match self.law.shape {
-            Shape::Mie(Mie { m, n }) => {
-                positive("law.n", n)?;
-                if !(m.is_finite() && m > n && m <= 100.0) {
-                    return Err(refuse("law.m", m, &format!("a number above law.n = {n}, at most 100")));
-                }
+            Shape::Mie(Mie { m, n }) if !(m > n) => {
+                Err(refuse("law.m", number(m), &format!("a number above law.n = {n}, at most {}", parameter::MIE_M.range.end())))
             }
-            Shape::DoubleExponential(DoubleExponential { ratio }) if !(ratio > 0.0 && ratio < 1.0) => {
-                return Err(refuse("law.ratio", ratio, "a number above 0 and below 1 (repulsive over attractive range)"));
-            }
-            _ => {}
+            _ => Ok(()),
+        }
+    }
+
+    fn check_waves(&self, grid: &Grid) -> Result<(), SceneError> {
+        if let Indenter::Wave { periods, .. } = self.indenter
+            && (periods.iter().any(|&p| p > grid.nx / 4) || grid.is_line() && periods[1] > 0)
+        {
+            let allowed = if grid.is_line() { "along x alone on a line cell, and " } else { "" };
+            let allowed = format!("{allowed}at most a quarter of the points along a side ({})", grid.nx / 4);
+            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
         }
         Ok(())
     }
@@ -240,26 +305,25 @@ impl Scene {
     fn check_indenter(&self) -> Result<(), SceneError> {
         let length = self.cell.length;
         match self.indenter {
-            Indenter::Flat => {}
-            Indenter::Hertz { radius } => drop(positive("indenter.radius", radius)?),
-            Indenter::Wave { amplitude, periods } => {
-                positive("indenter.amplitude", amplitude)?;
+            Indenter::Flat | Indenter::Hertz { .. } => {}
+            Indenter::Wave { periods, .. } => {
                 if periods == [0, 0] {
                     return Err(refuse("indenter.periods", "[0, 0]", "a whole number above 0 along x or y, as in 2 or [2, 1]"));
                 }
             }
             Indenter::Rough(rough) => {
-                if !(rough.hurst > 0.0 && rough.hurst <= 1.0) {
-                    return Err(refuse("indenter.hurst", rough.hurst, "a number above 0, at most 1, as in 0.8"));
-                }
-                positive("indenter.rms", rough.rms)?;
-                if !(rough.longest > 0.0 && rough.longest <= length) {
-                    return Err(refuse("indenter.longest", rough.longest, &format!("above 0, at most cell.length = {length}")));
+                if rough.longest > length {
+                    return Err(refuse(
+                        "indenter.longest",
+                        number(rough.longest),
+                        &format!("above 0, at most cell.length = {}", number(length)),
+                    ));
                 }
                 let least = length / WAVES_MAX as f64;
                 if !(rough.shortest >= least && rough.shortest <= rough.longest) {
-                    let allowed = format!("from {least} (cell.length/{WAVES_MAX}) to indenter.longest = {}", rough.longest);
-                    return Err(refuse("indenter.shortest", rough.shortest, &allowed));
+                    let allowed =
+                        format!("from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}", number(least), number(rough.longest));
+                    return Err(refuse("indenter.shortest", number(rough.shortest), &allowed));
                 }
             }
         }
@@ -268,19 +332,28 @@ impl Scene {
 
     fn check_drive(&self) -> Result<(), SceneError> {
         let Drive { start, turn, step } = self.drive;
-        if !start.is_finite() {
-            return Err(refuse("drive.start", start, "a finite number"));
+        // At zero load u0 goes below the ground by no more than about the length of the cell.
+        let reach = start.abs() + if turn == Turn::ZeroLoad { self.cell.length } else { 0.0 };
+        if step < STEP_SHARE * reach {
+            return Err(refuse(
+                "drive.step",
+                number(step),
+                &format!("at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"),
+            ));
         }
-        positive("drive.step", step)?;
         if let Turn::At(turn) = turn {
-            if !(turn.is_finite() && turn < start) {
-                return Err(refuse("drive.turn", turn, &format!("a number below drive.start = {start}, or \"zero_load\"")));
+            if turn >= start {
+                return Err(refuse(
+                    "drive.turn",
+                    number(turn),
+                    &format!("a number below drive.start = {}, or \"zero_load\"", number(start)),
+                ));
             }
-            if (start - turn) / step > 1e6 {
-                return Err(refuse("drive.step", step, "at least a millionth of drive.start - drive.turn"));
+            if (start - turn) / step > STEPS_MAX {
+                return Err(refuse("drive.step", number(step), "at least a millionth of drive.start - drive.turn"));
             }
             if turn <= 0.0 && matches!(self.law.shape, Shape::Mie(_)) && self.indenter == Indenter::Flat {
-                return Err(refuse("drive.turn", turn, "above 0: the Mie law is infinite at zero gap"));
+                return Err(refuse("drive.turn", number(turn), "above 0: the Mie law is infinite at zero gap"));
             }
         } else if self.indenter == Indenter::Flat {
             return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
@@ -289,15 +362,8 @@ impl Scene {
     }
 }
 
-fn positive(key: &str, value: f64) -> Result<f64, SceneError> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(refuse(key, value, "a finite number above 0")) }
-}
-
-fn even(key: &str, n: usize) -> Result<usize, SceneError> {
-    if n.is_multiple_of(2) && (4..=POINTS_MAX).contains(&n) {
-        return Ok(n);
-    }
-    Err(refuse(key, n, &format!("an even number from 4 to {POINTS_MAX}, as in 64 or [64, 1], or \"auto\"")))
+fn even(n: usize) -> Result<usize, SceneError> {
+    if n.is_multiple_of(2) { Ok(n) } else { Err(parameter::POINTS.refuse(n)) }
 }
 
 pub(super) fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {

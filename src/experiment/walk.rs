@@ -283,7 +283,8 @@ impl Walk {
 
     /// What was spent so far.
     pub fn counts(&self) -> Counts {
-        Counts { transforms: self.transforms(), ..self.counts }
+        let proofs = self.tracker.proof_transforms() + self.guard.as_ref().map_or(0, Guard::proof_transforms);
+        Counts { transforms: self.transforms(), proof_transforms: proofs, ..self.counts }
     }
 
     fn transforms(&self) -> usize {

@@ -12,6 +12,7 @@ pub mod eigen;
 pub mod exponential;
 pub mod fourier;
 pub mod krylov;
+pub mod lanczos;
 pub mod memory;
 pub mod precision;
 pub mod real;

@@ -1,9 +1,11 @@
-//! The ticks of an axis, on short and on long ranges.
+//! The ticks of an axis, on short and on long ranges, and a number with the digits that a distance asks for.
 
 use super::extent::Scale;
 
 /// Ticks wanted along an axis, at least and at most.
 const TICKS: [usize; 2] = [3, 8];
+/// Ticks wanted along a linear axis.
+const WANTED: f64 = 6.0;
 
 /// A tick.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,10 +26,10 @@ fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
     let exponent = largest.log10().floor() as i32;
     let factor = if (-2..5).contains(&exponent) { 0 } else { exponent };
     let unit = 10f64.powi(factor);
-    let (step, decimals) = nice_step((scale.high - scale.low) / unit);
-    let label = |value: f64| sign(&format!("{value:.decimals$}"));
+    let step = spacing((scale.high - scale.low) / unit, WANTED);
     let marks = multiples(scale.low / unit, scale.high / unit, step);
-    (marks.map(|v| Tick { at: (v * unit - scale.low) / (scale.high - scale.low), label: Some(label(v)) }).collect(), factor)
+    let at = |value: f64| (value * unit - scale.low) / (scale.high - scale.low);
+    (marks.map(|v| Tick { at: at(v), label: Some(label(v, step)) }).collect(), factor)
 }
 
 fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
@@ -55,35 +57,56 @@ fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
         None => {
             // Much less than a decade: steps as on a linear axis.
             let (low, high) = (10f64.powf(scale.low), 10f64.powf(scale.high));
-            let (step, decimals) = nice_step(high - low);
-            ticks.extend(multiples(low, high, step).filter(|v| *v > 0.0).map(|v| {
-                let plain = (1e-3..1e5).contains(&v);
-                Tick { at: at(v), label: Some(if plain { format!("{v:.decimals$}") } else { format!("{v:.2e}") }) }
-            }));
+            let step = spacing(high - low, WANTED);
+            let marks = multiples(low, high, step).filter(|v| *v > 0.0);
+            ticks.extend(marks.map(|v| Tick { at: at(v), label: Some(label(v, step)) }));
         }
     }
     ticks
 }
 
-/// A step of 1, 2 or 5 and a power of ten that gives a good number of ticks, and the decimals it needs.
-fn nice_step(span: f64) -> (f64, usize) {
-    let raw = span / 6.0;
-    let power = raw.log10().floor();
-    let unit = 10f64.powf(power);
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|f| f * unit >= raw * 0.999).unwrap_or(10.0);
-    let exponent = power + if factor == 10.0 { 1.0 } else { 0.0 };
-    (factor * unit, (-exponent).clamp(0.0, 12.0) as usize)
+/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
+pub fn spacing(span: f64, count: f64) -> f64 {
+    let raw = span / count;
+    if !(raw.is_finite() && raw > 0.0) {
+        return 1.0;
+    }
+    let unit = 10f64.powf(raw.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|f| f * unit).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * unit)
+}
+
+/// The ticks of an axis from `low` to `high`, about `count` of them, and their distance. Never many, whatever the ends are.
+pub fn within(low: f64, high: f64, count: f64) -> (Vec<f64>, f64) {
+    let spacing = spacing(high - low, count);
+    (multiples(low, high, spacing).collect(), spacing)
+}
+
+/// The words of a tick whose neighbours are `spacing` away, with a real minus sign.
+pub fn label(value: f64, spacing: f64) -> String {
+    digits(value, spacing).replace('-', "\u{2212}")
+}
+
+/// A number with the digits that tell it from another one `spacing` away, and no more.
+pub fn digits(value: f64, spacing: f64) -> String {
+    let power = |x: f64| (x.abs().log10() + 1e-9).floor();
+    if !(value.is_finite() && spacing.is_finite() && spacing > 0.0) {
+        return format!("{value}");
+    }
+    // A zero with the noise of a sum.
+    let value = if value.abs() < 1e-6 * spacing { 0.0 } else { value };
+    let decimals = -power(spacing);
+    let signed = |text: String| if text.contains(|c| ('1'..='9').contains(&c)) { text } else { text.replace('-', "") };
+    let plain = (decimals <= 6.0 || value.abs() >= 1e-3) && value.abs() < 1e7;
+    if plain && decimals <= 17.0 {
+        return signed(format!("{value:.*}", decimals.max(0.0) as usize));
+    }
+    let beyond = (power(value) + decimals).clamp(0.0, 17.0);
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.*e}", beyond as usize) }
 }
 
 fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
-    (first..=last.min(first + 50)).map(move |i| i as f64 * step)
-}
-
-/// A real minus sign, and no minus zero.
-fn sign(text: &str) -> String {
-    let zero = text.chars().all(|c| ['-', '0', '.'].contains(&c));
-    if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
+    (first..=last.min(first.saturating_add(50))).map(move |i| i as f64 * step)
 }
 
 /// A small whole number times a power of ten, as one reads it.
@@ -94,7 +117,7 @@ fn power(value: f64) -> String {
         0..=3 => format!("{}", i64::from(mantissa) * 10i64.pow(exponent as u32)),
         -2..0 => format!("{value:.*}", (-exponent) as usize),
         _ => {
-            let raised = sign(&exponent.to_string());
+            let raised = label(f64::from(exponent), 1.0);
             if mantissa == 1 { format!("10^{{{raised}}}") } else { format!("{mantissa}·10^{{{raised}}}") }
         }
     }
@@ -142,6 +165,31 @@ mod tests {
         assert_eq!(linear(0.0, 4.2), ["0", "1", "2", "3", "4"]);
         assert_eq!(linear(0.0, 2e-4), ["0.0", "0.5", "1.0", "1.5", "2.0", "factor -4"]);
         assert_eq!(linear(0.0, 3e6), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "factor 6"]);
+    }
+
+    #[test]
+    fn a_number_has_the_digits_of_its_neighbours_distance() {
+        let cases = [(3.41999, 2e-4), (3.4e-9, 2e-13), (0.0, 2e-13), (-0.0, 0.1), (1e-17, 0.1), (3.0000005, 5e-7), (3.4e12, 2e8)];
+        let words = cases.map(|(value, spacing)| digits(value, spacing));
+        assert_eq!(words, ["3.4200", "3.4000e-9", "0", "0.0", "0.0", "3.0000005", "3.4000e12"]);
+        assert_eq!(
+            [label(-2.0, 1.0), label(-0.5, 0.1), digits(f64::NAN, 1.0), digits(-1e-5, 1e-3)],
+            ["\u{2212}2", "\u{2212}0.5", "NaN", "0.000"]
+        );
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn neighbouring_ticks_never_have_the_same_words(at in -1e3..1e3f64, size in -9..9i32, narrow in 0.0..9.0f64, count in 2.0..12.0f64) {
+            let (middle, span) = (at * 10f64.powi(size), 10f64.powi(size) * 10f64.powf(3.0 - narrow));
+            let step = spacing(span, count);
+            proptest::prop_assert!(step >= 0.99 * span / count && step <= 2.51 * span / count);
+            let first = (middle / step).ceil();
+            let mut words: Vec<String> = (0..count as i32).map(|i| label((first + f64::from(i)) * step, step)).collect();
+            let all = words.len();
+            words.dedup();
+            proptest::prop_assert!(words.len() == all, "{words:?}");
+        }
     }
 
     #[test]

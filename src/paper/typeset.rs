@@ -146,6 +146,27 @@ fn letter(word: &str) -> Option<String> {
     Some(format!("{base}{accent}"))
 }
 
+/// The line in one size, for places that take no layout: digits are raised and lowered, the rest stays as it is written.
+pub fn plain(text: &str) -> String {
+    let raised = |c: char| match c {
+        '0' => '⁰',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '4'..='9' => char::from_u32('⁴' as u32 + (c as u32 - '4' as u32)).unwrap_or(c),
+        '\u{2212}' => '⁻',
+        c => c,
+    };
+    let lowered = |c: char| char::from_u32('₀' as u32 + (c as u32 - '0' as u32)).unwrap_or(c);
+    let one = |run: Run| match run.script {
+        Script::Base => run.text,
+        Script::Sub if run.text.chars().all(|c| c.is_ascii_digit()) => run.text.chars().map(lowered).collect(),
+        Script::Sub => format!("_{}", run.text),
+        Script::Super => run.text.chars().map(raised).collect(),
+    };
+    runs(text).into_iter().map(one).collect()
+}
+
 /// Six digits, as one reads them.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
@@ -212,5 +233,13 @@ mod tests {
     fn numbers_have_six_digits_and_say_where_there_is_none() {
         let texts = [0.0, 0.400642787, -131.92225, 1e-7, 123456.0, 2.0, f64::NAN].map(number);
         assert_eq!(texts, ["0", "0.400643", "\u{2212}131.922", "1.00e\u{2212}7", "123456", "2", "not available"]);
+    }
+
+    #[test]
+    fn powers_are_raised_and_indices_lowered_where_there_is_one_size_only() {
+        assert_eq!(plain("10^{\u{2212}3}"), "10⁻³");
+        assert_eq!(plain("5·10^{7}"), "5·10⁷");
+        assert_eq!(plain("mu_rho"), "μ_ρ");
+        assert_eq!(plain("u0"), "u₀");
     }
 }

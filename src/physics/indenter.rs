@@ -45,7 +45,7 @@ impl Indenter {
     pub fn points_needed(&self, length: f64) -> usize {
         match *self {
             Indenter::Flat | Indenter::Hertz { .. } => 0,
-            Indenter::Wave { periods: [x, y], .. } => 8 * x.max(y),
+            Indenter::Wave { periods: [x, y], .. } => x.max(y).saturating_mul(8),
             Indenter::Rough(roughness) => (4.0 * length / roughness.shortest).ceil() as usize,
         }
     }

@@ -220,18 +220,51 @@ impl LowBlock {
         sum
     }
 
+    /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest is kept.
+    pub fn spread(&self, y: &[f64], out: &mut [f64]) {
+        let mut x = self.gather(y);
+        self.scale(&mut x, |pivot| pivot.abs().sqrt());
+        self.backward(&mut x);
+        self.scatter(&x, out);
+    }
+
+    /// `out` gets, on the waves of the block, F^T r; the rest is kept.
+    pub fn gathered(&self, r: &[f64], out: &mut [f64]) {
+        let mut x = self.gather(r);
+        self.forward(&mut x);
+        self.scale(&mut x, |pivot| pivot.abs().sqrt());
+        self.scatter(&x, out);
+    }
+
     fn solve(&self, x: &mut [f64], positive: bool) {
-        let row = |i: usize| &self.factor[i * (i + 1) / 2..];
+        self.forward(x);
+        self.scale(x, |pivot| if positive { pivot.abs() } else { pivot });
+        self.backward(x);
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        &self.factor[i * (i + 1) / 2..]
+    }
+
+    /// x = L^-1 x in place.
+    fn forward(&self, x: &mut [f64]) {
         for i in 0..x.len() {
-            x[i] -= dot(&row(i)[..i], &x[..i]);
+            x[i] -= dot(&self.row(i)[..i], &x[..i]);
         }
-        for i in (0..x.len()).rev() {
-            let pivot = row(i)[i];
-            x[i] /= if positive { pivot.abs() } else { pivot };
+    }
+
+    /// Divides each entry by a function of its pivot.
+    fn scale(&self, x: &mut [f64], of: impl Fn(f64) -> f64) {
+        for (i, x) in x.iter_mut().enumerate() {
+            *x /= of(self.row(i)[i]);
         }
+    }
+
+    /// x = L^-T x in place.
+    fn backward(&self, x: &mut [f64]) {
         for i in (0..x.len()).rev() {
             let xi = x[i];
-            for (x, l) in x[..i].iter_mut().zip(row(i)) {
+            for (x, l) in x[..i].iter_mut().zip(self.row(i)) {
                 *x -= l * xi;
             }
         }

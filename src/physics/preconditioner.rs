@@ -127,12 +127,49 @@ impl Preconditioner {
         if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
             block.precondition(r, out);
         }
-        if self.factor.is_empty() {
-            return;
+        if !self.factor.is_empty() {
+            self.within_block(r, out, |x| {
+                self.forward(x);
+                self.backward(x);
+            });
         }
+    }
+
+    /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all directions gives amplitudes as soft as
+    /// the Hessian allows.
+    pub fn spread(&self, y: &[f64], out: &mut [f64]) {
+        self.halved(y, out);
+        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
+            block.spread(y, out);
+        }
+        if !self.factor.is_empty() {
+            self.within_block(y, out, |x| self.backward(x));
+        }
+    }
+
+    /// `out` = F^T r.
+    pub fn gather(&self, r: &[f64], out: &mut [f64]) {
+        self.halved(r, out);
+        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
+            block.gathered(r, out);
+        }
+        if !self.factor.is_empty() {
+            self.within_block(r, out, |x| self.forward(x));
+        }
+    }
+
+    /// The diagonal part of both factors.
+    fn halved(&self, x: &[f64], out: &mut [f64]) {
+        for ((o, x), m) in out.iter_mut().zip(x).zip(&self.diagonal) {
+            *o = x * m.sqrt();
+        }
+    }
+
+    /// On the waves of the block `out` gets what `work` makes of `r`; the rest is kept.
+    fn within_block(&self, r: &[f64], out: &mut [f64], work: impl Fn(&mut [f64])) {
         let mut x: Vec<f64> =
             self.modes.iter().flat_map(|m| [r[2 * m.pair] * m.weight(), r[2 * m.pair + 1] * m.weight()]).collect();
-        self.solve(&mut x);
+        work(&mut x);
         for (m, x) in self.modes.iter().zip(x.chunks_exact(2)) {
             let (re, im) = (x[0] / m.weight(), x[1] / m.weight());
             (out[2 * m.pair], out[2 * m.pair + 1]) = (re, im);
@@ -142,17 +179,22 @@ impl Preconditioner {
         }
     }
 
-    /// Forward and backward substitution in place.
-    fn solve(&self, x: &mut [f64]) {
-        let row = |i: usize| &self.factor[i * (i + 1) / 2..];
+    /// x = L^-1 x in place, L the Cholesky factor of the block.
+    fn forward(&self, x: &mut [f64]) {
         for i in 0..x.len() {
-            let dot: f64 = row(i).iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
-            x[i] = (x[i] - dot) / row(i)[i];
+            let row = &self.factor[i * (i + 1) / 2..];
+            let dot: f64 = row.iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
+            x[i] = (x[i] - dot) / row[i];
         }
+    }
+
+    /// x = L^-T x in place.
+    fn backward(&self, x: &mut [f64]) {
         for i in (0..x.len()).rev() {
-            x[i] /= row(i)[i];
+            let row = &self.factor[i * (i + 1) / 2..];
+            x[i] /= row[i];
             let xi = x[i];
-            for (x, l) in x[..i].iter_mut().zip(row(i)) {
+            for (x, l) in x[..i].iter_mut().zip(row) {
                 *x -= l * xi;
             }
         }

@@ -49,14 +49,21 @@ impl Roughness {
     ///
     /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows it without them.
     pub fn height(&self, grid: &Grid) -> Array2<f64> {
-        let waves = self.waves(grid);
+        let waves = self.shown(grid);
         let crest = crest(&waves, grid);
         synthesis(&waves, grid) - crest
     }
 
     /// Mean of the height (length), minus the height of the crest above it.
     pub fn mean_height(&self, grid: &Grid) -> f64 {
-        -crest(&self.waves(grid), grid)
+        -crest(&self.shown(grid), grid)
+    }
+
+    /// The waves that the points of `grid` can tell from longer ones.
+    fn shown(&self, grid: &Grid) -> Vec<Wave> {
+        let mut waves = self.waves(grid);
+        waves.retain(|wave| wave.is_shown(grid));
+        waves
     }
 
     /// Root mean square of |grad h| (dimensionless).
@@ -109,21 +116,22 @@ impl Roughness {
 }
 
 impl Wave {
+    fn is_shown(&self, grid: &Grid) -> bool {
+        let [x, y] = self.wave.map(|k| 2 * k.unsigned_abs() as usize);
+        x < grid.nx.max(2) && (y == 0 || y < grid.ny.max(2))
+    }
+
     fn square(&self) -> f64 {
         let [x, y] = self.wave;
         (x * x + y * y) as f64
     }
 }
 
-/// The sum of the waves on the points of `grid`; waves that these cannot tell from longer ones are left out.
+/// The sum of the waves on the points of `grid`, which must be able to show them.
 fn synthesis(waves: &[Wave], grid: &Grid) -> Array2<f64> {
     let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
     let mut spectrum = fourier.spectrum();
     for Wave { wave: [x, y], amplitude } in waves {
-        let reach = |k: i64, n: usize| 2 * k.unsigned_abs() as usize >= n.max(2);
-        if reach(*x, grid.nx) || *y != 0 && reach(*y, grid.ny) {
-            continue;
-        }
         let column = |y: i64| y.rem_euclid(grid.ny as i64) as usize;
         spectrum[[*x as usize, column(*y)]] = 0.5 * amplitude;
         if *x == 0 {
@@ -142,24 +150,32 @@ fn crest(waves: &[Wave], grid: &Grid) -> f64 {
     let n = (8 * longest).max(32);
     let mesh = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
     let height = synthesis(waves, &mesh);
-    let mut points: Vec<_> = height.indexed_iter().collect();
-    if points.len() > STARTS {
-        points.select_nth_unstable_by(STARTS, |a, b| b.1.total_cmp(a.1));
+    // The highest points, the highest first.
+    let mut starts: Vec<((usize, usize), f64)> = Vec::with_capacity(STARTS + 1);
+    for (point, &h) in height.indexed_iter() {
+        if starts.len() < STARTS || h > starts[STARTS - 1].1 {
+            starts.insert(starts.partition_point(|start| start.1 >= h), (point, h));
+            starts.truncate(STARTS);
+        }
     }
-    let top = |&((j, i), _): &((usize, usize), &f64)| climb(waves, [i, j].map(|i| TAU * i as f64 / n as f64));
-    points.iter().take(STARTS).map(top).fold(f64::NEG_INFINITY, f64::max)
+    let top = |&((j, i), _): &((usize, usize), f64)| climb(waves, longest, [i, j].map(|i| TAU * i as f64 / n as f64));
+    starts.iter().map(top).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Height of the top above `angle` = 2 pi r/L, by Newton's method: steps of at most a mesh spacing, halved until they lead up, with the
 /// curvature of a hill in every direction, which a mesh point beside a saddle does not have.
-fn climb(waves: &[Wave], mut angle: [f64; 2]) -> f64 {
-    let reach = TAU / (4.0 * waves.iter().map(|w| w.wave[0].max(w.wave[1].abs())).max().unwrap_or(1) as f64);
-    let mut here = Hill::at(waves, angle);
+fn climb(waves: &[Wave], longest: usize, mut angle: [f64; 2]) -> f64 {
+    let reach = TAU / (4 * longest) as f64;
+    let mut here = Hill::at(waves, longest, angle);
     for _ in 0..CLIMB_MAX {
         let step = here.step(reach);
+        // What is left to gain is lost in the digits of the height.
+        if here.slope[0] * step[0] + here.slope[1] * step[1] <= f64::EPSILON * here.height.abs() {
+            break;
+        }
         let ahead = (0..16).map(|k| 0.5_f64.powi(k)).find_map(|share| {
             let angle = [0, 1].map(|i| angle[i] + share * step[i]);
-            let ahead = Hill::at(waves, angle);
+            let ahead = Hill::at(waves, longest, angle);
             (ahead.height > here.height).then_some((angle, ahead))
         });
         match ahead {
@@ -178,11 +194,17 @@ struct Hill {
 }
 
 impl Hill {
-    fn at(waves: &[Wave], angle: [f64; 2]) -> Hill {
+    /// At `angle`, of waves up to `longest` in either direction.
+    fn at(waves: &[Wave], longest: usize, angle: [f64; 2]) -> Hill {
+        // Sine and cosine of x and of y alone: a wave is their product.
+        let [along_x, along_y] = angle.map(|angle| (0..=longest).map(|k| (k as f64 * angle).sin_cos()).collect::<Vec<_>>());
         let mut hill = Hill { height: 0.0, slope: [0.0; 2], bend: [0.0; 3] };
-        for Wave { wave, amplitude } in waves {
-            let [x, y] = wave.map(|k| k as f64);
-            let (sin, cos) = (x * angle[0] + y * angle[1]).sin_cos();
+        for Wave { wave: [i, j], amplitude } in waves {
+            let (x, y) = (*i as f64, *j as f64);
+            let (sin_x, cos_x) = along_x[*i as usize];
+            let (sin_y, cos_y) = along_y[j.unsigned_abs() as usize];
+            let sin_y = if *j < 0 { -sin_y } else { sin_y };
+            let (sin, cos) = (sin_x * cos_y + cos_x * sin_y, cos_x * cos_y - sin_x * sin_y);
             let (value, turned) = (amplitude.re * cos - amplitude.im * sin, -amplitude.re * sin - amplitude.im * cos);
             hill.height += value;
             hill.slope = [hill.slope[0] + x * turned, hill.slope[1] + y * turned];
@@ -296,6 +318,20 @@ mod tests {
         assert!((measured_decay(&square, 1.01 * edge, 9.9 * edge) + 3.4).abs() < 1e-6);
         assert!((measured_decay(&line, 1.01 * edge, 9.9 * edge) + 2.4).abs() < 1e-6);
         assert!(measured_decay(&square, 0.0, 0.99 * edge).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_ground_takes_no_more_waves_than_its_mesh_has_points_and_all_where_it_shows_them() {
+        let most = Roughness { hurst: 0.8, rms: 1.0, longest: 20.0, shortest: 20.0 / WAVES_MAX as f64, seed: 5 };
+        for grid in grids(16) {
+            assert!(most.shown(&grid).len() <= grid.points() / 2);
+            let height = most.height(&grid);
+            assert!(height.iter().all(|h| *h <= 1e-12 && h.is_finite()));
+        }
+        let some = Roughness { shortest: 2.0, ..most };
+        for grid in grids(24) {
+            assert_eq!(some.shown(&grid).len(), some.waves(&grid).len());
+        }
     }
 
     #[test]

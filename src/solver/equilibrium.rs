@@ -42,19 +42,30 @@ pub struct Equilibrium {
     pub cost: Cost,
 }
 
-/// An eigenvalue with a bound on its error.
+/// The smallest eigenvalue, from above and from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
-    /// Rayleigh quotient, an upper bound.
+    /// A Rayleigh quotient: an upper bound. NaN if it was not found.
     pub value: f64,
-    /// Some eigenvalue lies within this distance.
+    /// Where `value` is positive, how far below it the smallest eigenvalue may lie, but for the chance stated by
+    /// [`CHANCE`](super::stability::CHANCE): never as far as zero. Where it is negative, some eigenvalue lies within this distance.
     pub error: f64,
 }
 
 impl Stiffness {
-    /// False only if the eigenvalue is negative: a negative Rayleigh quotient is proof of instability.
+    /// True only if it is known that no eigenvalue is negative.
     pub fn is_stable(&self) -> bool {
         self.value >= 0.0
+    }
+
+    /// The smallest eigenvalue among `all` modes, of which these are some.
+    pub fn among(self, all: Self) -> Self {
+        match all.value < self.value {
+            _ if all.value.is_nan() || !self.is_stable() => self,
+            true => all,
+            // Seen more closely among some, and bounded among all.
+            false => Self { value: self.value, error: self.error.max(self.value - (all.value - all.error)) },
+        }
     }
 }
 
@@ -79,10 +90,14 @@ impl Equilibrium {
         self.field.iter().all(|z| *z == 0.0)
     }
 
-    /// Enters the measured stability; a state within tolerance is then known to be stable or not.
+    /// Enters the measured stability; a state within tolerance is then known to be stable or not, or is refused.
     pub fn measured(&mut self, stiffness: Stiffness, soft_mode: Vec<f64>) {
         if matches!(self.stop, Stop::Stable | Stop::Unstable) {
-            self.stop = if stiffness.is_stable() { Stop::Stable } else { Stop::Unstable };
+            self.stop = match stiffness.value {
+                value if value.is_nan() => Stop::NotConverged,
+                _ if stiffness.is_stable() => Stop::Stable,
+                _ => Stop::Unstable,
+            };
         }
         self.stiffness_min = Some(stiffness);
         self.soft_mode = soft_mode;

@@ -140,6 +140,11 @@ pub struct NewtonKrylov;
 
 /// Largest deviation from the prediction, in units of the predicted change: beyond it Newton has found some other branch.
 const STRAY: f64 = 0.6;
+/// How much of a state, in ranges, the residual may leave undecided along the softest mode. Close to where that loses its stiffness the
+/// usual residual leaves a hundredth and more, which reads as straying from the branch.
+const UNDECIDED: f64 = 3e-4;
+/// The sharpest residual, as a share of the usual: below it patterns between mesh points labour on the mesh's own pull.
+const SHARPEST: f64 = 1e-4;
 
 impl Method for NewtonKrylov {
     fn name(&self) -> &'static str {
@@ -162,7 +167,7 @@ impl Method for NewtonKrylov {
         let before = ws.transforms;
         let guess = predicted(problem, branch, from, u0, ws);
         let reach = reach(problem, from, &guess, u0);
-        let state = solve(problem, guess.clone(), u0, NewtonLimits::of(problem.system), ws, cancel);
+        let state = solve(problem, guess.clone(), u0, limits(problem.system, from), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
@@ -182,6 +187,14 @@ impl Method for NewtonKrylov {
             Cost { iterations: state.steps, transforms: ws.transforms - before },
         ))
     }
+}
+
+/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode.
+fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
+    let usual = NewtonLimits::of(system);
+    let softest = from.stiffness_min.map_or(f64::INFINITY, |stiffness| stiffness.value.abs());
+    let decided = UNDECIDED * system.law().range * softest / system.law().traction_max();
+    NewtonLimits { tolerance: decided.min(usual.tolerance).max(SHARPEST * usual.tolerance), ..usual }
 }
 
 /// The branch's extrapolation to `u0`; where it has none, the state it stands on.

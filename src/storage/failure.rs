@@ -1,5 +1,6 @@
 //! What can go wrong between the program and its files.
 
+use super::line;
 use std::path::Path;
 
 /// Longest piece of somebody else's text that is quoted in a sentence, in characters.
@@ -67,14 +68,24 @@ pub enum Failure {
         remedy: String,
     },
     /// A file cannot be written.
-    #[error(
-        "{file}: cannot be written ({reason}): choose a folder that exists or can be made, that you may write to, with free space"
-    )]
+    #[error("{file}: cannot be written ({reason}): {remedy}")]
     Write {
         /// The file.
         file: String,
         /// Why.
         reason: String,
+        /// How to mend it.
+        remedy: String,
+    },
+    /// What was typed is no path.
+    #[error("{path}: is no path here ({reason}): {remedy}")]
+    Path {
+        /// What was typed.
+        path: String,
+        /// Why.
+        reason: String,
+        /// How to mend it.
+        remedy: String,
     },
     /// A word names neither a preset nor a file.
     #[error("{name}: no such preset or scene file{near}: give the path of a file, or a preset: {presets}")]
@@ -89,21 +100,24 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// A failure to write `path`.
+    /// A failure of the system to write `path`.
     pub fn write(path: &Path, reason: impl std::fmt::Display) -> Self {
-        Self::Write { file: path.display().to_string(), reason: reason.to_string() }
+        let remedy = "choose a folder that exists or can be made, that you may write to, with free space";
+        Self::refused(path, &reason.to_string(), remedy)
+    }
+
+    /// A path that is not to be written to.
+    pub fn refused(path: &Path, reason: &str, remedy: &str) -> Self {
+        Self::Write { file: path.display().to_string(), reason: reason.to_owned(), remedy: remedy.to_owned() }
     }
 }
 
-/// Somebody else's text on one line: control characters escaped, cut at a readable length.
+/// Somebody else's text on one line, cut at a readable length.
 pub(super) fn quote(text: &str) -> String {
-    let mut quoted = String::new();
-    for (i, c) in text.chars().enumerate() {
-        if i == QUOTE_MAX {
-            quoted.push_str("...");
-            break;
-        }
-        if c.is_control() { quoted.extend(c.escape_debug()) } else { quoted.push(c) }
+    let mut quoted = line(text);
+    if let Some((end, _)) = quoted.char_indices().nth(QUOTE_MAX) {
+        quoted.truncate(end);
+        quoted.push_str("...");
     }
     quoted
 }

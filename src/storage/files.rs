@@ -3,46 +3,163 @@
 use super::Failure;
 use std::fs;
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{RwLock, RwLockWriteGuard};
 
-/// Makes `folder` (and what is above it) and checks that a file can be written there.
+/// How the name of a file begins that is being written.
+pub(super) const TEMPORARY: &str = ".tackscope-";
+/// Links that are followed one after the other, as many as Linux follows.
+const LINKS_MAX: usize = 40;
+
+/// Held for reading while a file is being written.
+static WRITING: RwLock<()> = RwLock::new(());
+
+/// Keeps every file from being written while the guard lives; `None` while one is.
+pub fn at_rest() -> Option<RwLockWriteGuard<'static, ()>> {
+    WRITING.try_write().ok()
+}
+
+/// The path that somebody typed: a `~` at its beginning is the home folder, where no shell has put that in its place.
 ///
 /// # Errors
-/// A folder that cannot be made or written to.
-pub fn prepare_folder(folder: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|error| Failure::write(folder, error))?;
-    temporary(folder).map(drop).map_err(|error| Failure::write(folder, error))
+/// An empty path, a `~` without a home folder, or `~name` that is no file.
+pub fn typed(path: &Path) -> Result<PathBuf, Failure> {
+    let refuse = |reason: &str, remedy: &str| {
+        Err(Failure::Path { path: path.display().to_string(), reason: reason.to_owned(), remedy: remedy.to_owned() })
+    };
+    if path.as_os_str().is_empty() {
+        return refuse("the path is empty", "give the path of a file or folder");
+    }
+    let mut parts = path.components();
+    match parts.next() {
+        Some(Component::Normal(first)) if first == "~" => match std::env::home_dir().filter(|home| !home.as_os_str().is_empty()) {
+            // A join with nothing would end in a slash.
+            Some(home) if parts.as_path().as_os_str().is_empty() => Ok(home),
+            Some(home) => Ok(home.join(parts.as_path())),
+            None => refuse("~ is the home folder, and HOME is not set", "write the path out"),
+        },
+        Some(Component::Normal(first)) if first.as_encoded_bytes().starts_with(b"~") && !path.exists() => {
+            refuse("~ with a name is somebody's home folder", "write the path out, or put ./ before a name that begins with ~")
+        }
+        _ => Ok(path.to_owned()),
+    }
+}
+
+/// What writing to a path does to what is there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// A new file in a folder that is there.
+    Adds,
+    /// A file is replaced.
+    Replaces,
+    /// This folder is made.
+    MakesFolder(PathBuf),
+}
+
+/// What [`write_whole`] would do.
+pub fn effect(path: &Path) -> Effect {
+    match folder_of(path) {
+        _ if path.exists() => Effect::Replaces,
+        folder if folder.is_dir() => Effect::Adds,
+        folder => Effect::MakesFolder(folder),
+    }
 }
 
 /// Writes `bytes` to `path`, making its folder: into a temporary file beside it first, which then takes its name.
 ///
+/// Through a symbolic link the file is replaced (or made) that it points to, not the link. A file that is replaced hands on its
+/// permissions.
+///
 /// # Errors
-/// A folder or file that cannot be written; the old file, if any, is then untouched.
+/// A folder or file that cannot be written, that is read-only, or that is no file (a folder, a device, a pipe). What is there is
+/// then untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    replace(path, bytes).map_err(|error| Failure::write(path, error))
+    let _writing = WRITING.read();
+    let target = target(path)?;
+    let permissions = replaceable(path, &target)?;
+    replace(&target, bytes, permissions).map_err(|error| Failure::write(path, error))
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // Through a symbolic link the file it points to is replaced, not the link.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    if target.is_dir() {
-        return Err(io::Error::from(io::ErrorKind::IsADirectory));
+/// The file that a path means, at the end of its links.
+pub(super) fn target(path: &Path) -> Result<PathBuf, Failure> {
+    let mut here = path.to_owned();
+    for _ in 0..LINKS_MAX {
+        // Links to what a process has open look like files, and are not to be replaced.
+        if here.starts_with("/proc") || here.starts_with("/dev/fd") {
+            return Err(no_file(path, "leads to what a process has open"));
+        }
+        match fs::read_link(&here) {
+            Ok(next) => here = folder_of(&here).join(next),
+            Err(_) if here != path && !folder_of(&here).is_dir() => {
+                let reason = format!("it is a link to {}, whose folder is not there", here.display());
+                return Err(Failure::refused(path, &reason, "make that folder, or remove the link"));
+            }
+            Err(_) => return Ok(here),
+        }
     }
-    let folder = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
+    Err(Failure::refused(path, "its links lead in a circle", "remove the link"))
+}
+
+/// The permissions of a file that may be replaced; `None` if there is none yet.
+fn replaceable(path: &Path, target: &Path) -> Result<Option<fs::Permissions>, Failure> {
+    let Ok(there) = fs::metadata(target) else { return Ok(None) };
+    if there.is_dir() {
+        return Err(no_file(path, "is a folder"));
+    }
+    if !there.is_file() {
+        return Err(no_file(path, "is a device or a pipe"));
+    }
+    if there.permissions().readonly() {
+        return Err(Failure::refused(path, "it is read-only", "allow writing to it, or choose another path"));
+    }
+    Ok(Some(there.permissions()))
+}
+
+fn no_file(path: &Path, what: &str) -> Failure {
+    Failure::refused(path, &format!("it {what}, not a file"), "choose another path, or move it out of the way")
+}
+
+fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> io::Result<()> {
+    let folder = folder_of(target);
     fs::create_dir_all(&folder)?;
-    let mut file = temporary(&folder)?;
-    file.write_all(bytes)?;
+    let file = temporary(&folder)?;
+    file.as_file().write_all(bytes)?;
+    if let Some(permissions) = permissions {
+        // Some file systems have none.
+        let _ = file.as_file().set_permissions(permissions);
+    }
     file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
+    file.persist(target).map_err(|error| error.error)?;
     Ok(())
 }
 
-/// A temporary file with the permissions of any other new file; gone when dropped.
-fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    tempfile::Builder::new().prefix(".tackscope-").make_in(folder, |path| fs::File::create_new(path))
+/// The folder in which a path lies.
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned)
+}
+
+/// A temporary file with the permissions of any other new file; gone when dropped. The lock on it lives as long as the process
+/// that writes it, so that what killed ones have left can be told.
+pub(super) fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let file = tempfile::Builder::new().prefix(TEMPORARY).make_in(folder, |path| fs::File::create_new(path))?;
+    // Where there are no locks nothing is swept either.
+    let _ = file.as_file().try_lock();
+    Ok(file)
+}
+
+/// Removes the temporary files in `folder` that nobody writes any more.
+pub(super) fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let left = entry.file_name().as_encoded_bytes().starts_with(TEMPORARY.as_bytes());
+        if !left || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let file = fs::OpenOptions::new().write(true).open(entry.path());
+        if file.is_ok_and(|file| file.try_lock().is_ok()) {
+            // What cannot be removed stays: it is nobody's result.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Reads at most `limit` bytes of text.
@@ -71,18 +188,4 @@ pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
 
 fn unreadable(path: &Path, reason: String, remedy: &str) -> Failure {
     Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() }
-}
-
-/// Removes the files of `folder` whose name `ours` accepts; a folder that does not exist is empty.
-///
-/// # Errors
-/// A file that cannot be removed.
-pub fn remove_old(folder: &Path, ours: impl Fn(&str) -> bool) -> Result<(), Failure> {
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-    for entry in entries.flatten() {
-        if entry.file_name().to_str().is_some_and(&ours) {
-            fs::remove_file(entry.path()).map_err(|error| Failure::write(&entry.path(), error))?;
-        }
-    }
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Floor 4: the only room that touches the file system.
 //!
 //! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`], [`figure`], [`report`]).
-//! Every file is written whole or not at all ([`files`]); everything that can go wrong is a [`Failure`], one sentence that names
+//! Every file is written whole or not at all ([`files`]), and one folder holds one run ([`folder`]); everything that can go wrong is a [`Failure`], one sentence that names
 //! the file and says how to mend it. May use `experiment`, `solver`, `physics` and `numerics`; computes nothing, opens no dialogs.
 
 pub mod chart;
@@ -9,10 +9,16 @@ pub mod export;
 mod failure;
 pub mod figure;
 pub mod files;
+pub mod folder;
+mod line;
+mod open;
 pub mod picture;
 pub mod presets;
+pub mod process;
 pub mod report;
 pub mod scene_file;
 pub mod summary;
 
 pub use failure::Failure;
+pub use line::line;
+pub use open::{open_scene, read_regular, remove};

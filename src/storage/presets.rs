@@ -1,7 +1,7 @@
 //! Scenes built into the program.
 
 use super::failure::near;
-use super::{Failure, scene_file};
+use super::{Failure, files, scene_file};
 use crate::experiment::scene::Scene;
 use std::path::Path;
 
@@ -38,14 +38,14 @@ pub fn find(name: &str) -> Option<&'static Preset> {
 /// The scene that a word of the command line means: a preset's name, or else the path of a scene file.
 ///
 /// # Errors
-/// A word that is neither, or a file that is not an allowed scene.
+/// A word that is neither or cannot be a path, or a file that is not an allowed scene.
 pub fn resolve(word: &str) -> Result<Scene, Failure> {
     if let Some(preset) = find(word) {
         return preset.scene();
     }
-    let path = Path::new(word);
+    let path = files::typed(Path::new(word))?;
     if path.exists() {
-        return scene_file::load(path);
+        return scene_file::load(&path);
     }
     let names: Vec<_> = ALL.iter().map(|preset| preset.name).collect();
     Err(Failure::NoScene { name: word.to_owned(), near: near(word, names.iter().copied()), presets: names.join(", ") })

@@ -141,6 +141,8 @@ pub struct CountSummary {
     pub patterned_increments: usize,
     /// Fourier transforms.
     pub transforms: usize,
+    /// Those of them that prove that no mode is softer than the ones that are followed.
+    pub proof_transforms: usize,
     /// Transforms over patterned increments; not available without any.
     pub transforms_per_patterned_increment: Number,
     /// Iterations of the method.

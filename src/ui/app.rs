@@ -6,11 +6,15 @@ use super::gap_map::MapCache;
 use super::handle::SolverHandle;
 use super::view_state::{Failure, ViewState};
 use super::{controls, gap_map, keys, loop_plot, paper, profile, status_bar, tabs, toolbar};
+use crate::experiment::scene::Scene;
 use crate::storage::{self, export, picture, presets, scene_file};
+use crate::worker::job::{Fate, Job};
 use crate::worker::protocol::Command;
 use egui::containers::PanelState;
-use egui::{CentralPanel, Context, Panel, Ui};
-use std::path::Path;
+use egui::scroll_area::ScrollSource;
+use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Seconds between two announcements of a jump to a screen reader.
 const ANNOUNCE_EVERY: f64 = 2.0;
@@ -23,7 +27,18 @@ pub struct App {
     axes_seen: u64,
     dialogs: Dialogs,
     announced: (String, f64),
+    /// The file that is being opened.
+    opening: Option<(PathBuf, Opening)>,
 }
+
+/// The reading of a scene, which may take as long as the file system likes.
+type Opening = Job<Result<Scene, storage::Failure>>;
+
+/// The least room in which the panels stand beside each other (points).
+const LAYOUT: Vec2 = vec2(760.0, 480.0);
+
+/// How often a file that is being opened is asked for, besides the call that tells it is there.
+const ASK_AGAIN: Duration = Duration::from_millis(100);
 
 impl App {
     /// A window on this state, worked by this solver.
@@ -44,6 +59,7 @@ impl App {
             axes_seen: 0,
             dialogs: Dialogs::new(chooser),
             announced: (String::new(), f64::NEG_INFINITY),
+            opening: None,
         }
     }
 
@@ -56,11 +72,12 @@ impl App {
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.listen();
+        self.open(&ctx);
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         self.announce(&ctx);
-        self.panels(ui, &mut actions);
+        self.everything(ui, &mut actions);
         paper::window(&ctx, &self.state, &mut actions);
         self.dialogs.show(&ctx, &self.state, &mut actions);
         // The panels above were drawn before this; draw them once more with what follows.
@@ -88,6 +105,32 @@ impl App {
         }
     }
 
+    /// Takes in the file that was being opened, if it is there.
+    fn open(&mut self, ctx: &Context) {
+        let Some((path, opening)) = self.opening.take() else { return };
+        match opening.poll() {
+            Fate::Working => {
+                self.opening = Some((path, opening));
+                ctx.request_repaint_after(ASK_AGAIN);
+            }
+            Fate::Done(Ok(scene)) => {
+                self.dialogs.close();
+                self.state.open_scene(scene);
+                if self.state.failure.is_none() {
+                    self.state.notice = Some(format!("{} opened", path.display()));
+                }
+            }
+            Fate::Done(Err(failure)) => {
+                self.state.notice = None;
+                self.fail(&failure, "Choose another path, or mend the file.");
+            }
+            Fate::Lost => {
+                let message = format!("{} could not be read: the reader stopped with a fault of its own", path.display());
+                self.state.failure = Some(Failure { message, remedy: "Please report the file.".to_owned() });
+            }
+        }
+    }
+
     fn announce(&mut self, ctx: &Context) {
         let now = ctx.input(|input| input.time);
         let words = self.state.record.jumps.last().map(|jump| self.state.say_jump(jump)).unwrap_or_default();
@@ -96,9 +139,24 @@ impl App {
         }
     }
 
+    /// The panels; where the window is smaller than they need, the whole of them scrolls.
+    fn everything(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let room = ui.available_size();
+        if room.x >= LAYOUT.x && room.y >= LAYOUT.y {
+            return self.panels(ui, actions);
+        }
+        // Dragging belongs to sliders, map and plots.
+        let source = ScrollSource::SCROLL_BAR | ScrollSource::MOUSE_WHEEL;
+        ScrollArea::both().auto_shrink(false).scroll_source(source).show(ui, |ui| {
+            let size = room.max(LAYOUT);
+            let (_, rect) = ui.allocate_space(size);
+            self.panels(&mut ui.new_child(UiBuilder::new().max_rect(rect)), actions);
+        });
+    }
+
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let state = &self.state;
-        let width = ui.ctx().content_rect().width();
+        let width = ui.available_width();
         Panel::top("toolbar").show(ui, |ui| {
             ui.add_space(3.0);
             toolbar::show(ui, state, actions);
@@ -152,8 +210,11 @@ impl App {
             Action::Undo => state.travel(true),
             Action::Redo => state.travel(false),
             Action::AskFile(task) => self.dialogs.ask(task),
-            Action::UsePath(path) => self.use_path(&path),
-            Action::CloseDialog => self.dialogs.close(),
+            Action::UsePath(path) => self.use_path(ctx, &path),
+            Action::CloseDialog => {
+                self.opening = None;
+                self.dialogs.close();
+            }
             Action::ToggleCommands => self.dialogs.toggle_commands(),
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
             Action::ToggleTheme => {
@@ -184,7 +245,7 @@ impl App {
                 ctx.copy_text(scene_file::to_text(&state.scene));
                 state.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
-            Action::PasteScene(text) => match scene_file::parse(&text, "clipboard") {
+            Action::PasteScene(text) => match scene_file::pasted(&text) {
                 Ok(scene) => state.open_scene(scene),
                 Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
             },
@@ -207,14 +268,16 @@ impl App {
     }
 
     /// Does what the open dialog was opened for. It stays open if that fails, so that the path can be mended.
-    fn use_path(&mut self, path: &Path) {
+    fn use_path(&mut self, ctx: &Context, path: &Path) {
         let Some(task) = self.dialogs.task() else { return };
         let state = &self.state;
         let done = match task {
             FileTask::OpenScene => {
-                let picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-                let scene = if picture { picture::load_scene(path) } else { scene_file::load(path) };
-                scene.map(|scene| self.state.open_scene(scene))
+                let (file, ctx) = (path.to_owned(), ctx.clone());
+                let opening = Job::spawn(move || storage::open_scene(&file), move || ctx.request_repaint());
+                self.opening = Some((path.to_owned(), opening));
+                self.state.notice = Some(format!("opening {} …", path.display()));
+                return;
             }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
@@ -232,8 +295,7 @@ impl App {
             Ok(()) => {
                 self.dialogs.close();
                 self.state.failure = None;
-                let word = if task == FileTask::OpenScene { "opened" } else { "written" };
-                self.state.notice = Some(format!("{} {word}", path.display()));
+                self.state.notice = Some(format!("{} written", path.display()));
             }
             Err(failure) => self.fail(&failure, "Choose another path, or mend the file."),
         }

@@ -4,9 +4,11 @@ use super::action::Action;
 use super::ground;
 use super::law_picker;
 use super::mu_rho_slider;
+use super::number_text;
 use super::scene_edit::{self, Follows};
 use super::u0_slider;
 use super::view_state::ViewState;
+use crate::experiment::parameter::{self, Parameter};
 use crate::experiment::plan::Wish;
 use crate::experiment::record::Branch;
 use crate::experiment::scene::{Points, Scene, Turn};
@@ -40,13 +42,18 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).strong());
 }
 
+/// A field for a number, typed or dragged, with a point or a comma before its decimals.
+fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).custom_parser(number_text::parse).update_while_editing(false)
+}
+
 /// A value with a name, typed or dragged; what is typed is taken exactly.
-pub fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
+pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
     let mut edited = value;
     let mut changed = false;
     let speed = (value.abs() * 0.005).max(1e-4);
-    labelled(ui, name, |ui| {
-        let drag = DragValue::new(&mut edited).range(range).speed(speed).max_decimals(6).update_while_editing(false);
+    labelled(ui, &parameter.title(), |ui| {
+        let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
         let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
         let response = ui.add(drag);
         changed = response.changed();
@@ -58,7 +65,7 @@ pub fn number(ui: &mut Ui, name: &str, value: f64, range: RangeInclusive<f64>, u
 /// The same for a whole number.
 pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
     let mut edited = value;
-    labelled(ui, name, |ui| ui.add(DragValue::new(&mut edited).range(range).speed(0.05).update_while_editing(false)));
+    labelled(ui, name, |ui| ui.add(field(&mut edited).range(range).speed(0.05)));
     (edited != value).then_some(edited)
 }
 
@@ -80,8 +87,8 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             let label = ui.label("Target");
             let mut target = state.target / rho;
             let range = state.limits.0 / rho..=state.limits.1 / rho;
-            let drag = DragValue::new(&mut target).range(range).clamp_existing_to_range(false).speed(0.01).max_decimals(6);
-            if ui.add(drag.update_while_editing(false).suffix(" ρ")).labelled_by(label.id).changed() {
+            let drag = field(&mut target).range(range).clamp_existing_to_range(false).speed(0.01).max_decimals(6);
+            if ui.add(drag.suffix(" ρ")).labelled_by(label.id).changed() {
                 actions.push(Action::SetTarget(target * rho));
             }
             ui.add_space(4.0);
@@ -125,8 +132,8 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let mut mu = state.model.mu_rho;
             let range = scene_edit::MU_RHO.0..=scene_edit::MU_RHO.1;
-            let drag = DragValue::new(&mut mu).range(range).clamp_existing_to_range(false).speed(0.002).max_decimals(4);
-            if ui.add(drag.update_while_editing(false)).labelled_by(label.id).changed() {
+            let drag = field(&mut mu).range(range).clamp_existing_to_range(false).speed(0.002).max_decimals(4);
+            if ui.add(drag).labelled_by(label.id).changed() {
                 actions.push(Action::EditScene(Box::new(scene_edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
             }
         });
@@ -153,7 +160,7 @@ fn edit(actions: &mut Vec<Action>, scene: Scene) {
 fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     let rho = state.rho();
-    if let Some(ratio) = number(ui, "Length L", model.grid.length / rho, 1.0..=65536.0, "ρ") {
+    if let Some(ratio) = number(ui, &parameter::LENGTH, model.grid.length / rho, 1.0..=65536.0, "ρ") {
         edit(actions, scene_edit::with_length(scene, model, ratio * rho));
     }
     let line = model.grid.is_line();
@@ -191,37 +198,37 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     let rho = state.rho();
-    if let Some(value) = number(ui, "Surface energy γ", scene.law.surface_energy, 1e-6..=1e6, "") {
+    if let Some(value) = number(ui, &parameter::SURFACE_ENERGY, scene.law.surface_energy, 1e-6..=1e6, "") {
         edit(actions, scene_edit::with_surface_energy(scene, model, value));
     }
-    if let Some(value) = number(ui, "Range ρ", rho, 1e-6..=1e6, "") {
+    if let Some(value) = number(ui, &parameter::RANGE, rho, 1e-6..=1e6, "") {
         edit(actions, scene_edit::with_range(scene, model, value));
     }
     law_parameters(ui, state, actions);
-    if let Some(value) = number(ui, "Start of u₀", scene.drive.start / rho, -1e4..=1e4, "ρ") {
+    if let Some(value) = number(ui, &parameter::START, scene.drive.start / rho, -1e4..=1e4, "ρ") {
         let mut scene = (**scene).clone();
         scene.drive.start = value * rho;
         edit(actions, scene);
     }
     if let Turn::At(turn) = scene.drive.turn
-        && let Some(value) = number(ui, "Turn of u₀", turn / rho, -1e4..=1e4, "ρ")
+        && let Some(value) = number(ui, &parameter::TURN, turn / rho, -1e4..=1e4, "ρ")
     {
         let mut scene = (**scene).clone();
         scene.drive.turn = Turn::At(value * rho);
         edit(actions, scene);
     }
-    if let Some(value) = number(ui, "Step of u₀", scene.drive.step / rho, 1e-5..=10.0, "ρ") {
+    if let Some(value) = number(ui, &parameter::STEP, scene.drive.step / rho, 1e-5..=10.0, "ρ") {
         let mut scene = (**scene).clone();
         scene.drive.step = value * rho;
         edit(actions, scene);
     }
     ground::show(ui, state, actions);
-    if let Some(value) = number(ui, "Accuracy", scene.accuracy, 1e-6..=0.99, "") {
+    if let Some(value) = number(ui, &parameter::TARGET, scene.accuracy, 1e-6..=0.99, "") {
         let mut scene = (**scene).clone();
         scene.accuracy = value;
         edit(actions, scene);
     }
-    if let Some(seed) = whole(ui, "Seed", scene.seed, 0..=SEED_MAX) {
+    if let Some(seed) = whole(ui, &parameter::SEED.title(), scene.seed, 0..=SEED_MAX) {
         edit(actions, Scene { seed, ..(**scene).clone() });
     }
     ui.label("Model").on_hover_text("which part of the cell the walk represents");
@@ -254,13 +261,13 @@ fn law_parameters(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let mut shape = state.scene.law.shape;
     match &mut shape {
         Shape::Mie(mie) => {
-            mie.m = number(ui, "Mie exponent m", mie.m, mie.n + 0.1..=100.0, "").unwrap_or(mie.m);
-            mie.n = number(ui, "Mie exponent n", mie.n, 0.1..=mie.m - 0.1, "").unwrap_or(mie.n);
+            mie.m = number(ui, &parameter::MIE_M, mie.m, mie.n + 0.1..=100.0, "").unwrap_or(mie.m);
+            mie.n = number(ui, &parameter::MIE_N, mie.n, 0.1..=mie.m - 0.1, "").unwrap_or(mie.n);
         }
         Shape::Cosine(cosine) => {
             ui.checkbox(&mut cosine.smooth, "Smooth at contact (C2)");
         }
-        Shape::DoubleExponential(law) => law.ratio = number(ui, "Ratio of ranges", law.ratio, 0.01..=0.99, "").unwrap_or(law.ratio),
+        Shape::DoubleExponential(law) => law.ratio = number(ui, &parameter::RATIO, law.ratio, 0.01..=0.99, "").unwrap_or(law.ratio),
         Shape::Morse(_) => {}
     }
     if shape != state.scene.law.shape {

@@ -4,8 +4,9 @@ use super::action::{Action, FileTask};
 use super::commands::Palette;
 use super::keys;
 use super::view_state::ViewState;
+use crate::storage::files::{self, Effect};
 use egui::{Align2, Context, RichText, Ui, Window};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::task::{Poll, Waker};
 use std::time::Duration;
@@ -35,9 +36,30 @@ pub struct Dialogs {
 struct FileDialog {
     task: FileTask,
     path: String,
-    note: Option<&'static str>,
+    note: Option<String>,
+    /// What was entered, where it replaces a file or makes a folder, until that is wanted in so many words.
+    question: Option<Question>,
     pending: Option<PathFuture>,
     fresh: bool,
+}
+
+struct Question {
+    entered: String,
+    words: String,
+    /// The word on the button that says yes.
+    yes: &'static str,
+}
+
+impl Question {
+    /// What to ask before writing to `path`, which was entered in this way; nothing for a new file in a folder that is there.
+    fn before(path: &Path, entered: &str) -> Option<Self> {
+        let (words, yes) = match files::effect(path) {
+            Effect::Adds => return None,
+            Effect::Replaces => (format!("{} is there already.", path.display()), "Replace it"),
+            Effect::MakesFolder(folder) => (format!("The folder {} is not there.", folder.display()), "Make the folder"),
+        };
+        Some(Self { entered: entered.to_owned(), words, yes })
+    }
 }
 
 impl Dialogs {
@@ -54,7 +76,7 @@ impl Dialogs {
     /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to decide first.
     pub fn ask(&mut self, task: FileTask) {
         let pending = task.variants().is_empty().then(|| (self.chooser)(FileRequest { task }));
-        self.file = Some(FileDialog { task, path: task.file_name().to_owned(), note: None, pending, fresh: true });
+        self.file = Some(FileDialog { task, path: task.file_name().to_owned(), note: None, question: None, pending, fresh: true });
     }
 
     /// Opens the palette of commands in place of whatever is open, or closes it.
@@ -116,7 +138,8 @@ impl FileDialog {
             Poll::Ready(None) => {
                 self.pending = None;
                 // A desktop without a portal answers like a cancel, after a moment.
-                self.note = Some("No file was chosen, or this desktop has no file chooser. Type the path here.");
+                let note = "No file was chosen, or this desktop has no file chooser. Type the path here.";
+                self.note = Some(note.to_owned());
             }
         }
     }
@@ -140,18 +163,25 @@ impl FileDialog {
             field.request_focus();
         }
         let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        if let Some(note) = self.note {
+        self.question.take_if(|question| question.entered != self.path);
+        if let Some(question) = &self.question {
+            ui.label(RichText::new(&question.words).strong());
+        } else if let Some(note) = &self.note {
             ui.label(RichText::new(note).weak());
         } else if self.pending.is_some() {
             ui.label(RichText::new("The desktop's file chooser is open; a path typed here does as well.").weak());
         }
         let mut browse = None;
         ui.horizontal(|ui| {
-            let word = if self.task == FileTask::OpenScene { "Open" } else { "Write" };
+            let word = match &self.question {
+                Some(question) => question.yes,
+                None if self.task == FileTask::OpenScene => "Open",
+                None => "Write",
+            };
             if (ui.add_enabled(!self.path.trim().is_empty(), egui::Button::new(word)).clicked() || entered)
                 && !self.path.trim().is_empty()
             {
-                actions.push(Action::UsePath(PathBuf::from(self.path.trim())));
+                actions.extend(self.enter());
             }
             if ui.add_enabled(self.pending.is_none(), egui::Button::new("Browse…")).clicked() {
                 browse = Some(self.task);
@@ -161,6 +191,22 @@ impl FileDialog {
             }
         });
         browse
+    }
+
+    /// The path that was typed, once what it does to other files is wanted.
+    fn enter(&mut self) -> Option<Action> {
+        let path = match files::typed(Path::new(self.path.trim())) {
+            Ok(path) => path,
+            Err(failure) => {
+                self.note = Some(failure.to_string());
+                return None;
+            }
+        };
+        let asked = self.question.take().is_some();
+        if self.task != FileTask::OpenScene && !asked {
+            self.question = Question::before(&path, &self.path);
+        }
+        self.question.is_none().then_some(Action::UsePath(path))
     }
 }
 

@@ -1,15 +1,19 @@
 //! Opening the window, and saying in one line why it cannot be opened.
 
 use super::app::App;
+use super::saved_state;
 use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::scene::Scene;
 use crate::storage::{presets, scene_file};
 use crate::worker::Worker;
+use eframe::EventLoopBuilderHook;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(all(unix, not(target_os = "macos")))]
+use winit::platform::x11::EventLoopBuilderExtX11;
 
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +21,12 @@ pub struct Options {
     /// The scene; the preset `fig2` if none.
     pub scene: Option<Scene>,
 }
+
+/// The window's name for the desktop, and of the folder of its memory.
+const APP_ID: &str = "tackscope";
+
+/// The smallest window (points): it fits on any screen, and everything scrolls into view.
+const LEAST: [f32; 2] = [480.0, 320.0];
 
 /// Libraries that winit loads at run time on X11, and the Debian packages they come in.
 const X11_LIBRARIES: [(&str, &str); 6] = [
@@ -36,17 +46,58 @@ pub fn display_available() -> Result<(), String> {
     if !cfg!(all(unix, not(target_os = "macos"))) {
         return Ok(());
     }
-    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if set("WAYLAND_DISPLAY") || set("WAYLAND_SOCKET") {
-        return Ok(());
-    }
-    if !set("DISPLAY") {
-        return Err("no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned());
+    match (wayland(), is_set("DISPLAY")) {
+        (Wayland::Answers, _) => return Ok(()),
+        (Wayland::Silent, false) => return Err("no display: nothing answers at WAYLAND_DISPLAY, and DISPLAY is not set".to_owned()),
+        (Wayland::None, false) => return Err("no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned()),
+        (_, true) => {}
     }
     match missing_library() {
         Some((library, package)) => Err(no_library(library, package)),
         None => Ok(()),
     }
+}
+
+fn is_set(name: &str) -> bool {
+    std::env::var_os(name).is_some_and(|value| !value.is_empty())
+}
+
+/// What is known of a Wayland display.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wayland {
+    /// None is named.
+    None,
+    /// One is named that does not answer: a variable that outlived its session.
+    Silent,
+    /// It takes connections.
+    Answers,
+}
+
+#[cfg(unix)]
+fn wayland() -> Wayland {
+    if is_set("WAYLAND_SOCKET") {
+        return Wayland::Answers;
+    }
+    let Some(name) = std::env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return Wayland::None };
+    // An absolute name stands for itself.
+    let socket = Path::new(&std::env::var_os("XDG_RUNTIME_DIR").unwrap_or_default()).join(name);
+    if std::os::unix::net::UnixStream::connect(socket).is_ok() { Wayland::Answers } else { Wayland::Silent }
+}
+
+#[cfg(not(unix))]
+fn wayland() -> Wayland {
+    Wayland::None
+}
+
+/// The toolkit tries Wayland alone where it is named: past one that does not answer it is sent to X11.
+fn past_a_silent_wayland() -> Option<EventLoopBuilderHook> {
+    #[cfg(all(unix, not(target_os = "macos")))]
+    if wayland() == Wayland::Silent && is_set("DISPLAY") {
+        return Some(Box::new(|builder| {
+            EventLoopBuilderExtX11::with_x11(builder);
+        }));
+    }
+    None
 }
 
 fn no_library(library: &str, package: &str) -> String {
@@ -88,12 +139,16 @@ pub fn run_with(options: Options) -> Result<(), String> {
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tackscope")
-            .with_app_id("tackscope")
+            .with_app_id(APP_ID)
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([760.0, 480.0]),
+            .with_min_inner_size(LEAST),
         renderer: eframe::Renderer::Glow,
+        event_loop_builder: past_a_silent_wayland(),
         ..Default::default()
     };
+    if let Some(folder) = eframe::storage_dir(APP_ID) {
+        saved_state::mend(&folder.join("app.ron"));
+    }
     let opened = Arc::new(AtomicBool::new(false));
     let seen = opened.clone();
     // winit panics where a library of the window system is missing or the connection breaks at the start.

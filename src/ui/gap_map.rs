@@ -5,6 +5,7 @@ use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
+use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
 use crate::worker::protocol::Frame;
@@ -15,6 +16,10 @@ use std::sync::Arc;
 
 /// Width of the colour bar with its numbers.
 const BAR: f32 = 64.0;
+/// Seconds in which a picture that is no longer true fades out.
+const FADE: f32 = 0.2;
+/// What stands in its place.
+const WAITING: &str = "waiting for the solver …";
 
 /// The texture and what it was made from, so that nothing is made twice.
 #[derive(Default)]
@@ -90,14 +95,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, cache: &MapCache, actions: &mut Vec<
         profile_line(ui, state, picture, band);
     } else {
         ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
-        ui.painter().text(
-            map.center(),
-            Align2::CENTER_CENTER,
-            "waiting for the first picture …",
-            theme::small(),
-            ui.visuals().weak_text_color(),
-        );
     }
+    waiting(ui, state, map);
     ui.painter().rect_stroke(map, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
     colour_bar(ui, state, cache, map);
     overlays(ui, state, map);
@@ -213,15 +212,13 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     }
     let text = ui.visuals().text_color();
     ui.painter().text(pos2(bar.left() - 2.0, map.top()), Align2::LEFT_TOP, "gap / ρ", theme::small(), text);
-    let spacing = scene_edit::tick_spacing(top, 8.0);
-    let mut value = 0.0;
-    while value <= top * 1.001 {
+    let (values, spacing) = ticks::within(0.0, top * 1.001, 8.0);
+    for value in values {
         let y = bar.bottom() - (value / top) as f32 * bar.height();
         ui.painter().hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
         let above = value + spacing > top * 1.001 && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
-        let label = if above { format!("≥{}", scene_edit::tick_words(value)) } else { scene_edit::tick_words(value) };
+        let label = format!("{}{}", if above { "≥" } else { "" }, ticks::label(value, spacing));
         ui.painter().text(pos2(bar.right() + 7.0, y), Align2::LEFT_CENTER, label, theme::small(), text);
-        value += spacing;
     }
     let contact = bar.bottom() - (state.model.law.contact_gap() / rho / top) as f32 * bar.height();
     ui.painter().hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
@@ -243,6 +240,20 @@ fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
     let area = Rect::from_center_size(centre, galley.size() + vec2(24.0, 12.0));
     ui.painter().rect_filled(area, 8.0, Color32::from_black_alpha(170));
     ui.painter().galley(area.center() - galley.size() / 2.0, galley, Color32::WHITE);
+}
+
+/// Fades the last run's picture out while the solver has said nothing of this one. An answer within a few frames is no flicker.
+fn waiting(ui: &Ui, state: &ViewState, map: Rect) {
+    let waits = state.is_waiting();
+    let share = ui.ctx().animate_bool_with_time(egui::Id::unique("waiting"), waits, if waits { FADE } else { 0.0 });
+    if share > 0.0 {
+        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color.gamma_multiply(0.85 * share));
+    }
+    if waits {
+        let colour = ui.visuals().text_color().gamma_multiply(share.max(0.3));
+        let words = if state.failure.is_some() { "no picture of this scene" } else { WAITING };
+        ui.painter().text(map.center(), Align2::CENTER_CENTER, words, theme::small(), colour);
+    }
 }
 
 fn drag(ui: &Ui, state: &ViewState, response: &egui::Response, band: Rect, actions: &mut Vec<Action>) {
@@ -282,7 +293,7 @@ fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<
 
 /// The map in one sentence.
 fn sentence(state: &ViewState, cache: &MapCache) -> String {
-    let Some(picture) = &cache.picture else { return "Gap map: no picture yet".to_owned() };
+    let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else { return format!("Gap map: {WAITING}") };
     let pattern = state.state.as_ref().map_or("at rest", |s| s.pattern.word());
     format!("Gap map: {pattern}, gap from {:.3} to {:.3} rho", picture.min / state.rho(), picture.max / state.rho())
 }

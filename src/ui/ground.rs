@@ -4,6 +4,7 @@ use super::action::Action;
 use super::controls::{SEED_MAX, number, whole};
 use super::scene_edit;
 use super::view_state::ViewState;
+use crate::experiment::parameter::{self, Parameter};
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
 use crate::physics::roughness::{Roughness, WAVES_MAX};
@@ -58,16 +59,16 @@ fn grounds(model: &Model) -> [Indenter; 4] {
 
 fn parameters(ui: &mut Ui, model: &Model, indenter: &mut Indenter) {
     let (rho, length) = (model.law.range, model.grid.length);
-    let mut edit = |name: &str, value: &mut f64, unit: f64, low: f64, high: f64, word: &str| {
-        if let Some(edited) = number(ui, name, *value / unit, low..=high, word) {
+    let mut edit = |parameter: &Parameter, value: &mut f64, unit: f64, low: f64, high: f64, word: &str| {
+        if let Some(edited) = number(ui, parameter, *value / unit, low..=high, word) {
             *value = edited * unit;
         }
     };
     match indenter {
         Indenter::Flat => {}
-        Indenter::Hertz { radius } => edit("Tip radius R", radius, rho, 1e-3, 1e7, "ρ"),
+        Indenter::Hertz { radius } => edit(&parameter::RADIUS, radius, rho, 1e-3, 1e7, "ρ"),
         Indenter::Wave { amplitude, periods } => {
-            edit("Amplitude", amplitude, rho, 1e-6, 1e6, "ρ");
+            edit(&parameter::AMPLITUDE, amplitude, rho, 1e-6, 1e6, "ρ");
             let most = model.grid.nx as u64 / 4;
             for (axis, name) in
                 ["Waves along x", "Waves along y"].into_iter().enumerate().take(if model.grid.is_line() { 1 } else { 2 })
@@ -80,11 +81,11 @@ fn parameters(ui: &mut Ui, model: &Model, indenter: &mut Indenter) {
             }
         }
         Indenter::Rough(rough) => {
-            edit("Hurst exponent", &mut rough.hurst, 1.0, 0.01, 1.0, "");
-            edit("RMS height", &mut rough.rms, rho, 1e-6, 1e6, "ρ");
-            edit("Longest wave", &mut rough.longest, rho, rough.shortest / rho, length / rho, "ρ");
-            edit("Shortest wave", &mut rough.shortest, rho, length / WAVES_MAX as f64 / rho, rough.longest / rho, "ρ");
-            if let Some(seed) = whole(ui, "Surface seed", rough.seed, 0..=SEED_MAX) {
+            edit(&parameter::HURST, &mut rough.hurst, 1.0, 0.01, 1.0, "");
+            edit(&parameter::RMS, &mut rough.rms, rho, 1e-6, 1e6, "ρ");
+            edit(&parameter::LONGEST, &mut rough.longest, rho, rough.shortest / rho, length / rho, "ρ");
+            edit(&parameter::SHORTEST, &mut rough.shortest, rho, length / WAVES_MAX as f64 / rho, rough.longest / rho, "ρ");
+            if let Some(seed) = whole(ui, &parameter::GROUND_SEED.title(), rough.seed, 0..=SEED_MAX) {
                 rough.seed = seed;
             }
         }

@@ -3,11 +3,11 @@
 use super::action::Action;
 use super::curves::Curve;
 use super::inspect;
-use super::scene_edit;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::plan::promise;
 use crate::experiment::record::Branch;
+use crate::paper::ticks::{self, label};
 use egui::emath::Rangef;
 use egui::{AsIdSalt, Color32, Response, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{
@@ -80,8 +80,8 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
     Plot::new(id)
         .custom_x_axes(vec![x_axis])
         // The plot's own words round a tick of 0.5 to 0.
-        .x_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
-        .y_axis_formatter(|mark, _| scene_edit::tick_words(mark.value))
+        .x_axis_formatter(|mark, _| label(mark.value, mark.step_size))
+        .y_axis_formatter(|mark, _| label(mark.value, mark.step_size))
         .allow_drag(false)
         .allow_scroll(false)
         .allow_zoom(false)
@@ -271,14 +271,8 @@ pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) ->
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
 pub fn ticks(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let step = scene_edit::tick_spacing(high - low, count);
-    let first = (low / step).ceil();
-    (0..60)
-        .map(|i| (first + f64::from(i)) * step)
-        .take_while(|x| *x <= high)
-        .map(|value| GridMark { value, step_size: step })
-        .collect()
+    let (values, step_size) = ticks::within(input.bounds.0, input.bounds.1, count);
+    values.into_iter().map(|value| GridMark { value, step_size }).collect()
 }
 
 /// The recorded path: a line, and triangles that point the way it was gone, one every few per cent of the axis.

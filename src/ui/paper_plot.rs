@@ -1,10 +1,11 @@
 //! A diagram of the paper as a plot: the same value that `storage` draws to file.
 
 use super::loop_plot::{fixed, line};
-use super::typeset::{plain, set};
+use super::typeset::set;
 use crate::paper::extent::{Scale, scales};
 use crate::paper::figure::{Colour, Content, Figure, Panel, Role, Series, Symbol};
 use crate::paper::ticks::ticks;
+use crate::paper::typeset::plain;
 use crate::storage::picture::{common_scale, gap_image};
 use egui::{Color32, ColorImage, Id, Rect, RichText, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2};
 use egui_plot::{Arrows, FilledArea, GridMark, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotPoints, PlotUi, Points, Text};

@@ -5,6 +5,7 @@ use super::gap_picture::GapPicture;
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
+use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
@@ -14,11 +15,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
     let (low, high) = heights(state);
     let rho = state.rho();
+    let picture = picture.filter(|_| !state.is_waiting());
     let cut = picture.map(|p| gap_map::cut(&state.view, p));
     let name = match cut {
         Some((true, row)) => format!("Profile along x through row {row}: elastomer above, indenter below"),
         Some((false, column)) => format!("Profile along y through column {column}: elastomer above, indenter below"),
-        None => "Profile: no picture yet".to_owned(),
+        None => "Profile: waiting for the solver …".to_owned(),
     };
     let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
@@ -99,22 +101,19 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     let colour = ui.visuals().text_color();
     let tick = Stroke::new(1.0, colour);
     let painter = ui.painter();
-    let spacing = scene_edit::tick_spacing(high - low, 5.0);
-    let mut k = (low / spacing).ceil();
-    while k * spacing <= high {
-        let y = frame.bottom() - ((k * spacing - low) / (high - low)) as f32 * frame.height();
+    let (values, spacing) = ticks::within(low, high, 5.0);
+    for value in values {
+        let y = frame.bottom() - ((value - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
         // The uppermost number gives way to the name of the axis.
         if y > frame.top() + 16.0 {
-            let text = scene_edit::tick_words(k * spacing);
+            let text = ticks::label(value, spacing);
             painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
         }
-        k += 1.0;
     }
     let length = state.model.grid.length / state.rho();
-    let spacing = scene_edit::tick_spacing(length, 5.5);
-    let mut value = 0.0;
-    while value <= 0.9 * length {
+    let (values, spacing) = ticks::within(0.0, length, 5.5);
+    for value in values.into_iter().filter(|value| *value <= 0.9 * length) {
         let x = frame.left() + (value / length) as f32 * frame.width();
         painter.vline(x, frame.bottom()..=frame.bottom() + 4.0, tick);
         let anchor = if value == 0.0 {
@@ -124,9 +123,8 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         } else {
             Align2::CENTER_TOP
         };
-        let text = scene_edit::tick_words(value);
+        let text = ticks::label(value, spacing);
         painter.text(pos2(x, frame.bottom() + 5.0), anchor, text, theme::small(), colour);
-        value += spacing;
     }
     let name = if along_x { "x / ρ" } else { "y / ρ" };
     painter.text(pos2(frame.right() + 2.0, frame.bottom() + 5.0), Align2::RIGHT_TOP, name, theme::small(), colour);

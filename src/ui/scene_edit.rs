@@ -138,8 +138,8 @@ pub fn relief(model: &Model) -> f64 {
     match model.indenter {
         Indenter::Flat => 0.0,
         Indenter::Hertz { radius } => {
-            let a = (4.5 * std::f64::consts::PI * model.law.surface_energy * radius * radius).cbrt();
-            a * a / radius
+            // a^2/R with a^3 = 4.5 pi gamma R^2, so that no unit of length overflows.
+            radius * (4.5 * std::f64::consts::PI * model.law.surface_energy / radius).cbrt().powi(2)
         }
         Indenter::Wave { amplitude, periods } => amplitude * periods.iter().filter(|&&p| p > 0).count() as f64,
         Indenter::Rough(rough) => 3.0 * rough.rms,
@@ -188,24 +188,11 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
         // Between full contact and a few asperities nothing is known beforehand.
         Indenter::Wave { .. } | Indenter::Rough(_) => return (-0.6, 0.6),
         Indenter::Hertz { radius } => {
-            3.0 * (std::f64::consts::PI * law.surface_energy.powi(2) * radius / 16.0).cbrt() / model.grid.length
+            3.0 * law.surface_energy * (std::f64::consts::PI * radius / (16.0 * law.surface_energy)).cbrt() / model.grid.length
         }
     };
     let top = (1.5 * pull_off / law.traction_max()).min(1.08);
     (-0.5 * top, top)
-}
-
-/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
-pub fn tick_spacing(span: f64, count: f64) -> f64 {
-    let x = (span / count).max(1e-12);
-    let decade = 10f64.powf(x.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
-}
-
-/// The words of a tick, without the noise of its last digits and without a minus before zero.
-pub fn tick_words(value: f64) -> String {
-    let rounded = (value * 1e6).round() / 1e6;
-    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
 /// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10, ... at or above `x`.
@@ -245,6 +232,37 @@ mod tests {
         for (follows, tolerance) in [(Follows::Range, 1e-12), (Follows::Mesh, 0.02)] {
             let model = with_mu_rho(&scene, &model, 0.45, follows).model().unwrap();
             assert!((model.mu_rho - 0.45).abs() < tolerance, "{}", model.mu_rho);
+        }
+    }
+
+    #[test]
+    fn ticks_are_few_whatever_the_ends_are() {
+        use crate::paper::ticks::within;
+        assert_eq!(within(0.2, 1.0, 4.0), (vec![0.2, 0.4, 0.6000000000000001, 0.8, 1.0], 0.2));
+        for (low, high) in [(1e17 - 16.0, 1e17), (-1e220, 1e220), (1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (3.0, 2.0)] {
+            assert!(within(low, high, 9.0).0.len() <= 60, "{low} {high}");
+        }
+    }
+
+    #[test]
+    fn the_reliefs_of_a_tip_is_that_of_jkr_in_any_unit_of_length() {
+        let tip = |unit: f64| {
+            let mut scene = fig2();
+            scene.cell.length *= unit;
+            scene.law.surface_energy *= unit;
+            scene.law.range = Range::Length(unit);
+            scene.indenter = Indenter::Hertz { radius: 30.0 * unit };
+            scene.drive = Drive { start: 6.0 * unit, turn: Turn::ZeroLoad, step: 0.1 * unit };
+            let model = scene.model().unwrap();
+            (relief(&model) / unit, gap_scale(&scene, &model) / unit, stress_scale(&scene, &model))
+        };
+        let a = (4.5 * std::f64::consts::PI * 0.15 * 900.0_f64).cbrt();
+        let (relief, gap, stress) = tip(1.0);
+        assert!((relief - a * a / 30.0).abs() < 1e-12 * relief);
+        for unit in [1e-100, 1e100] {
+            let (other, other_gap, other_stress) = tip(unit);
+            assert!((other / relief - 1.0).abs() < 1e-9 && (other_gap / gap - 1.0).abs() < 1e-9, "{unit}: {other}, {other_gap}");
+            assert!((other_stress.1 / stress.1 - 1.0).abs() < 1e-9, "{unit}: {other_stress:?}");
         }
     }
 

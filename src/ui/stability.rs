@@ -3,12 +3,12 @@
 use super::action::{Action, StabilityOf, ViewOptions};
 use super::curves::{eigenvalue_at, eigenvalue_scale};
 use super::loop_plot::{curve, line, small, ticks};
-use super::scene_edit;
 use super::theme::{self, Palette};
 use super::time_steps;
 use super::view_state::ViewState;
 use crate::experiment::forecast::{Forecast, forecast};
 use crate::experiment::record::Branch;
+use crate::paper::ticks::label;
 use egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{
     FilledArea, GridInput, GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi, Points, Text,
@@ -46,7 +46,7 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
         .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
         .x_grid_spacer(|input| ticks(input, 7.0))
         .y_grid_spacer(decades)
-        .y_axis_formatter(|mark, _| scene_edit::tick_words(eigenvalue_at(mark.value)))
+        .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
@@ -78,6 +78,11 @@ fn decades(input: GridInput) -> Vec<GridMark> {
         .map(|eigenvalue| GridMark { value: eigenvalue_scale(eigenvalue), step_size: high - low })
         .filter(|mark| (low..=high).contains(&mark.value))
         .collect()
+}
+
+/// A power of ten without the noise of its last digits.
+fn decade(eigenvalue: f64) -> String {
+    label(eigenvalue, eigenvalue.abs())
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, palette: &Palette) {

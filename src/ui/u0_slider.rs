@@ -3,6 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
+use crate::paper::ticks;
 use egui::{Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Accessible name of the slider.
@@ -75,15 +76,13 @@ fn words(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
 fn ticks(ui: &Ui, state: &ViewState, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
     let rho = state.rho();
     let (low, high) = (state.limits.0 / rho, state.limits.1 / rho);
-    let spacing = super::scene_edit::tick_spacing(high - low, 9.0);
+    let (values, spacing) = ticks::within(low, high, 9.0);
     let colour = ui.visuals().weak_text_color();
-    let mut i = (low / spacing).ceil();
-    while i * spacing <= high + 1e-9 {
-        let y = y_of(i * spacing * rho);
+    for value in values {
+        let y = y_of(value * rho);
         ui.painter().hline(rail.left() - 9.0..=rail.left() - 4.0, y, Stroke::new(1.0, colour));
-        let text = super::scene_edit::tick_words(i * spacing);
+        let text = ticks::label(value, spacing);
         ui.painter().text(pos2(rail.left() - 15.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
-        i += 1.0;
     }
 }
 

@@ -202,6 +202,11 @@ impl ViewState {
         self.model.law.range
     }
 
+    /// True while the solver has said nothing of this run yet: the picture that is shown is that of the last one.
+    pub fn is_waiting(&self) -> bool {
+        self.state.is_none()
+    }
+
     /// Back to rest at the start.
     pub fn reset(&mut self) {
         self.target = self.limits.1;
@@ -261,6 +266,8 @@ impl ViewState {
         let before = self.scene.clone();
         self.target = self.limits.1;
         if self.set_scene(scene) {
+            // Another scene: nothing of the last one is true of it.
+            self.frame = None;
             self.history.end_gesture();
             self.history.remember(before);
             self.hint = true;

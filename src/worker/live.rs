@@ -1,8 +1,10 @@
 //! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the hand rests.
 
+use super::end::{Ending, end};
 use super::protocol::{Event, LiveState, RunId};
 use crate::experiment::live_loop::{Fineness, LiveLoops};
 use crate::experiment::scene::{Drive, Model, Scene};
+use crate::numerics::cancel::Cancel;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -18,9 +20,10 @@ struct Wish {
     scene: Arc<Scene>,
 }
 
-/// Handle of the thread. Dropping it joins.
+/// Handle of the thread. Dropping it cancels, and waits for it a little.
 pub(super) struct Live {
     mailbox: Option<Sender<Wish>>,
+    quit: Cancel,
     stale: Receiver<Wish>,
     thread: Option<JoinHandle<()>>,
 }
@@ -30,11 +33,13 @@ impl Live {
     pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Self {
         let (mailbox, wishes) = bounded(1);
         let stale = wishes.clone();
+        let quit = Cancel::default();
+        let loops = LiveLoops::obeying(&quit);
         let thread = std::thread::Builder::new()
             .name("live loop".into())
-            .spawn(move || run(&wishes, &tell))
+            .spawn(move || run(&wishes, loops, &tell))
             .expect("the system refuses to start a thread");
-        Self { mailbox: Some(mailbox), stale, thread: Some(thread) }
+        Self { mailbox: Some(mailbox), quit, stale, thread: Some(thread) }
     }
 
     /// Asks for the loop of a scene; a scene that still waits is dropped.
@@ -46,19 +51,23 @@ impl Live {
     }
 }
 
-impl Drop for Live {
-    fn drop(&mut self) {
+impl Ending for Live {
+    fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
+        self.quit.request();
         let _ = self.stale.try_recv();
         self.mailbox = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        self.thread.take()
     }
 }
 
-fn run(wishes: &Receiver<Wish>, tell: &dyn Fn(Event)) {
+impl Drop for Live {
+    fn drop(&mut self) {
+        end(&mut [self]);
+    }
+}
+
+fn run(wishes: &Receiver<Wish>, mut loops: LiveLoops, tell: &dyn Fn(Event)) {
     let mut known: Option<(Model, Drive, u64, Arc<LiveState>)> = None;
-    let mut loops = LiveLoops::default();
     let mut next = wishes.recv().ok();
     while let Some(wish) = next.take() {
         let Ok(model) = wish.scene.model() else {

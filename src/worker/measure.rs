@@ -1,10 +1,11 @@
 //! Measurements beside the walk: partial results as they come.
 
-use super::aside::{Aside, Leave};
+use super::aside::Aside;
 use super::protocol::{ChartSoFar, Errand, Event, RunId};
 use crate::experiment::chart::{self, Effort, News};
 use crate::experiment::scene::Scene;
 use crate::experiment::time_step_map::{Progress, Survey};
+use crate::numerics::cancel::Cancel;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,13 +15,13 @@ const PACE: Duration = Duration::from_millis(80);
 
 /// Starts the thread.
 pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Aside<(RunId, Errand)> {
-    Aside::spawn("measurements", move |(run, errand), leave| {
+    Aside::spawn("measurements", move |(run, errand), cancel| {
         let measured = catch_unwind(AssertUnwindSafe(|| match errand {
             Errand::TimeSteps { scene, turn } => match Survey::new(&scene, turn) {
-                Ok(survey) => time_steps(run, survey, &tell, leave),
+                Ok(survey) => time_steps(run, survey, &tell, cancel),
                 Err(error) => Some(error.to_string()),
             },
-            Errand::Chart { scene, effort } => chart(run, &scene, effort, &tell, leave),
+            Errand::Chart { scene, effort } => chart(run, &scene, effort, &tell, cancel),
         }));
         let stuck = measured.unwrap_or_else(|_| Some("the solver stopped with a fault of its own".to_owned()));
         tell(Event::Measured { run, stuck });
@@ -28,11 +29,11 @@ pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Aside<(RunId, Erra
 }
 
 /// Returns why it could not be finished, if so.
-fn time_steps(run: RunId, mut survey: Survey, tell: &dyn Fn(Event), leave: &Leave<'_>) -> Option<String> {
+fn time_steps(run: RunId, mut survey: Survey, tell: &dyn Fn(Event), cancel: &Cancel) -> Option<String> {
     let mut told = Instant::now();
     let mut stuck = None;
-    while leave.goes_on() {
-        match survey.step(leave.cancel) {
+    while !cancel.requested() {
+        match survey.step(cancel) {
             Progress::Working => {}
             Progress::Done | Progress::Cancelled => break,
             Progress::Stuck(message) => {
@@ -50,11 +51,10 @@ fn time_steps(run: RunId, mut survey: Survey, tell: &dyn Fn(Event), leave: &Leav
 }
 
 /// Returns why it could not be finished, if so.
-fn chart(run: RunId, scene: &Scene, effort: Effort, tell: &dyn Fn(Event), leave: &Leave<'_>) -> Option<String> {
+fn chart(run: RunId, scene: &Scene, effort: Effort, tell: &dyn Fn(Event), cancel: &Cancel) -> Option<String> {
     let mut so_far = ChartSoFar::default();
     let mut told = Instant::now();
-    let finished = chart::run(scene, effort, leave.cancel, &mut |news| {
-        leave.goes_on();
+    let finished = chart::run(scene, effort, cancel, &mut |news| {
         let mut at_once = true;
         match news {
             News::Begun { what, reference: true } => so_far.now = format!("reference: {what}"),

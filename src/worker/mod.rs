@@ -1,13 +1,16 @@
-//! Floor 4: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels. The caller passes `wake`, called whenever something new can be received.
+//! Floor 4: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels; and the signals that ask the process to end. The caller passes `wake`, called whenever something new can be received.
 
 mod aside;
 mod course;
 pub mod crew;
+mod end;
+pub mod job;
 mod live;
 mod measure;
 mod paper;
 pub mod protocol;
 mod run_loop;
 pub mod session;
+pub mod signals;
 
 pub use run_loop::{Output, Worker};

@@ -1,6 +1,7 @@
 //! The solver thread: commands in, events out, one picture in a mailbox.
 
 use super::aside::Aside;
+use super::end::{Ending, end};
 use super::live::Live;
 use super::protocol::{Command, Errand, Event, Frame, Page, RunId};
 use super::session::Session;
@@ -12,16 +13,24 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Handle of the solver thread and of those that work beside it. Dropping it cancels and joins.
+/// Handle of the solver thread and of those that work beside it. Dropping it cancels all, and waits for them a little.
 pub struct Worker {
-    commands: Sender<Command>,
+    solver: Solver,
     events: Receiver<Event>,
     frames: Receiver<(RunId, Arc<Frame>)>,
-    cancel: Cancel,
-    thread: Option<JoinHandle<()>>,
     bench: Aside<(RunId, Errand)>,
     live: Live,
     paper: Aside<Page>,
+}
+
+/// Handle of the solver thread alone.
+struct Solver {
+    commands: Sender<Command>,
+    /// Raised to end the thread; never taken back.
+    quit: Cancel,
+    /// Raised to interrupt the present work; a part of `quit`.
+    cancel: Cancel,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Worker {
@@ -30,7 +39,8 @@ impl Worker {
         let (commands, inbox) = unbounded();
         let (outbox, events) = unbounded();
         let (mailbox, frames) = bounded(1);
-        let cancel = Cancel::default();
+        let quit = Cancel::default();
+        let cancel = quit.part();
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
         let aside = || {
             let (outbox, wake) = (outbox.clone(), wake.clone());
@@ -46,7 +56,8 @@ impl Worker {
             .name("solver".into())
             .spawn(move || run(&inbox, &post, &token))
             .expect("the system refuses to start a thread");
-        Self { commands, events, frames, cancel, thread: Some(thread), bench, live, paper }
+        let solver = Solver { commands, quit, cancel, thread: Some(thread) };
+        Self { solver, events, frames, bench, live, paper }
     }
 
     /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
@@ -64,10 +75,10 @@ impl Worker {
             _ => {}
         }
         if matches!(command, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
-            self.cancel.request();
+            self.solver.cancel.request();
         }
         // The thread lives as long as this handle, so the channel is open.
-        let _ = self.commands.send(command);
+        let _ = self.solver.commands.send(command);
     }
 
     /// Drains the events that have arrived; never blocks.
@@ -86,12 +97,17 @@ impl Worker {
     }
 }
 
+impl Ending for Solver {
+    fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
+        self.quit.request();
+        let _ = self.commands.send(Command::Quit);
+        self.thread.take()
+    }
+}
+
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.send(Command::Quit);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        end(&mut [&mut self.solver, &mut self.bench, &mut self.live, &mut self.paper]);
     }
 }
 

@@ -142,7 +142,9 @@ impl Session {
         if self.busy && self.watched && self.well_after.is_none_or(|t| now >= t) {
             let began = Instant::now();
             self.well = self.walk.as_mut().and_then(Walk::energy_well);
-            self.deepen_the_well(usize::MAX, sink);
+            while self.well.is_some() && !cancel.requested() {
+                self.deepen_the_well(WELL_PIECE, sink);
+            }
             self.well_after = Some(now + PACE_WELL.max(began.elapsed().div_f64(WELL_SHARE)));
         }
     }

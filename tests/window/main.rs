@@ -4,6 +4,8 @@
 mod accuracy;
 mod bench;
 mod commands;
+mod dialogs;
+mod limits;
 mod live;
 mod model;
 mod paper;
@@ -440,12 +442,7 @@ fn without_a_file_chooser_the_path_can_be_typed() {
     bench.click("Write");
     assert!(path.exists());
     assert!(bench.names().contains("mine.toml written"));
-    bench.click("Open…");
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench.window.event(egui::Event::Text("/nowhere/at/all.toml".to_owned()));
-    bench.window.run();
-    bench.click("Open");
+    bench.open("/nowhere/at/all.toml".as_ref());
     assert!(bench.state().failure.is_some(), "{}", bench.names());
     bench.press(Modifiers::NONE, Key::Escape);
     assert_eq!(*bench.state().scene, fig2());
@@ -476,6 +473,6 @@ fn a_small_window_keeps_every_panel_inside() {
         let rect = bench.window.get_by_label(label).rect();
         assert!(rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0, "{label} at {rect:?}");
     }
-    let map = bench.window.get_by_label("Gap map: no picture yet").rect();
+    let map = bench.window.get_by_label("Gap map: waiting for the solver …").rect();
     assert!(map.width() > 150.0 && egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0)).contains_rect(map), "{map:?}");
 }

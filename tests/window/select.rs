@@ -107,17 +107,14 @@ fn an_exported_picture_opens_again_as_its_scene() {
     let scene = bench.state().scene.clone();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("loop.png");
-    let enter = |bench: &mut Bench, what: &str, button: &str| {
-        bench.click(what);
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        bench.window.run();
-        bench.window.event(egui::Event::Text(path.display().to_string()));
-        bench.window.run();
-        bench.click(button);
-    };
-    enter(&mut bench, "Export PNG…", "Write");
+    bench.click("Export PNG…");
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.window.run();
+    bench.window.event(egui::Event::Text(path.display().to_string()));
+    bench.window.run();
+    bench.click("Write");
     assert_eq!(bench.state().failure, None);
     bench.click("law mie");
-    enter(&mut bench, "Open…", "Open");
+    bench.open(&path);
     assert_eq!((bench.state().failure.clone(), bench.state().scene.clone()), (None, scene));
 }

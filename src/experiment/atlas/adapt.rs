@@ -20,6 +20,7 @@ impl Atlas {
     /// A branch that was not found again; then a new atlas must be made.
     pub fn adapted(&self, chart: Chart) -> Result<Self, Lost> {
         let mut new = Self::new(chart);
+        new.obey(&self.cancel);
         let landings = |i: usize| -> Vec<f64> { self.landed().filter(|l| l.2 == i).map(|l| self.end_point(l.0, l.1).0).collect() };
         for (i, old) in self.branches.iter().enumerate() {
             let from = self.sector_of(old);

@@ -11,7 +11,6 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
 use crate::solver::Stop;
-use crate::solver::equilibrium::Stiffness;
 use crate::solver::sector::{Measured, Node};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
@@ -19,8 +18,6 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 
-/// Largest distance, in ranges, between two looks at the whole cell.
-const INTERVAL: f64 = 0.25;
 /// Distance from a jump of the last state before it, in ranges: half the walk's bracket, and more than the jump is uncertain.
 const HAIR: f64 = 5e-5;
 /// An eigenvalue (E*/L) below which a branch is at its end.
@@ -53,7 +50,6 @@ impl Atlas {
             guard: Guard::new(System::new(model.grid, model.law, &model.indenter), 0.25 * well, slides_on(model), tracker),
             flat: FlatBranch::new(law, model.grid.length),
             last: None,
-            watched: None,
         };
         let mut run = LoopRun::empty();
         while let Some(leg) = journey.leg(tour.atlas) {
@@ -87,7 +83,7 @@ impl Atlas {
         if run.outcome == Outcome::Completed {
             journey.closed()?;
         }
-        run.counts.transforms = tour.transforms();
+        (run.counts.transforms, run.counts.proof_transforms) = (tour.transforms(), tour.guard.proof_transforms());
         Ok(run)
     }
 }
@@ -100,8 +96,6 @@ struct Tour<'a> {
     flat: FlatBranch,
     /// Place and node of the state before.
     last: Option<(Place, Node)>,
-    /// Where the whole cell was last looked at and found no softer than its even part.
-    watched: Option<f64>,
 }
 
 impl Tour<'_> {
@@ -147,7 +141,6 @@ impl Tour<'_> {
         let before = self.last.take().filter(|(place, _)| *place == Place::On(i)).map(|(_, node)| node);
         if before.is_none() {
             self.guard.reset();
-            self.watched = None;
         }
         let branch = &self.atlas.branches[i];
         let (guess, is_ridge) = (branch.guess(u0), branch.is_ridge);
@@ -158,14 +151,14 @@ impl Tour<'_> {
         let square = self.atlas.square.system();
         let z = carried(&node.z, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
-        if let Some(all) = self.look(&gap, u0, stiffness, cancel) {
-            // Right at an end the mesh of the whole cell may call it a hair sooner than that of the branch.
-            if all.value < 0.0 && stiffness.value * length > SOFT && !cancel.requested() {
-                return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
-            }
-            if (0.0..stiffness.value).contains(&all.value) {
-                stiffness = all;
-            }
+        let all = self.guard.check(&gap, u0, cancel);
+        // Right at an end the mesh of the whole cell may call it a hair sooner than that of the branch.
+        let at_end = stiffness.value * length <= SOFT;
+        if all.value < 0.0 && !at_end && !cancel.requested() {
+            return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
+        }
+        if all.value >= 0.0 {
+            stiffness = stiffness.among(all);
         }
         (record.stress, record.energy, record.residual) = (node.stress, node.energy, residual);
         (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, stiffness.error * length);
@@ -175,17 +168,6 @@ impl Tour<'_> {
         record.stop = if stiffness.is_stable() { Stop::Stable } else { Stop::Unstable };
         self.last = Some((Place::On(i), node));
         Ok(gap)
-    }
-
-    /// The smallest eigenvalue of the whole cell; `None` where one was seen close by and was none of the other modes'. The `even` ones
-    /// are measured at every state, so that a look now and then will do.
-    fn look(&mut self, gap: &Array2<f64>, u0: f64, even: Stiffness, cancel: &Cancel) -> Option<Stiffness> {
-        if self.watched.is_some_and(|at| (at - u0).abs() < INTERVAL * self.model.law.range) {
-            return None;
-        }
-        let all = self.guard.check(gap, u0, cancel);
-        self.watched = (all.value >= 0.9 * even.value).then_some(u0);
-        Some(all)
     }
 }
 

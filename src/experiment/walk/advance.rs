@@ -5,14 +5,20 @@ use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
+use crate::physics::theory::flat;
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::{Lost, audit};
 use crate::solver::stability::random_smooth;
 
-/// Width, in ranges, to which the end of a branch is bracketed.
-const LOCATED: f64 = 1e-4;
+/// Width, in ranges, to which the end of a branch is bracketed: a fifth of what a plan promises for jumps at half a range.
+const LOCATED: f64 = 1e-5;
+
+/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; folds on uneven
+/// ground come in pairs that may lie closer, and two of them in one step would go unseen.
+const LONGEST_FLAT: f64 = 0.5;
+const LONGEST_UNEVEN: f64 = 0.15;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
@@ -25,11 +31,22 @@ impl Walk {
             return self.towards(barrier);
         }
         let k = (self.start - here) / self.step;
-        let short = self.short.unwrap_or(f64::INFINITY);
+        let short = self.short.unwrap_or(f64::INFINITY).min(self.longest());
         match self.direction {
             Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
             Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
         }
+    }
+
+    /// How far a method that locates may go without missing a jump (length). Where gamma'' falls nowhere below that of the upper limit of
+    /// the flat state, nothing can jump.
+    fn longest(&self) -> f64 {
+        let (law, uniform) = (self.system.law(), self.flat.is_some() && self.state.is_uniform());
+        let Some((_, upper)) = flat::limits(law, self.model.grid.length).filter(|_| self.method.locates() && !uniform) else {
+            return f64::INFINITY;
+        };
+        let free = self.ws.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
+        free.max(0.0) + law.range * if self.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
     }
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.

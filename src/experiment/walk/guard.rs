@@ -14,12 +14,6 @@ use crate::solver::method::Slides;
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
-/// Largest distance, in ranges, between two looks where an eigenvalue is just clear of zero.
-const INTERVAL: f64 = 0.1;
-/// The same wherever it may be: on flat ground symmetries break, and on uneven ground branches fold.
-const INTERVAL_FLAT: f64 = 0.5;
-const INTERVAL_UNEVEN: f64 = 2.0;
-
 /// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
 
@@ -33,15 +27,13 @@ pub(in crate::experiment) struct Guard {
     slides: Slides,
     tracker: Tracker,
     ws: Workspace,
-    /// Where it last looked, and what it saw.
-    last: Option<(f64, Stiffness)>,
 }
 
 impl Guard {
     /// Watches `system`, a whole cell.
     pub(in crate::experiment) fn new(system: System, constant: f64, slides: Slides, tracker: Tracker) -> Self {
         let tracker = with_coarse(tracker, &system, constant);
-        Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), last: None, system }
+        Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), system }
     }
 
     /// Transforms of the whole cell spent.
@@ -49,31 +41,24 @@ impl Guard {
         self.ws.transforms + self.tracker.coarse_transforms()
     }
 
+    /// Transforms spent on proofs.
+    pub(in crate::experiment) fn proof_transforms(&self) -> usize {
+        self.tracker.proof_transforms()
+    }
+
     /// Forgets the branch.
     pub(in crate::experiment) fn reset(&mut self) {
         self.tracker.reset();
-        self.last = None;
-    }
-
-    /// What it saw last, if that was near enough to `u0`. At a fold an eigenvalue vanishes as a square root: the distance from it
-    /// goes with the square of what is left.
-    pub(in crate::experiment) fn recent(&self, u0: f64) -> Option<Stiffness> {
-        let clear = 0.1 * self.system.grid().q1();
-        let most = if self.system.is_flat() { INTERVAL_FLAT } else { INTERVAL_UNEVEN };
-        let near = |s: Stiffness| (INTERVAL * (s.value / clear).powi(2)).min(most) * self.system.law().range;
-        self.last.filter(|(at, s)| s.value > clear && (at - u0).abs() < near(*s)).map(|(_, s)| s)
     }
 
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
     pub(in crate::experiment) fn check(&mut self, displacement: &Array2<f64>, u0: f64, cancel: &Cancel) -> Stiffness {
-        let Self { system, preconditioner, slides, tracker, ws, last } = self;
+        let Self { system, preconditioner, slides, tracker, ws } = self;
         let z = system.amplitudes(displacement, ws);
         let mut gradient = vec![0.0; z.len()];
         system.evaluate(&z, u0, &mut gradient, ws);
         preconditioner.refresh(system, ws);
-        let seen = tracker.check(system, &z, *slides, preconditioner, ws, cancel).0;
-        *last = Some((u0, seen));
-        seen
+        tracker.check(system, &z, *slides, preconditioner, ws, cancel).0
     }
 }
 
@@ -85,17 +70,15 @@ impl Walk {
             return Ok(even);
         };
         let u0 = self.ws.gap.mean().unwrap_or(f64::NAN) + self.system.height().and_then(|h| h.mean()).unwrap_or(0.0);
-        let all = guard.recent(u0).unwrap_or_else(|| {
-            let mut displacement = self.system.unfolded(&self.ws.gap);
-            if let Some(height) = self.system.height() {
-                displacement += &self.system.unfolded(height);
-            }
-            guard.check(&displacement, u0, cancel)
-        });
-        if all.value < even.value.min(-all.error) && even.is_stable() {
+        let mut displacement = self.system.unfolded(&self.ws.gap);
+        if let Some(height) = self.system.height() {
+            displacement += &self.system.unfolded(height);
+        }
+        let all = guard.check(&displacement, u0, cancel);
+        if all.value < 0.0 && even.is_stable() {
             return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
         }
-        Ok(if all.value < even.value { all } else { even })
+        Ok(even.among(all))
     }
 }
 

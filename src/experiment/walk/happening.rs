@@ -42,6 +42,8 @@ impl std::ops::AddAssign for Counts {
 pub struct Counts {
     /// Fourier transforms.
     pub transforms: usize,
+    /// Those of them that prove that no mode is softer than the ones that are followed.
+    pub proof_transforms: usize,
     /// Iterations of the method.
     pub iterations: usize,
     /// Recorded states with a pattern.

@@ -12,27 +12,39 @@ pub struct Mie {
     pub n: f64,
 }
 
+impl Mie {
+    /// (1 - e^{-(m - n) l})/(m - n): the difference of the two powers without cancellation, l where the exponents are one.
+    fn split(&self, l: f64) -> f64 {
+        let d = self.m - self.n;
+        -(-d * l).exp_m1() / d
+    }
+
+    /// The gap x at which x^{m - n} is the product of (m + k)/(n + k).
+    fn balance(&self, ks: &[f64]) -> f64 {
+        let (n, d) = (self.n, self.m - self.n);
+        (ks.iter().map(|k| (d / (n + k)).ln_1p()).sum::<f64>() / d).exp()
+    }
+}
+
 impl Form for Mie {
     fn at(&self, x: f64) -> [f64; 3] {
         if x <= 0.0 {
             return [f64::NAN; 3];
         }
         let (m, n) = (self.m, self.n);
-        let c = m * n / (m - n);
         let l = x.ln();
-        let (a, b) = ((-m * l).exp(), (-n * l).exp());
-        [c * (a / m - b / n), c * (b - a) / x, c * ((m + 1.0) * a - (n + 1.0) * b) / (x * x)]
+        // With s = (1 - x^{n-m})/(m - n) nothing cancels as m -> n, where s -> ln x.
+        let (b, s) = ((-n * l).exp(), self.split(l));
+        [-b * (n * s + 1.0), m * n * b * s / x, m * n * b * (1.0 - (m + 1.0) * s) / (x * x)]
     }
 
     fn strongest(&self) -> (f64, f64) {
-        let (m, n) = (self.m, self.n);
-        let x = ((m + 1.0) / (n + 1.0)).powf(1.0 / (m - n));
+        let x = self.balance(&[1.0]);
         (x, self.at(x)[1])
     }
 
     fn softest(&self) -> (f64, f64) {
-        let (m, n) = (self.m, self.n);
-        let x = ((m + 1.0) * (m + 2.0) / ((n + 1.0) * (n + 2.0))).powf(1.0 / (m - n));
+        let x = self.balance(&[1.0, 2.0]);
         (x, -self.at(x)[2])
     }
 

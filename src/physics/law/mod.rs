@@ -40,15 +40,27 @@ pub trait Form {
     ///
     /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
     fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
-        let mut sum = 0.0;
-        for ((g, d1), d2) in gap.iter().zip(first).zip(second) {
-            let [f, f1, f2] = self.at(g / range);
-            sum += f;
-            *d1 = scale[1] * f1;
-            *d2 = scale[2] * f2;
-        }
-        scale[0] * sum
+        fill_by_point(self, gap, range, scale, first, second)
     }
+}
+
+/// [`Form::fill`] by [`Form::at`], gap by gap.
+fn fill_by_point(
+    form: &(impl Form + ?Sized),
+    gap: &[f64],
+    range: f64,
+    scale: [f64; 3],
+    first: &mut [f64],
+    second: &mut [f64],
+) -> f64 {
+    let mut sum = 0.0;
+    for ((g, d1), d2) in gap.iter().zip(first).zip(second) {
+        let [f, f1, f2] = form.at(g / range);
+        sum += f;
+        *d1 = scale[1] * f1;
+        *d2 = scale[2] * f2;
+    }
+    scale[0] * sum
 }
 
 macro_rules! forms {

@@ -33,8 +33,8 @@ pub fn limits(law: &Law, length: f64) -> Option<(f64, f64)> {
         return Some((lower, softest));
     }
     let mut width = law.range;
-    while !stable(softest + width) {
-        // Ends: gamma'' fades away, and pi E*/L does not.
+    // Ends: gamma'' fades away, and pi E*/L does not. A law that overflows is no number anywhere.
+    while width.is_finite() && !stable(softest + width) {
         width *= 2.0;
     }
     Some((lower, boundary(softest, softest + width, |gap| !stable(gap))))

@@ -19,7 +19,7 @@ pub mod units;
 fn boundary(mut below: f64, mut above: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (below + above);
-        if middle == below || middle == above {
+        if middle == below || middle == above || middle.is_nan() {
             return middle;
         }
         if is_below(middle) {

@@ -5,7 +5,7 @@ use super::words::{bounds, name, power};
 use crate::experiment::chart::{Chart, Judged, Model, Point, Verdict};
 use crate::experiment::plan::Reduction;
 use crate::storage::picture::{register_font, write_png};
-use crate::storage::{Failure, files};
+use crate::storage::{Failure, files, line};
 use image::RgbImage;
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
@@ -80,8 +80,7 @@ pub(super) struct Plot<'a> {
 impl<'a> Plot<'a> {
     fn new(chart: &'a Chart, title: &str, scale: f64) -> Self {
         register_font();
-        // Control characters are no part of an XML text.
-        let title = title.chars().filter(|c| !c.is_control()).take(90).collect();
+        let title = line(title).chars().take(90).collect();
         let floor = chart.reference.as_ref().map_or(f64::NAN, |r| r.errors.dissipated_energy);
         let floor = if floor.is_finite() { floor.max(1e-12) } else { 1e-12 };
         let errors = chart.rows.iter().map(|row| row.errors.dissipated_energy.max(floor));

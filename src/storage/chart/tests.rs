@@ -67,9 +67,15 @@ fn failures_and_points_left_out_are_rows_with_every_column() {
 fn a_chart_is_drawn_with_its_failures_named_and_without_anything_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let (svg, png) = (folder.path().join("chart.svg"), folder.path().join("chart.png"));
-    write_chart_svg(&svg, &invented(), "Fig. 2 <&>").expect("an SVG");
+    write_chart_svg(&svg, &invented(), "Fig. 2 <&> \u{1b}[31m\u{fffe}").expect("an SVG");
     let text = std::fs::read_to_string(&svg).expect("text");
-    for word in ["&lt;&amp;&gt;", "not converged", "NaN: time step beyond its limit", "loop not closed", "Newton-Krylov"] {
+    for word in [
+        "&lt;&amp;&gt; \\u{1b}[31m\\u{fffe}",
+        "not converged",
+        "NaN: time step beyond its limit",
+        "loop not closed",
+        "Newton-Krylov",
+    ] {
         assert!(text.contains(word), "{word}");
     }
     write_chart_png(&png, &invented(), "Fig. 2").expect("a PNG");

@@ -31,11 +31,12 @@ pub fn write_figure_csv(path: &Path, figure: &Figure) -> Result<(), Failure> {
     for (name, panel) in &panels {
         rows(&mut text, name, panel);
     }
-    files::write_whole(path, text.as_bytes())?;
+    let mut written = files::write_whole(path, text.as_bytes());
     for (name, gap) in maps(&panels) {
-        write_matrix(&beside(path, &name), gap)?;
+        // One that cannot be written does not keep the others.
+        written = written.and(write_matrix(&beside(path, &name), gap));
     }
-    Ok(())
+    written
 }
 
 /// Writes the table: its title as a comment, headings, rows.

@@ -1,6 +1,7 @@
 //! A drawing as a list of marks, in units with y downwards. It is made once, and becomes an SVG or pixels.
 
-use crate::paper::typeset::{Run, Script};
+use crate::paper::typeset::{Run, Script, runs};
+use crate::storage::line;
 use crate::storage::picture::register_font;
 use image::RgbImage;
 use plotters::style::{IntoFont, RGBColor};
@@ -114,9 +115,9 @@ fn share(anchor: Anchor) -> f64 {
     }
 }
 
-/// A line of text with its formulas set; control characters are no part of a drawing.
+/// A line of text with its formulas set.
 pub(super) fn set(text: &str) -> Vec<Run> {
-    crate::paper::typeset::runs(&text.chars().filter(|c| !c.is_control()).collect::<String>())
+    runs(&line(text))
 }
 
 /// The accent that stands for itself, of one that combines with the letter before.

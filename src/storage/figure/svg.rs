@@ -2,6 +2,7 @@
 
 use super::sheet::{Mark, Place, SMALLER, Sheet, Stroke, drop_of};
 use crate::paper::typeset::{Run, Script};
+use crate::storage;
 use crate::storage::picture::encode_png;
 use plotters::style::RGBColor;
 use std::fmt::Write;
@@ -94,17 +95,16 @@ fn hex(colour: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2)
 }
 
-/// Text as it may stand in XML and HTML, also between quotes.
+/// Text on one line as it may stand in XML and HTML, also between quotes.
 pub(in crate::storage) fn escaped(text: &str) -> String {
     let mut out = String::new();
-    for c in text.chars() {
+    for c in storage::line(text).chars() {
         match c {
             '&' => out.push_str("&amp;"),
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if c.is_control() && c != '\n' => {}
             c => out.push(c),
         }
     }
@@ -140,6 +140,6 @@ mod tests {
 
     #[test]
     fn text_cannot_break_out_of_its_place() {
-        assert_eq!(escaped("<a href=\"x\">&'\u{7}"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+        assert_eq!(escaped("<a href=\"x\">&'\u{7}"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u{7}");
     }
 }

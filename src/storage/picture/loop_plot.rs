@@ -3,19 +3,24 @@
 use super::write_png;
 use crate::experiment::plan::promise;
 use crate::experiment::record::{Branch, JumpRecord, LoopRecord};
+use crate::paper::extent::Scale;
+use crate::paper::figure::Axis;
+use crate::paper::ticks::{Tick, ticks};
+use crate::paper::typeset::plain;
 use crate::physics::law::Law;
-use crate::storage::{Failure, files};
+use crate::storage::{Failure, files, line};
 use image::RgbImage;
 use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::error::Error;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Once;
 
-use super::curves::{Curves, Window};
+use super::curves::Curves;
 
 /// Size of the drawing in units; the SVG has one pixel a unit.
 const SIZE: (u32, u32) = (1000, 625);
@@ -30,7 +35,7 @@ const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const LOSS: RGBColor = RGBColor(0xe8, 0xc8, 0x60);
 
 type Drawn = Result<(), Box<dyn Error>>;
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Ticks, Ticks>>;
 
 /// Writes the loop as an SVG; `predicted_error` is what the plan expects of its loss.
 ///
@@ -67,6 +72,54 @@ pub(in crate::storage) fn register_font() {
     });
 }
 
+/// An axis with its ticks.
+#[derive(Clone)]
+struct Ticks {
+    range: Range<f64>,
+    list: Vec<Tick>,
+    /// Power of ten by which the numbers are to be multiplied.
+    factor: i32,
+}
+
+impl Ticks {
+    fn new(range: &Range<f64>) -> Self {
+        let (list, factor) = ticks(&Scale::new(&Axis::linear("").from_to(range.start, range.end), std::iter::empty()));
+        Self { range: range.clone(), list, factor }
+    }
+
+    fn value(&self, tick: &Tick) -> f64 {
+        self.range.start + tick.at * (self.range.end - self.range.start)
+    }
+
+    fn word(&self, value: f64) -> String {
+        let near = |tick: &&Tick| (self.value(tick) - value).abs();
+        let nearest = self.list.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
+        nearest.and_then(|tick| tick.label.clone()).unwrap_or_default()
+    }
+
+    fn named(&self, name: &str) -> String {
+        if self.factor == 0 { name.to_owned() } else { plain(&format!("{name}  (\u{d7}10^{{{}}})", self.factor)) }
+    }
+}
+
+impl Ranged for Ticks {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (start, end): (i32, i32)) -> i32 {
+        let share = (value - self.range.start) / (self.range.end - self.range.start);
+        (f64::from(start) + share * f64::from(end - start)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.list.iter().map(|tick| self.value(tick)).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
+    }
+}
+
 struct Plot<'a> {
     curves: Curves,
     jumps: &'a [JumpRecord],
@@ -81,8 +134,7 @@ impl<'a> Plot<'a> {
         register_font();
         let curves = Curves::new(record, law);
         let caption = caption(record, law, predicted_error);
-        // Control characters are no part of an XML text.
-        let title = title.chars().filter(|c| !c.is_control()).take(90).collect();
+        let title = line(title).chars().take(90).collect();
         Self { curves, jumps: &record.jumps, law, title, caption, scale: 1.0 }
     }
 
@@ -111,14 +163,14 @@ impl<'a> Plot<'a> {
         area.draw_text(&self.title, &self.text(23.0, INK), (self.px(24.0), self.px(16.0)))?;
         area.draw_text(&self.caption, &self.text(16.0, INK), (self.px(24.0), self.px(50.0)))?;
         let (_, below) = area.split_vertically(self.px(78.0));
-        let Window { x, y } = &self.curves.window;
+        let [x, y] = [&self.curves.window.x, &self.curves.window.y].map(Ticks::new);
         let mut chart = ChartBuilder::on(&below)
             .margin(self.px(12.0))
             .margin_right(self.px(26.0))
             .x_label_area_size(self.px(56.0))
             .y_label_area_size(self.px(78.0))
             .build_cartesian_2d(x.clone(), y.clone())?;
-        self.mesh(&mut chart)?;
+        self.mesh(&mut chart, &x, &y)?;
         self.areas_and_curves(&mut chart)?;
         for jump in self.jumps {
             self.jump(&mut chart, jump)?;
@@ -129,25 +181,18 @@ impl<'a> Plot<'a> {
         Ok(())
     }
 
-    fn mesh<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>) -> Drawn
+    fn mesh<DB: DrawingBackend>(&self, chart: &mut Chart<'_, DB>, x: &Ticks, y: &Ticks) -> Drawn
     where
         DB::ErrorType: 'static,
     {
-        let number = |value: &f64| {
-            let text = format!("{value:.3}");
-            let text = text.trim_end_matches('0').trim_end_matches('.');
-            if text == "-0" { "0".to_owned() } else { text.replace('-', "\u{2212}") }
-        };
         chart
             .configure_mesh()
-            .x_desc("mean displacement u\u{2080} / \u{3c1}  (\u{3c1}: range of the law)")
-            .y_desc("mean stress \u{3c3} / \u{3c3}_max  (tension positive)")
+            .x_desc(x.named("mean displacement u\u{2080} / \u{3c1}  (\u{3c1}: range of the law)"))
+            .y_desc(y.named("mean stress \u{3c3} / \u{3c3}_max  (tension positive)"))
             .axis_desc_style(self.text(17.0, INK))
             .label_style(self.text(15.0, INK))
-            .x_label_formatter(&number)
-            .y_label_formatter(&number)
-            .x_labels(10)
-            .y_labels(8)
+            .x_label_formatter(&|value| x.word(*value))
+            .y_label_formatter(&|value| y.word(*value))
             .axis_style(self.stroke(INK, 1.0))
             .bold_line_style(RGBColor(0xe6, 0xe6, 0xe6).stroke_width(self.px(1.0).max(1) as u32))
             .light_line_style(TRANSPARENT)

@@ -14,7 +14,7 @@ const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
 /// Signature and header chunk, which every PNG has at the same length.
 const HEADER: usize = 8 + 12 + 13;
 /// Largest picture that is read, in bytes.
-const BYTES_MAX: u64 = 1 << 28;
+pub(in crate::storage) const BYTES_MAX: u64 = 1 << 26;
 
 /// Puts the scene into a PNG that has been written.
 ///
@@ -35,13 +35,29 @@ pub fn attach_scene(path: &Path, scene: &Scene) -> Result<(), Failure> {
 /// # Errors
 /// A file that cannot be read, is no PNG, has no scene in it, or one that is not allowed.
 pub fn load_scene(path: &Path) -> Result<Scene, Failure> {
-    let bytes = read(path)?;
+    scene_of(path, &read(path)?)
+}
+
+/// True if this is the beginning of a PNG.
+pub(in crate::storage) fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(SIGNATURE)
+}
+
+/// The scene inside the bytes of a PNG.
+///
+/// # Errors
+/// One without a scene, or with one that is not allowed.
+pub(in crate::storage) fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, Failure> {
     let name = path.display().to_string();
-    let text = chunks(&bytes).find_map(|(kind, data)| {
+    let text = chunks(bytes).find_map(|(kind, data)| {
         let rest = data.strip_prefix(KEYWORD)?.strip_prefix(&[0, 0, 0, 0, 0])?;
         (kind == b"iTXt").then(|| std::str::from_utf8(rest).ok())?
     });
     match text {
+        Some(text) if text.len() as u64 > scene_file::BYTES_MAX => {
+            let reason = format!("the scene in this picture is longer than {} bytes", scene_file::BYTES_MAX);
+            Err(refused(path, &reason, "open a picture that this program has written"))
+        }
         Some(text) => scene_file::parse(text, &name),
         None => Err(refused(path, "there is no scene in this picture", "open a picture that this program has written")),
     }
@@ -49,7 +65,7 @@ pub fn load_scene(path: &Path) -> Result<Scene, Failure> {
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let bytes = files::read_bytes(path, BYTES_MAX)?;
-    if bytes.starts_with(SIGNATURE) && bytes.len() > HEADER {
+    if is_png(&bytes) && bytes.len() > HEADER {
         return Ok(bytes);
     }
     Err(refused(path, "not a PNG", "check that this is the picture you mean"))
@@ -61,7 +77,7 @@ fn refused(path: &Path, reason: &str, remedy: &str) -> Failure {
 
 /// Name and data of every whole chunk.
 fn chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8], &[u8])> {
-    let mut rest = &bytes[SIGNATURE.len()..];
+    let mut rest = bytes.get(SIGNATURE.len()..).unwrap_or_default();
     std::iter::from_fn(move || {
         let length = u32::from_be_bytes(rest.get(..4)?.try_into().ok()?) as usize;
         let (name, data) = (rest.get(4..8)?, rest.get(8..8 + length)?);

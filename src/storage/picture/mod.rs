@@ -11,6 +11,7 @@ pub(super) use gap::gap_pixels;
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
 pub(super) use loop_plot::register_font;
 pub use loop_plot::{write_loop_png, write_loop_svg};
+pub(super) use metadata::{BYTES_MAX, is_png, scene_of};
 pub use metadata::{attach_scene, load_scene};
 
 use super::{Failure, files};

@@ -105,6 +105,27 @@ fn a_loop_becomes_an_svg_and_a_png() {
 }
 
 #[test]
+fn the_ticks_of_a_narrow_drive_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (middle, width) in [(3.1, 1e-6), (0.0, 1e-9), (2e6, 1.0), (0.004, 1e-3), (3.0, 4.0)] {
+        let mut record = LoopRecord::default();
+        record
+            .states
+            .extend((0..=20).map(|i| state(Branch::Approach, Pattern::Bulge, middle + width * (0.5 - f64::from(i) / 20.0))));
+        let path = folder.path().join("narrow.svg");
+        write_loop_svg(&path, &record, &law(), "", f64::NAN).expect("an SVG");
+        let text = std::fs::read_to_string(&path).expect("text");
+        // The numbers below the x axis stand centred under their ticks.
+        let lines: Vec<&str> = text.lines().collect();
+        let centred = lines.windows(2).filter(|pair| pair[0].contains("text-anchor=\"middle\"") && !pair[0].contains("rotate"));
+        let mut numbers: Vec<&str> = centred.map(|pair| pair[1]).filter(|word| !word.contains("displacement")).collect();
+        let all = numbers.len();
+        numbers.dedup();
+        assert!(all >= 4 && numbers.len() == all, "{middle} +- {width}: {numbers:?}");
+    }
+}
+
+#[test]
 fn pictures_of_nothing_and_of_broken_numbers_are_drawn_too() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let empty = LoopRecord::default();

@@ -24,7 +24,30 @@ pub const BYTES_MAX: u64 = 1 << 20;
 /// # Errors
 /// A file that cannot be read or is not an allowed scene.
 pub fn load(path: &Path) -> Result<Scene, Failure> {
-    parse(&files::read_text(path, BYTES_MAX)?, &path.display().to_string())
+    scene_of(path, files::read_bytes(path, BYTES_MAX)?)
+}
+
+/// The scene in a text from the clipboard.
+///
+/// # Errors
+/// What is too long, or no allowed scene.
+pub fn pasted(text: &str) -> Result<Scene, Failure> {
+    scene_of(Path::new("clipboard"), text.as_bytes().iter().take(BYTES_MAX as usize + 1).copied().collect())
+}
+
+/// The scene of a file that has been read.
+///
+/// # Errors
+/// What is too long, not UTF-8, or no allowed scene.
+pub(super) fn scene_of(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
+    let refused =
+        |reason: String, remedy: &str| Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() };
+    if bytes.len() as u64 > BYTES_MAX {
+        let remedy = "a scene file is a page of text; check that this is one";
+        return Err(refused(format!("longer than {BYTES_MAX} bytes"), remedy));
+    }
+    let text = String::from_utf8(bytes).map_err(|_| refused("not UTF-8".to_owned(), "save it as UTF-8 text"))?;
+    parse(&text, &path.display().to_string())
 }
 
 /// Writes a scene to a file; a scene that [`load`] would refuse is not written.

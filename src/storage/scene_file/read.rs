@@ -2,19 +2,13 @@
 
 use super::section::{Section, finite};
 use super::{FORMAT, refused};
-use crate::experiment::scene::{Cell, Drive, LawChoice, POINTS_MAX, Points, Range, Scene, Turn};
+use crate::experiment::parameter::{self, Parameter};
+use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use crate::physics::roughness::Roughness;
 use crate::storage::Failure;
 use toml::{Table, Value};
-
-const POSITIVE: &str = "a finite number above 0";
-const SEED: &str = "a whole number from 0 to 9223372036854775807";
-/// Accuracy asked for where the file says nothing.
-const ACCURACY: f64 = 0.01;
-/// Seed where the file says nothing.
-const DEFAULT_SEED: u64 = 1;
 
 /// Reads a scene from the text of a scene file; `file_name` is only used in messages.
 ///
@@ -32,8 +26,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
         law: law(&root.required("law", "kind, surface_energy, and range or mu_rho")?)?,
         indenter: root.inside("indenter")?.map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
         drive: drive(&root.required("drive", "start, turn and step")?)?,
-        accuracy: root.inside("accuracy")?.map_or(Ok(ACCURACY), |section| accuracy(&section))?,
-        seed: root.inside("noise")?.map_or(Ok(DEFAULT_SEED), |section| noise(&section))?,
+        accuracy: accuracy(&root.inside("accuracy")?.unwrap_or_else(|| root.empty("accuracy")))?,
+        seed: noise(&root.inside("noise")?.unwrap_or_else(|| root.empty("noise")))?,
     };
     scene.validate().map_err(|error| refused(file_name, error))?;
     Ok(scene)
@@ -61,13 +55,11 @@ fn format_version(root: &Section<'_>) -> Result<(), Failure> {
 
 fn cell(section: &Section<'_>) -> Result<Cell, Failure> {
     section.only(&["length", "points"])?;
-    Ok(Cell { length: section.number("length", POSITIVE)?, points: points(section)? })
+    Ok(Cell { length: section.number(&parameter::LENGTH)?, points: points(section)? })
 }
 
 fn points(section: &Section<'_>) -> Result<Points, Failure> {
-    let allowed = format!("an even number from 4 to {POINTS_MAX}, as in 64 or [64, 1], or \"auto\"");
-    let value = section.value("points", &allowed)?;
-    let whole = |value: &Value| value.as_integer().and_then(|n| usize::try_from(n).ok());
+    let value = section.given(&parameter::POINTS)?;
     let parsed = match value {
         Value::String(word) if word == "auto" => Some(Points::Auto),
         Value::Array(sides) => match sides.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
@@ -77,7 +69,7 @@ fn points(section: &Section<'_>) -> Result<Points, Failure> {
         },
         other => whole(other).map(Points::Square),
     };
-    parsed.ok_or_else(|| section.refuse("points", value, &format!("allowed is {allowed}")))
+    parsed.ok_or_else(|| section.refuse_number(&parameter::POINTS, value))
 }
 
 fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
@@ -92,27 +84,25 @@ fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
     };
     section.only(&[&["kind", "surface_energy", "range", "mu_rho"], own].concat())?;
     let shape = shape?;
-    let surface_energy = section.number("surface_energy", POSITIVE)?;
+    let surface_energy = section.number(&parameter::SURFACE_ENERGY)?;
     Ok(LawChoice { shape, surface_energy, range: range(section)? })
 }
 
 fn mie(section: &Section<'_>) -> Result<Shape, Failure> {
-    let m = section.number("m", "a number above law.n, at most 100, as in 8")?;
-    Ok(Shape::Mie(Mie { m, n: section.number("n", "a finite number above 0, as in 2")? }))
+    Ok(Shape::Mie(Mie { m: section.number(&parameter::MIE_M)?, n: section.number(&parameter::MIE_N)? }))
 }
 
 fn double_exponential(section: &Section<'_>) -> Result<Shape, Failure> {
-    let ratio = section.number("ratio", "a number above 0 and below 1 (repulsive over attractive range)")?;
-    Ok(Shape::DoubleExponential(DoubleExponential { ratio }))
+    Ok(Shape::DoubleExponential(DoubleExponential { ratio: section.number(&parameter::RATIO)? }))
 }
 
 fn range(section: &Section<'_>) -> Result<Range, Failure> {
     match (section.has("range"), section.has("mu_rho")) {
-        (true, false) => Ok(Range::Length(section.number("range", POSITIVE)?)),
-        (false, true) => Ok(Range::MuRho(section.number("mu_rho", POSITIVE)?)),
-        (false, false) => Err(section.missing("range", "a finite number above 0, or mu_rho in its place")),
+        (true, false) => Ok(Range::Length(section.number(&parameter::RANGE)?)),
+        (false, true) => Ok(Range::MuRho(section.number(&parameter::MU_RHO)?)),
+        (false, false) => Err(section.missing("range", &format!("{}, or mu_rho in its place", parameter::RANGE.allowed()))),
         (true, true) => {
-            let value = section.value("mu_rho", POSITIVE)?;
+            let value = section.given(&parameter::MU_RHO)?;
             Err(section.refuse("mu_rho", value, "not together with law.range; remove one of the two"))
         }
     }
@@ -124,20 +114,20 @@ fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
         "flat" => section.only(&["kind"]).map(|()| Indenter::Flat),
         "hertz" => {
             section.only(&["kind", "radius"])?;
-            Ok(Indenter::Hertz { radius: section.number("radius", POSITIVE)? })
+            Ok(Indenter::Hertz { radius: section.number(&parameter::RADIUS)? })
         }
         "wave" => {
             section.only(&["kind", "amplitude", "periods"])?;
-            Ok(Indenter::Wave { amplitude: section.number("amplitude", POSITIVE)?, periods: periods(section)? })
+            Ok(Indenter::Wave { amplitude: section.number(&parameter::AMPLITUDE)?, periods: periods(section)? })
         }
         "rough" => {
             section.only(&["kind", "hurst", "rms", "longest", "shortest", "seed"])?;
             Ok(Indenter::Rough(Roughness {
-                hurst: section.number("hurst", "a number above 0, at most 1, as in 0.8")?,
-                rms: section.number("rms", "the root mean square height, a finite number above 0")?,
-                longest: section.number("longest", "a wavelength, at most cell.length")?,
-                shortest: section.number("shortest", "a wavelength, at most indenter.longest")?,
-                seed: seed(section)?,
+                hurst: section.number(&parameter::HURST)?,
+                rms: section.number(&parameter::RMS)?,
+                longest: section.number(&parameter::LONGEST)?,
+                shortest: section.number(&parameter::SHORTEST)?,
+                seed: seed(section, &parameter::GROUND_SEED)?,
             }))
         }
         other => Err(section.refuse_word("kind", other, &words)),
@@ -145,9 +135,7 @@ fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
 }
 
 fn periods(section: &Section<'_>) -> Result<[usize; 2], Failure> {
-    let allowed = "a whole number of waves along x, or along x and y as in [2, 1]";
-    let value = section.value("periods", allowed)?;
-    let whole = |value: &Value| value.as_integer().and_then(|n| usize::try_from(n).ok());
+    let value = section.given(&parameter::PERIODS)?;
     let parsed = match value {
         Value::Array(both) => match both.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
             Some([x, y]) => Some([*x, *y]),
@@ -155,38 +143,40 @@ fn periods(section: &Section<'_>) -> Result<[usize; 2], Failure> {
         },
         other => whole(other).map(|x| [x, 0]),
     };
-    parsed.ok_or_else(|| section.refuse("periods", value, &format!("allowed is {allowed}")))
+    parsed.ok_or_else(|| section.refuse_number(&parameter::PERIODS, value))
 }
 
 fn drive(section: &Section<'_>) -> Result<Drive, Failure> {
     section.only(&["start", "turn", "step"])?;
-    let start = section.number("start", "a finite number")?;
-    let allowed = "a number below drive.start, or \"zero_load\"";
-    let turn = match section.value("turn", allowed)? {
+    let start = section.number(&parameter::START)?;
+    let turn = match section.given(&parameter::TURN)? {
         Value::String(word) if word == "zero_load" => Turn::ZeroLoad,
-        value => {
-            let at = finite(value).ok_or_else(|| section.refuse("turn", value, &format!("allowed is {allowed}")))?;
-            Turn::At(at)
-        }
+        value => Turn::At(finite(value).ok_or_else(|| section.refuse_number(&parameter::TURN, value))?),
     };
-    Ok(Drive { start, turn, step: section.number("step", POSITIVE)? })
+    Ok(Drive { start, turn, step: section.number(&parameter::STEP)? })
 }
 
 fn accuracy(section: &Section<'_>) -> Result<f64, Failure> {
     section.only(&["target"])?;
-    if section.has("target") { section.number("target", "a number above 0 and below 1, as in 0.01") } else { Ok(ACCURACY) }
+    section.number(&parameter::TARGET)
 }
 
 fn noise(section: &Section<'_>) -> Result<u64, Failure> {
     section.only(&["seed"])?;
-    seed(section)
+    seed(section, &parameter::SEED)
 }
 
-fn seed(section: &Section<'_>) -> Result<u64, Failure> {
-    if !section.has("seed") {
-        return Ok(DEFAULT_SEED);
-    }
-    let value = section.value("seed", SEED)?;
-    let seed = value.as_integer().and_then(|seed| u64::try_from(seed).ok());
-    seed.ok_or_else(|| section.refuse("seed", value, &format!("allowed is {SEED}")))
+/// A seed: all its digits count, which a float does not hold.
+fn seed(section: &Section<'_>, parameter: &Parameter) -> Result<u64, Failure> {
+    let default = parameter.default.map(|seed| Value::Integer(seed as i64));
+    let value = match (section.has(parameter.name()), &default) {
+        (false, Some(default)) => default,
+        _ => section.given(parameter)?,
+    };
+    value.as_integer().and_then(|seed| u64::try_from(seed).ok()).ok_or_else(|| section.refuse_number(parameter, value))
+}
+
+/// A count.
+fn whole(value: &Value) -> Option<usize> {
+    value.as_integer().and_then(|n| usize::try_from(n).ok())
 }

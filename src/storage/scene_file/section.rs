@@ -1,7 +1,9 @@
 //! A typed view of one table of a scene file.
 
+use crate::experiment::parameter::Parameter;
 use crate::storage::Failure;
 use crate::storage::failure::{near, quote};
+use std::sync::LazyLock;
 use toml::{Table, Value};
 
 /// One table, with what an error needs to name its place.
@@ -24,6 +26,12 @@ impl<'a> Section<'a> {
             Some(Value::Table(table)) => Ok(Some(Section { file: self.file, name, table })),
             Some(other) => Err(self.refuse(name, other, &format!("allowed is a table, [{name}]"))),
         }
+    }
+
+    /// A table `[name]` that is not there: everything in it has its default.
+    pub(super) fn empty(&self, name: &'static str) -> Section<'a> {
+        static NOTHING: LazyLock<Table> = LazyLock::new(Table::new);
+        Section { file: self.file, name, table: &NOTHING }
     }
 
     /// The table `[name]`, which must be there.
@@ -59,10 +67,24 @@ impl<'a> Section<'a> {
         self.table.get(key).ok_or_else(|| self.missing(key, allowed))
     }
 
-    /// A finite number (an integer will do).
-    pub(super) fn number(&self, key: &str, allowed: &str) -> Result<f64, Failure> {
-        let value = self.value(key, allowed)?;
-        finite(value).ok_or_else(|| self.refuse(key, value, &format!("allowed is {allowed}")))
+    /// The number of a parameter (an integer will do), or its default if it has one and is not there; the scene checks its range.
+    pub(super) fn number(&self, parameter: &Parameter) -> Result<f64, Failure> {
+        let key = parameter.name();
+        match (self.table.get(key), parameter.default) {
+            (None, Some(default)) => Ok(default),
+            (None, None) => Err(self.missing(key, &parameter.allowed())),
+            (Some(value), _) => finite(value).ok_or_else(|| self.refuse_number(parameter, value)),
+        }
+    }
+
+    /// The raw value of a parameter, which must be there.
+    pub(super) fn given(&self, parameter: &Parameter) -> Result<&'a Value, Failure> {
+        self.value(parameter.name(), &parameter.allowed())
+    }
+
+    /// The refusal of what a parameter cannot be.
+    pub(super) fn refuse_number(&self, parameter: &Parameter, value: &Value) -> Failure {
+        self.refuse(parameter.name(), value, &format!("allowed is {}", parameter.allowed()))
     }
 
     /// A text.

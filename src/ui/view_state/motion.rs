@@ -8,7 +8,7 @@ impl ViewState {
     /// Asks the solver to walk to `u0`, held inside the drive.
     pub fn set_target(&mut self, u0: f64) {
         let u0 = u0.clamp(self.limits.0, self.limits.1);
-        if u0 == self.target && self.sweep.is_none() {
+        if !u0.is_finite() || u0 == self.target && self.sweep.is_none() {
             return;
         }
         if u0 != self.actual {
