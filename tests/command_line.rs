@@ -5,8 +5,8 @@ mod binary;
 use binary::{errors, folder, run, summary, tackscope};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 use tackscope::storage::presets;
 
 /// Runs, expects exit code 2 and one sentence with all these parts, and no results.
@@ -129,6 +129,65 @@ fn a_run_writes_every_file_and_one_closing_line() {
     assert!(fs::read(out.join("loop.png")).expect("loop.png").starts_with(b"\x89PNG"));
     let hidden = fs::read_dir(&out).expect("listed").flatten().filter(|e| e.file_name().to_string_lossy().starts_with('.'));
     assert_eq!(hidden.count(), 0, "no temporary file is left");
+}
+
+/// A preset with one line replaced, run from a file of its own.
+fn run_with(preset: &str, lines: &[(&str, &str)], out: &Path, more: &[&str]) -> Output {
+    let path = out.join("mine.toml");
+    let mut text = presets::find(preset).expect("built in").text.to_owned();
+    for (line, replacement) in lines {
+        assert!(text.contains(line), "{line}");
+        text = text.replacen(line, replacement, 1);
+    }
+    fs::write(&path, text).expect("written");
+    run(&path.display().to_string(), out, more)
+}
+
+#[test]
+fn an_atlas_is_refused_where_the_scene_has_none() {
+    refused("hertz", &["--model", "atlas"], &["--model = atlas", "uneven ground", "leave --model out"]);
+    refused("ridge-line", &["--model", "atlas"], &["--model = atlas", "line cell"]);
+    refused("fig2", &["--points", "6", "--model", "atlas"], &["--model = atlas", "6 points"]);
+}
+
+#[test]
+fn the_loss_comes_with_its_check_and_a_check_that_fails_is_told_everywhere() {
+    let home = folder();
+    let told = run("fig2", home.path(), &[]);
+    let line = String::from_utf8(told.stdout).expect("UTF-8");
+    assert!(line.contains("dissipated energy 0.1175 gamma, expected error 0.0") && line.contains("8 jumps"), "{line}");
+    let good = summary(home.path());
+    assert_eq!(good["warnings"], serde_json::json!([]));
+    assert_eq!((&good["closed"], &good["counts"]["jumps"], &good["counts"]["transitions"]), (&true.into(), &8.into(), &0.into()));
+    let number = |summary: &serde_json::Value, key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
+    assert_eq!(number(&good, "dissipated_energy"), number(&good, "released_energy_sum"));
+    assert!((number(&good, "loop_integral") / number(&good, "dissipated_energy") - 1.0).abs() < 1e-4);
+    assert!(number(&good, "released_energy_error") > 0.0 && number(&good, "stated_error") < 1e-3);
+    let told = run("fig2", home.path(), &["--step", "5"]);
+    assert!(errors(&told).contains("the loop integral"), "{}", errors(&told));
+    let rough = summary(home.path());
+    assert!((number(&rough, "dissipated_energy") - number(&good, "dissipated_energy")).abs() < 1e-6);
+    assert!(rough["warnings"][0].as_str().is_some_and(|words| words.contains("a smaller drive.step")), "{rough}");
+}
+
+#[test]
+fn an_open_loop_says_so_and_gives_no_loss_and_an_unstable_start_is_not_driven() {
+    let home = folder();
+    let open = run_with("fig2", &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")], home.path(), &[]);
+    assert_eq!(open.status.code(), Some(0), "{}", errors(&open));
+    assert!(errors(&open).contains("loop not closed: ") && errors(&open).contains("raise drive.start"), "{}", errors(&open));
+    assert!(String::from_utf8(open.stdout).expect("UTF-8").starts_with("loop not closed"));
+    let told = summary(home.path());
+    assert_eq!((&told["completed"], &told["closed"]), (&true.into(), &false.into()));
+    assert!(told["open_reason"].is_string() && told["open_remedy"].is_string());
+    for key in ["dissipated_energy", "loop_integral", "ledger_mismatch", "stated_error"] {
+        assert_eq!(told[key], "not available", "{key}");
+    }
+    assert!(fs::read_to_string(home.path().join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
+    let unstable = run_with("fig2", &[("start = 4.2", "start = 2.5")], home.path(), &[]);
+    assert_eq!(unstable.status.code(), Some(3));
+    assert!(errors(&unstable).contains("the first state is unstable"), "{}", errors(&unstable));
+    assert_eq!(summary(home.path())["dissipated_energy"], "not available");
 }
 
 #[test]

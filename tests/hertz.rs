@@ -113,7 +113,7 @@ fn mirrored(scene: &Scene) -> Walk {
 #[test]
 fn at_mu_rho_one_the_mesh_adds_dozens_of_small_jumps_and_the_ledger_still_closes() {
     let scene = scenes::tip(64, 1.0);
-    let run = run_walk(mirrored(&scene), &scene, &Cancel::default(), &mut |_| {});
+    let run = run_walk(mirrored(&scene), &scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {});
     assert_eq!(run.outcome, Outcome::Completed);
     assert!(run.record.jumps.len() > 24, "{}", run.record.jumps.len());
     assert_sound(&run);
@@ -128,7 +128,7 @@ fn steps_gone_downhill_lose_what_bracketed_jumps_lose_and_miss_fewer_of_the_smal
     for mu_rho in [1.0, 1.5] {
         let scene = scenes::tip(64, mu_rho);
         let [bracketed, downhill] = [mirrored(&scene), mirrored(&scene).locating_within(0.01)].map(|walk| {
-            let run = run_walk(walk, &scene, &Cancel::default(), &mut |_| {});
+            let run = run_walk(walk, &scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {});
             assert_eq!(run.outcome, Outcome::Completed);
             assert_sound(&run);
             run

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::collections::{HashMap, VecDeque};
 use std::f64::consts::TAU;
 use tackscope::physics::law::{Law, Morse, Shape};
-use tackscope::physics::pattern::{Pattern, classify, contact_area, contact_set};
+use tackscope::physics::pattern::{Pattern, classify, contact_area, contact_set, moves_by_a_spacing};
 
 const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
 
@@ -212,4 +212,24 @@ proptest! {
         let law = Law { range: scale, surface_energy: 0.15 * scale, ..LAW };
         prop_assert_eq!(classify((&gap * scale).view(), &law, true), on_flat(&gap));
     }
+}
+
+/// A disc of this radius (spacings) about a point of a torus of 24 x 24.
+fn disc(radius: f64, centre: [f64; 2]) -> Array2<bool> {
+    let away = |i: usize, c: f64| (i as f64 - c + 36.0).rem_euclid(24.0) - 12.0;
+    Array2::from_shape_fn((24, 24), |(y, x)| away(y, centre[0]).hypot(away(x, centre[1])) < radius)
+}
+
+#[test]
+fn an_edge_that_moves_by_a_spacing_is_told_from_one_that_moves_farther_and_from_an_island_of_its_own() {
+    let here = disc(6.3, [0.0, 0.0]);
+    assert!(moves_by_a_spacing(&here, &here));
+    assert!(moves_by_a_spacing(&here, &disc(7.2, [0.0, 0.0])) && moves_by_a_spacing(&here, &disc(5.4, [0.0, 0.0])));
+    assert!(moves_by_a_spacing(&here, &disc(6.3, [1.0, 0.0])), "it slides");
+    assert!(!moves_by_a_spacing(&here, &disc(9.5, [0.0, 0.0])) && !moves_by_a_spacing(&here, &disc(6.3, [3.0, 0.0])));
+    let mut island = here.clone();
+    island[[12, 12]] = true;
+    assert!(!moves_by_a_spacing(&here, &island), "one point alone, but not at the edge");
+    let nothing = Array2::from_elem((24, 24), false);
+    assert!(!moves_by_a_spacing(&nothing, &nothing), "no edge");
 }

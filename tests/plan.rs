@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, next_fast, plan, reference};
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, next_fast, plan, reference, refusal};
 use tackscope::experiment::run::{run_planned, run_reduced};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
@@ -97,8 +97,8 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
         let model = scene.model().unwrap();
         let plan = plan(&scene, &model, Wish::Plan);
         let newton = MethodKind::NewtonKrylov;
-        let (run, deviation) = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
-        assert_eq!(deviation, None);
+        let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+        assert_eq!(run.deviation, None);
         let finer = run_reduced(&reference(&scene, &model), newton, Reduction::Whole, &Cancel::default(), &mut |_| {}).unwrap();
         let measured = measured_error(&run.record, &finer.record);
         println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);
@@ -134,6 +134,53 @@ fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, Wish::Plan).road, Road::Walk(Reduction::Quarter));
     assert_eq!(plan(&scene, &model, Wish::Whole).road, Road::Walk(Reduction::Whole));
+}
+
+#[test]
+fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
+    let mut rng = Pcg64::seed_from_u64(4);
+    for _ in 0..400 {
+        let shape = match rng.random_range(0..4) {
+            0 => Shape::Morse(Morse),
+            1 => Shape::Mie(Mie { m: rng.random_range(4.0..16.0), n: rng.random_range(1.0..3.9) }),
+            2 => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
+            _ => Shape::Cosine(Cosine { smooth: rng.random::<bool>() }),
+        };
+        let scene = scene(shape, rng.random_range(1.1..30.0), 10f64.powf(rng.random_range(-5.0..-0.5)));
+        let model = scene.model().unwrap();
+        assert_eq!(model.warning(), None, "{shape:?}");
+        assert!(model.law.is_smooth() || !model.reason.contains("keeps the mesh error"), "{}", model.reason);
+    }
+}
+
+#[test]
+fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh() {
+    for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
+        let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
+        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), Wish::Plan).words;
+        assert!(words(&scene).contains("no accuracy is promised"), "{name}: {}", words(&scene));
+        if let Range::Length(_) = scene.law.range {
+            scene.cell.points = Points::Auto;
+            assert!(!scene.model().unwrap().reason.contains("keeps the mesh error"), "{name}");
+        }
+    }
+    let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    assert!(plan(&fig2, &fig2.model().unwrap(), Wish::Plan).words.contains("expected error"));
+}
+
+#[test]
+fn a_wish_overrules_the_plan_but_not_the_scene() {
+    let tip = scene_file::parse(presets::find("hertz").unwrap().text, "hertz").unwrap();
+    let line = scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
+    let mut small = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    small.cell.points = Points::Square(6);
+    for scene in [tip, line, small] {
+        let model = scene.model().unwrap();
+        assert!(refusal(&scene, &model, Wish::Atlas).is_some() && refusal(&scene, &model, Wish::Plan).is_none());
+        assert_eq!(plan(&scene, &model, Wish::Atlas).road, Road::Walk(Reduction::Whole));
+    }
+    let coarse = scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
+    assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Wish::Atlas), None, "unwise, but possible");
 }
 
 #[test]

@@ -1,25 +1,19 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
+use crate::experiment::ledger::Ledger;
 use crate::experiment::plan::{Plan, Road};
-use crate::experiment::record::LoopRecord;
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome};
 use crate::experiment::scene::{Model, Scene, Turn};
-use crate::experiment::walk::Counts;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
 use crate::storage::{Failure, export, picture, scene_file};
 
-/// A loss below this (in gamma) is rounding: there is nothing to compare the ledger with.
-const LOSS_MIN: f64 = 1e-6;
-
 /// A walk with what it took.
 pub(super) struct Timed {
     pub(super) run: LoopRun,
-    /// Why it was not computed as planned, if it was not.
-    pub(super) deviation: Option<String>,
     pub(super) wall_seconds: f64,
     pub(super) processor_seconds: f64,
 }
@@ -33,16 +27,10 @@ pub(super) fn stop_word(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// Loop integral over gamma, if the loop is closed.
-pub(super) fn dissipated_energy(run: &LoopRun, model: &Model) -> Option<f64> {
-    (run.outcome == Outcome::Completed).then(|| run.record.work() / model.law.surface_energy)
-}
-
 /// What stands in `summary.json` until all is computed and written, and so beside whatever a killed run has left.
 pub(super) fn begun(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str) -> Summary {
-    let run =
-        LoopRun { record: LoopRecord::default(), outcome: Outcome::Cancelled, counts: Counts::default(), landings: Vec::new() };
-    let nothing = Timed { run, deviation: None, wall_seconds: f64::NAN, processor_seconds: f64::NAN };
+    let run = LoopRun { outcome: Outcome::Cancelled, ..LoopRun::empty() };
+    let nothing = Timed { run, wall_seconds: f64::NAN, processor_seconds: f64::NAN };
     Summary {
         stop: "running",
         stop_reason: Some("not finished: it is still running, or was killed".to_owned()),
@@ -55,9 +43,8 @@ pub(super) fn begun(given: &str, scene: &Scene, model: &Model, plan: &Plan, meth
 pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str, timed: &Timed) -> Summary {
     let run = &timed.run;
     let states = &run.record.states;
-    let dissipated = dissipated_energy(run, model);
-    let released = run.record.released_energy_sum();
-    let ledger_mismatch = dissipated.filter(|loss| loss.abs() > LOSS_MIN).map(|loss| ((loss - released) / loss).abs());
+    let ledger = run.ledger(model.law.surface_energy);
+    let of = |number: fn(&Ledger) -> Option<f64>| Number::from(ledger.as_ref().and_then(number));
     let largest = |value: fn(&StateRecord) -> f64| Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN));
     Summary {
         tackscope: env!("CARGO_PKG_VERSION"),
@@ -67,16 +54,23 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
             source: scene.source.clone(),
             toml: scene_file::to_text(scene),
         },
-        plan: plan_summary(model, plan, timed.deviation.as_deref()),
+        plan: plan_summary(model, plan, run.deviation.as_deref()),
         predicted_error: Number(plan.predicted_error),
         measured_error: Number(f64::NAN),
         method,
         completed: run.outcome == Outcome::Completed,
         stop: stop_word(&run.outcome),
         stop_reason: stop_reason(run),
-        dissipated_energy: dissipated.into(),
-        released_energy_sum: Number(released),
-        ledger_mismatch: ledger_mismatch.into(),
+        closed: ledger.as_ref().is_some_and(|ledger| ledger.open.is_none()),
+        open_reason: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.reason.clone())),
+        open_remedy: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.remedy.clone())),
+        dissipated_energy: of(Ledger::dissipated_energy),
+        stated_error: ledger.as_ref().and_then(|ledger| ledger.stated_error(plan.predicted_error)).into(),
+        released_energy_sum: Number(run.record.released_energy_sum()),
+        released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
+        loop_integral: of(|ledger| Some(ledger.loop_integral).filter(|_| ledger.open.is_none())),
+        ledger_mismatch: of(Ledger::mismatch),
+        warnings: model.warning().into_iter().chain(ledger.as_ref().and_then(Ledger::warning)).collect(),
         counts: counts(run),
         stiffness_min_least: Number(-largest(|s| -s.stiffness_min).0),
         stiffness_error_max: largest(|s| s.stiffness_error),
@@ -114,12 +108,14 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
 }
 
 fn counts(run: &LoopRun) -> CountSummary {
-    let (counts, states) = (run.counts, &run.record.states);
+    let (counts, states, tally) = (run.counts, &run.record.states, run.record.tally());
     let per_increment = (counts.patterned_increments > 0).then(|| counts.transforms as f64 / counts.patterned_increments as f64);
     CountSummary {
         states: states.len(),
         states_not_stable: states.iter().filter(|s| s.stop != Stop::Stable).count(),
-        jumps: run.record.jumps.len(),
+        jumps: tally.jumps,
+        mesh_jumps: tally.of_the_mesh,
+        transitions: tally.transitions,
         patterned_increments: counts.patterned_increments,
         transforms: counts.transforms,
         proof_transforms: counts.proof_transforms,
@@ -147,8 +143,8 @@ pub(super) fn yardstick(model: &Model, main: &Timed, other: &Timed) -> Yardstick
         method: "gfmd",
         completed: other.run.outcome == Outcome::Completed,
         stop: stop_word(&other.run.outcome),
-        dissipated_energy: dissipated_energy(&other.run, model).into(),
-        jumps: other.run.record.jumps.len(),
+        dissipated_energy: other.run.ledger(model.law.surface_energy).and_then(|ledger| ledger.dissipated_energy()).into(),
+        jumps: other.run.record.tally().jumps,
         transforms: other.run.counts.transforms,
         wall_seconds: Number(other.wall_seconds),
         processor_seconds: Number(other.processor_seconds),
@@ -185,13 +181,14 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
 }
 
 /// Writes tables and pictures of a walk; returns what could not be written.
-pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, run: &LoopRun) -> Vec<Failure> {
+pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Vec<Failure> {
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
     let mut written = vec![
         export::write_loop_csv(&states, &run.record.states),
         export::write_events_csv(&jumps, &run.record.jumps),
-        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title),
-        picture::write_loop_png(&png, &run.record, &model.law, &scene.title).and_then(|()| picture::attach_scene(&png, scene)),
+        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title, plan.predicted_error),
+        picture::write_loop_png(&png, &run.record, &model.law, &scene.title, plan.predicted_error)
+            .and_then(|()| picture::attach_scene(&png, scene)),
     ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
     for (i, landing) in run.landings.iter().enumerate() {

@@ -3,13 +3,13 @@
 use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
-use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, reference};
+use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, promise, reference, refusal};
 use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
 use crate::solver::method::MethodKind;
 use crate::storage::folder::Folder;
-use crate::storage::summary::{Number, Summary, Yardstick, write_summary};
+use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, presets, scene_file};
 use cpu_time::ProcessTime;
 use std::time::Instant;
@@ -23,6 +23,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let (scene, place) = scene(arguments)?;
     let refused = |error: SceneError| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
+    if let Some(reason) = refusal(&scene, &model, arguments.model) {
+        return Err(Failure::Value {
+            file: place.clone(),
+            key: "--model".to_owned(),
+            value: arguments.model.word().to_owned(),
+            allowed: format!("this scene has no atlas, since {reason}; leave --model out, or take whole"),
+        });
+    }
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
     let wish = if newton || arguments.model != Wish::Plan { arguments.model } else { Wish::Whole };
@@ -37,7 +45,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     write_summary(&summary_path, &report::begun(&arguments.scene, &scene, &model, &plan, method))?;
 
     let main = timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
-    let mut failures = report::write_results(&folder, &scene, &model, &main.run);
+    let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);
@@ -46,17 +54,20 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         failures.extend(write_summary(&summary_path, &told).err());
         code = compared;
     }
-    if let (Some(warning), false) = (model.warning(), arguments.quiet) {
-        warn(warning);
+    if !arguments.quiet {
+        told.warnings.iter().for_each(warn);
     }
     if let Some(reason) = &told.stop_reason {
         warn(format_args!("{} at {reason}; what was computed is in {}", told.stop, arguments.out.display()));
+    }
+    if let (Some(reason), Some(remedy)) = (&told.open_reason, &told.open_remedy) {
+        warn(format_args!("loop not closed: {reason}; {remedy}"));
     }
     if unwritten(&failures) {
         return Ok(BAD_INPUT);
     }
     if !arguments.quiet {
-        say(&closing_words(arguments, &model, &main.run, told.yardstick.as_ref()))?;
+        say(&closing_words(arguments, &told, &main.run))?;
     }
     Ok(code)
 }
@@ -148,11 +159,11 @@ fn timed(
     let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
     let mut teller = Teller::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
-    let (run, deviation) = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news, scene.drive.step))?;
+    let run = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news, scene.drive.step))?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
     teller.finish();
-    Ok(Timed { run, deviation, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
+    Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {
@@ -164,19 +175,24 @@ fn exit_code(outcome: &Outcome) -> u8 {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &RunArguments, model: &Model, run: &LoopRun, yardstick: Option<&Yardstick>) -> String {
-    let loss = match report::dissipated_energy(run, model) {
-        Some(loss) => format!("dissipated energy {:.4} gamma", if loss.abs() < 5e-5 { 0.0 } else { loss }),
-        None => "loop not closed".to_owned(),
+fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> String {
+    let loss = told.dissipated_energy.0;
+    let loss = match (&told.open_reason, loss.is_finite()) {
+        (Some(reason), _) => format!("loop not closed: {reason}"),
+        (None, false) => "loop not closed".to_owned(),
+        (None, true) => {
+            let accuracy = promise(Some(told.stated_error.0));
+            format!("dissipated energy {:.4} gamma, {accuracy}", if loss.abs() < 5e-5 { 0.0 } else { loss })
+        }
     };
-    let ratio = match yardstick {
+    let ratio = match &told.yardstick {
         Some(yardstick) if yardstick.processor_time_ratio.0.is_finite() => {
             format!(", {:.1} times less processor time than gfmd", yardstick.processor_time_ratio.0)
         }
         _ => String::new(),
     };
-    let (states, jumps) = (run.record.states.len(), run.record.jumps.len());
-    format!("{loss}, {jumps} jumps, {states} states{ratio}: written to {}", arguments.out.display())
+    let (states, tally) = (run.record.states.len(), run.record.tally());
+    format!("{loss}, {tally}, {states} states{ratio}: written to {}", arguments.out.display())
 }
 
 #[cfg(test)]

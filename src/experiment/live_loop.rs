@@ -85,6 +85,8 @@ pub struct LiveLoop {
     pub jumps: Vec<JumpRecord>,
     /// Sum of the released energies, in units of gamma.
     pub dissipated_energy: f64,
+    /// Expected relative error of that and of the jumps' u0; 1 where nothing is promised.
+    pub predicted_error: f64,
     /// Points along a side of the mesh it was computed on.
     pub points: usize,
 }
@@ -167,13 +169,15 @@ impl LiveLoop {
     }
 
     fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
+        let Chart { law, length, square, .. } = *atlas.chart();
         let mut this = Self {
-            law: atlas.chart().law,
+            law,
             stretches: Vec::new(),
             legs: Vec::new(),
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
-            points: atlas.chart().square,
+            predicted_error: plan::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
+            points: square,
         };
         let mut known: Vec<(Place, bool)> = Vec::new();
         for leg in &cycle.legs {

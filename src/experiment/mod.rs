@@ -6,6 +6,7 @@ pub mod atlas;
 pub mod chart;
 pub mod flat_branch;
 pub mod forecast;
+pub mod ledger;
 pub mod live_loop;
 pub mod measured_law;
 pub mod parameter;

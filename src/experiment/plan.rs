@@ -80,8 +80,6 @@ pub struct Plan {
     pub predicted_seconds: f64,
 }
 
-/// Largest mu_rho at which patterns belong to the physics and not to the mesh; beyond it only the whole cell shows what the mesh does.
-const CONTINUUM: f64 = 0.56;
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 /// Finest and coarsest mesh on which landings are explored, as mu_rho.
@@ -97,6 +95,11 @@ pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
     LOCATED + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
 }
 
+/// What is expected of any law and mesh on flat ground; 1 where which jumps happen depends on the mesh itself, and nothing is promised.
+pub fn flat_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
+    if law.is_smooth() && mesh_rule::is_safe(mu_rho) { mesh_error(law, length, mu_rho) } else { 1.0 }
+}
+
 /// Relative accuracy to which jumps and energies are located on any mesh, by either road.
 const LOCATED: f64 = 5e-5;
 
@@ -105,7 +108,7 @@ pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
     let mut n = 16;
     loop {
         let mu_rho = mesh_rule::mu_rho(law, length / n as f64);
-        if n >= 1 << 13 || mu_rho <= CONTINUUM && mesh_error(law, length, mu_rho) <= accuracy.max(1.5 * LOCATED) {
+        if n >= 1 << 13 || mesh_rule::is_safe(mu_rho) && mesh_error(law, length, mu_rho) <= accuracy.max(1.5 * LOCATED) {
             return n;
         }
         n = next_fast(n + 8);
@@ -142,14 +145,8 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     let n = model.grid.nx;
     let flat = model.indenter == Indenter::Flat;
     let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
-    let obstacle = obstacle(scene, model);
-    let known = flat && model.law.is_smooth() && model.mu_rho <= CONTINUUM;
-    let mesh = match known {
-        true => mesh_error(&model.law, model.grid.length, model.mu_rho),
-        // Which jumps happen depends on the mesh itself: nothing is promised.
-        false if flat => 1.0,
-        false => f64::NAN,
-    };
+    let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
+    let mesh = if flat { flat_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
@@ -160,7 +157,7 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
         };
         Plan {
             road: Road::Walk(reduction),
-            words: format!("{place}: {why}{}", expected(mesh)),
+            words: format!("{place}: {why}; {}", promise(Some(mesh))),
             predicted_error: mesh,
             predicted_seconds: increments * seconds,
         }
@@ -173,6 +170,8 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
             by_walk(Reduction::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
         }
         (Wish::Plan, Some(why)) => by_walk(Reduction::Whole, &why),
+        // What the wish may overrule is the plan, not the scene.
+        (Wish::Atlas, _) if no_atlas.is_some() => by_walk(Reduction::Whole, &no_atlas.unwrap_or_default()),
         (Wish::Atlas, _) | (Wish::Plan, None) => {
             let chart = chart(&model.law, model.grid.length, n, scene.seed);
             let side = chart.square;
@@ -180,9 +179,9 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
                 road: Road::Atlas(chart),
                 words: format!(
                     "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
-                     f64{}",
+                     f64; {}",
                     chart.line,
-                    expected(mesh)
+                    promise(Some(mesh))
                 ),
                 predicted_error: mesh,
                 predicted_seconds: (3000.0 + 20.0 * increments) * transform(points / 4.0),
@@ -191,34 +190,44 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     }
 }
 
-fn expected(error: f64) -> String {
-    if !error.is_finite() {
-        return String::new();
-    }
-    if error >= 1.0 {
-        return "; no accuracy is promised".to_owned();
-    }
+/// What is promised of a number, in words; `error` is relative.
+pub fn promise(error: Option<f64>) -> String {
+    let Some(error) = error.filter(|error| *error < 1.0) else { return "no accuracy is promised".to_owned() };
     // One significant digit.
     let percent = 100.0 * error;
     let digits = (-percent.log10().floor()).max(0.0) as usize;
-    format!("; expected error {percent:.digits$} %")
+    format!("expected error {percent:.digits$} %")
 }
 
-/// Why there can be no atlas; `None` if there can.
-fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
+/// Why the model that is wished for cannot hold the scene: a refusal of the wish; `None` if it can.
+pub fn refusal(scene: &Scene, model: &Model, wish: Wish) -> Option<String> {
+    no_atlas(scene, model).filter(|_| wish == Wish::Atlas)
+}
+
+/// Why the scene has no atlas; `None` if it can have one, wise or not.
+fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
     let n = model.grid.nx;
     if model.indenter != Indenter::Flat {
         Some("uneven ground has no branches of known symmetry".to_owned())
     } else if model.grid.is_line() {
         Some("a line cell is small enough as it is".to_owned())
-    } else if !model.law.is_smooth() {
-        Some("this law's stiffness jumps, and branches with it".to_owned())
-    } else if model.mu_rho > CONTINUUM {
-        Some(format!("at mu_rho = {:.2} the mesh makes jumps of its own", model.mu_rho))
     } else if !n.is_multiple_of(4) || n < 16 {
         Some(format!("{n} points are no multiple of 4 from 16 on"))
     } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
         Some("the turn at zero load is for uneven ground".to_owned())
+    } else {
+        None
+    }
+}
+
+/// Why an atlas will not do; `None` if it will.
+fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
+    if let Some(reason) = no_atlas(scene, model) {
+        Some(reason)
+    } else if !model.law.is_smooth() {
+        Some("this law's stiffness jumps, and branches with it".to_owned())
+    } else if !mesh_rule::is_safe(model.mu_rho) {
+        Some(format!("at mu_rho = {:.2} the mesh makes jumps of its own", model.mu_rho))
     } else {
         None
     }

@@ -1,4 +1,4 @@
-//! What a walk leaves behind: states, jumps, and the loop with its energy ledger.
+//! What a walk leaves behind: states and jumps.
 
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
@@ -58,6 +58,19 @@ pub struct StateRecord {
 }
 
 impl StateRecord {
+    /// Why no loop begins with this state, and the remedy; `None` if one does.
+    pub fn fault(&self) -> Option<(String, String)> {
+        let finite = self.stress.is_finite() && self.energy.is_finite();
+        let what = match self.stop {
+            Stop::NotConverged | Stop::Cancelled => "did not converge".to_owned(),
+            _ if !finite => "has no finite stress and energy".to_owned(),
+            Stop::Unstable => format!("is unstable (stiffness_min = {:.3} E*/L)", self.stiffness_min),
+            Stop::Stable | Stop::ReadOff => return None,
+        };
+        let remedy = "raise drive.start, to where the surface is at rest far from the ground";
+        Some((format!("the first state {what}, and no loop begins with it"), remedy.to_owned()))
+    }
+
     /// A record to stand in until the first state is measured.
     pub(crate) fn placeholder(mean_displacement: f64) -> Self {
         Self {
@@ -89,6 +102,10 @@ pub enum Cause {
     Fold,
     /// An eigenvalue went through zero on a branch that goes on, unstable.
     SymmetryBreaking,
+    /// The edge of the contact moved on by a spacing of the mesh: it vanishes with refinement, and is none of the physics.
+    Mesh,
+    /// No jump: the branch goes over into another one without a release, as at a supercritical bifurcation.
+    Transition,
     /// Seen as a change of pattern between two increments of a method that locates nothing.
     PatternChange,
 }
@@ -99,12 +116,14 @@ impl fmt::Display for Cause {
             Cause::FlatLimit => "flat limit",
             Cause::Fold => "fold",
             Cause::SymmetryBreaking => "symmetry breaking",
+            Cause::Mesh => "mesh",
+            Cause::Transition => "transition",
             Cause::PatternChange => "pattern change",
         })
     }
 }
 
-/// A jump at fixed u0.
+/// A jump at fixed u0, or a transition without one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpRecord {
     /// Direction of the drive.
@@ -121,6 +140,8 @@ pub struct JumpRecord {
     pub stress_after: f64,
     /// Energy released per area, in units of gamma.
     pub released_energy: f64,
+    /// How far that may be off because the end of the branch is located only so well (gamma).
+    pub release_error: f64,
     /// What gave way.
     pub cause: Cause,
 }
@@ -130,136 +151,40 @@ pub struct JumpRecord {
 pub struct LoopRecord {
     /// The states in the order they were reached. A jump stands between two states of equal u0.
     pub states: Vec<StateRecord>,
-    /// The jumps in the order they happened.
+    /// The jumps and transitions in the order they happened.
     pub jumps: Vec<JumpRecord>,
 }
 
 impl LoopRecord {
-    /// The loop integral of stress du0 over the recorded states, energy per area (E* times length).
-    ///
-    /// Along each smooth stretch a cubic in every interval, with slopes from the neighbouring states; at a jump the stress before it
-    /// holds up to the jump, which is a vertical line. Positive for a closed approach and retraction.
-    pub fn work(&self) -> f64 {
-        let mut jumps = self.jumps.iter().peekable();
-        let mut sum = 0.0;
-        let mut stretch: Vec<[f64; 2]> = Vec::new();
-        for pair in self.states.windows(2) {
-            let [a, b] = [&pair[0], &pair[1]].map(|s| [s.mean_displacement, s.stress]);
-            if pair[0].branch != pair[1].branch {
-                sum += integral(&stretch);
-                stretch.clear();
-            }
-            if stretch.is_empty() {
-                stretch.push(a);
-            }
-            match jumps.next_if(|j| j.branch == pair[1].branch && j.mean_displacement == b[0]) {
-                None => {
-                    stretch.push(b);
-                    continue;
-                }
-                Some(jump) if jump.cause != Cause::PatternChange => stretch.push([b[0], jump.stress_before]),
-                // Somewhere in between: half of the way on either side.
-                Some(_) => sum += 0.5 * (a[1] + b[1]) * (b[0] - a[0]),
-            }
-            sum += integral(&stretch);
-            stretch.clear();
+    /// How many there are of each kind.
+    pub fn tally(&self) -> Tally {
+        let of = |cause: Cause| self.jumps.iter().filter(|jump| jump.cause == cause).count();
+        let (of_the_mesh, transitions) = (of(Cause::Mesh), of(Cause::Transition));
+        Tally { jumps: self.jumps.len() - of_the_mesh - transitions, of_the_mesh, transitions }
+    }
+}
+
+/// What happened along a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Jumps of the physics.
+    pub jumps: usize,
+    /// Jumps of the mesh.
+    pub of_the_mesh: usize,
+    /// Transitions without a jump.
+    pub transitions: usize,
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+        f.write_str(&counted(self.jumps, "jump"))?;
+        if self.of_the_mesh > 0 {
+            write!(f, " and {} of the mesh", self.of_the_mesh)?;
         }
-        sum + integral(&stretch)
-    }
-
-    /// Sum of the released energies, in units of gamma.
-    pub fn released_energy_sum(&self) -> f64 {
-        self.jumps.iter().map(|jump| jump.released_energy).sum()
-    }
-}
-
-/// How many times shorter an interval may be than its neighbour and still tell of its slope.
-const CROWDED: f64 = 8.0;
-
-/// The integral of a smooth curve through the points (x, y), x growing or falling: in every interval the cubic with the slopes of
-/// the parabolas through neighbouring points. Points that only rounding holds apart count once.
-fn integral(points: &[[f64; 2]]) -> f64 {
-    let Some((first, last)) = points.first().zip(points.last()) else { return 0.0 };
-    let near = 1e-6 * (last[0] - first[0]).abs() / points.len() as f64;
-    let mut points = points.to_vec();
-    points.dedup_by(|b, a| (b[0] - a[0]).abs() <= near);
-    let secant = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
-    // The parabola's slope at the first of three points, which may be in any order.
-    let slope = |at: [f64; 2], b: [f64; 2], c: [f64; 2]| secant(at, b) + secant(at, c) - secant(b, c);
-    let slopes: Vec<f64> = (0..points.len())
-        .map(|i| match (i.checked_sub(1), points.get(i + 1)) {
-            (Some(before), Some(&after)) => slope(points[i], points[before], after),
-            (None, Some(&after)) => points.get(2).map_or_else(|| secant(points[0], after), |&third| slope(points[0], after, third)),
-            (Some(before), None) => match before.checked_sub(1) {
-                Some(third) => slope(points[i], points[before], points[third]),
-                None => secant(points[before], points[i]),
-            },
-            (None, None) => 0.0,
-        })
-        .collect();
-    let length = |i: usize| points.get(i + 1).map(|next| (next[0] - points[i][0]).abs());
-    let piece = |i: usize| {
-        let (a, b) = (points[i], points[i + 1]);
-        let (h, k) = (b[0] - a[0], secant(a, b));
-        let (before, after) = (i.checked_sub(1).and_then(length), length(i + 1));
-        // Next to a fold the states crowd together, and the slope among them says nothing about a long interval beside them: there the
-        // parabola with the other slope.
-        let holds = |neighbour: Option<f64>| neighbour.is_some_and(|n| CROWDED * n >= h.abs());
-        let bend = match (holds(before.or(after)), holds(after.or(before))) {
-            (true, true) => slopes[i] - slopes[i + 1],
-            (true, false) => 2.0 * (slopes[i] - k),
-            (false, true) => 2.0 * (k - slopes[i + 1]),
-            (false, false) => 0.0,
-        };
-        0.5 * h * (a[1] + b[1]) + h * h / 12.0 * bend
-    };
-    (0..points.len().saturating_sub(1)).map(piece).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_integral_is_exact_for_parabolas_on_any_mesh_and_in_both_directions() {
-        let xs = [0.0, 0.3, 0.35, 1.1, 1.5];
-        let mut points = xs.map(|x: f64| [x, 2.0 - x + 3.0 * x * x]).to_vec();
-        let exact = 2.0 * 1.5 - 0.5 * 1.5f64.powi(2) + 1.5f64.powi(3);
-        assert!((integral(&points) - exact).abs() < 1e-14);
-        points.insert(2, [0.3 + 1e-16, points[1][1] + 1e-13]);
-        points.reverse();
-        assert!((integral(&points) + exact).abs() < 1e-12);
-    }
-
-    #[test]
-    fn halving_the_steps_divides_the_error_by_sixteen_on_a_smooth_curve() {
-        let error = |n: usize| {
-            let points: Vec<_> = (0..=n).map(|i| 3.0 * i as f64 / n as f64).map(|x| [x, x.sin()]).collect();
-            integral(&points) - (1.0 - 3f64.cos())
-        };
-        let ratio = error(40) / error(80);
-        assert!((ratio - 16.0).abs() < 4.0, "{ratio}");
-    }
-
-    #[test]
-    fn states_that_crowd_at_a_fold_do_not_spoil_the_long_interval_before_them() {
-        // y = sqrt(1 - x), steep at the end; by hand 2/3. Straight lines alone would miss the last interval by a sixth of its box.
-        let xs = (0..=20).map(|i| 0.04 * i as f64).chain([0.99, 0.9999, 0.999999, 1.0 - 1e-9, 1.0]);
-        let points: Vec<_> = xs.map(|x: f64| [x, (1.0 - x).max(0.0).sqrt()]).collect();
-        let missing = integral(&points) - 2.0 / 3.0;
-        assert!(missing.abs() < 0.19 * 0.45 / 6.0, "{missing}");
-    }
-
-    #[test]
-    fn a_sharp_bend_stays_inside_its_interval() {
-        // A steep fall between 1 and 1.001, then a gentle slope: the steep one must not reach beyond.
-        let points = [[0.0, 1.0], [0.999, 1.0], [1.0, 1.0], [1.001, 0.5], [1.5, 0.49], [2.0, 0.48]];
-        // The trapezoid's own 1.490255 is right to a hundredth.
-        assert!((integral(&points) - 1.490255).abs() < 0.01, "{}", integral(&points));
-    }
-
-    #[test]
-    fn one_state_or_none_encloses_nothing() {
-        assert_eq!((integral(&[]), integral(&[[1.0, 2.0]]), integral(&[[1.0, 2.0], [3.0, 2.0]])), (0.0, 0.0, 4.0));
+        if self.transitions > 0 {
+            write!(f, ", {}", counted(self.transitions, "transition"))?;
+        }
+        Ok(())
     }
 }

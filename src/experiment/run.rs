@@ -1,10 +1,11 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
 use super::atlas::{Atlas, Unmapped};
+use super::ledger::Ledger;
 use super::plan::{Plan, Reduction, Road};
 use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
-use super::walk::{Counts, Happening, Progress, Walk};
+use super::walk::{Counts, Happening, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
 use crate::physics::pattern::Pattern;
@@ -22,12 +23,27 @@ pub struct LoopRun {
     pub counts: Counts,
     /// A picture of each pattern where it was first reached.
     pub landings: Vec<Landing>,
+    /// Why it was not computed as it was meant to be, in words, if it was not.
+    pub deviation: Option<String>,
+}
+
+impl LoopRun {
+    /// A loop of which nothing is computed yet.
+    pub(crate) fn empty() -> Self {
+        let (record, counts) = (LoopRecord::default(), Counts::default());
+        Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None }
+    }
+
+    /// The ledger, for a law of `surface_energy` gamma; `None` if the drive was not completed.
+    pub fn ledger(&self, surface_energy: f64) -> Option<Ledger> {
+        (self.outcome == Outcome::Completed).then(|| self.record.ledger(surface_energy))
+    }
 }
 
 /// How a loop ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// Closed.
+    /// The drive went all the way; whether the loop is closed says its ledger.
     Completed,
     /// The solver could not go on; everything before stands.
     NotConverged {
@@ -80,8 +96,7 @@ pub fn run_loop(
     run_reduced(scene, method, Reduction::Whole, cancel, observe)
 }
 
-/// Runs the closed loop on the road of `plan`; where an atlas finds that it does not hold this scene, on the whole cell. The second
-/// value says in words why, if it did not come as planned.
+/// Runs the closed loop on the road of `plan`; where an atlas finds that it does not hold this scene, on the whole cell.
 ///
 /// # Errors
 /// As [`run_loop`].
@@ -91,9 +106,9 @@ pub fn run_planned(
     plan: &Plan,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
-) -> Result<(LoopRun, Option<String>), SceneError> {
+) -> Result<LoopRun, SceneError> {
     let chart = match plan.road {
-        Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe).map(|run| (run, None)),
+        Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe),
         Road::Atlas(chart) => chart,
     };
     let model = scene.model()?;
@@ -102,16 +117,17 @@ pub fn run_planned(
         Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
         Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for uneven ground".to_owned())),
     };
-    match toured {
-        Ok(run) => Ok((run, None)),
-        Err(reason) => {
-            let run = run_loop(scene, method, cancel, observe)?;
-            Ok((run, Some(format!("walked on the whole cell after all: {reason}"))))
-        }
-    }
+    toured.or_else(|reason| {
+        let run = run_loop(scene, method, cancel, observe)?;
+        Ok(LoopRun { deviation: Some(walked_after_all(&reason.to_string())), ..run })
+    })
 }
 
-/// The same on a part of the cell.
+fn walked_after_all(reason: &str) -> String {
+    format!("walked on the whole cell after all: {reason}")
+}
+
+/// The same on a part of the cell, and where that proves too small on the whole of it.
 ///
 /// # Errors
 /// As [`run_loop`].
@@ -138,78 +154,125 @@ pub fn run_in_precision(
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
     let walk = Walk::in_precision(scene, method.build(scene.seed), reduction, precision)?;
-    Ok(run_walk(walk, scene, cancel, observe))
+    Ok(run_walk(walk, scene, method, cancel, observe))
 }
 
-/// The same with a walk that stands at the start of the drive of `scene`.
-pub fn run_walk(mut walk: Walk, scene: &Scene, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
-    let mut run =
-        LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
-    run.record.states.push(walk.record().clone());
-    let start = scene.drive.start;
-    let (mut turn, wait_for_load) = match scene.drive.turn {
-        Turn::At(turn) => (turn, false),
-        // Far below anything a tip under tension can need; the sign of the stress ends the approach.
-        Turn::ZeroLoad => (start - 1e3 * (start.abs() + scene.cell.length), true),
-    };
-    let mut lowest = start;
-    walk.set_target(turn);
-    let mut retracting = false;
-    let mut landed = true;
+/// The same with a walk of this `method` that stands at the start of the drive of `scene`.
+pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
+    let mut drive = Drive::new(walk, scene);
+    if let Some((what, remedy)) = drive.walk.record().fault() {
+        drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason: format!("{what}; {remedy}") };
+        return drive.run;
+    }
     loop {
+        match drive.step(cancel, observe) {
+            Progress::Working => {}
+            Progress::Resting if drive.retracting => break,
+            Progress::Resting => drive.turn_round(),
+            Progress::Cancelled => {
+                drive.run.outcome = Outcome::Cancelled;
+                break;
+            }
+            Progress::Stuck(reason) => match drive.walk.widen(scene, method) {
+                Some(widened) => drive.go_on_with(widened, &reason),
+                None => {
+                    let mean_displacement = drive.walk.record().mean_displacement;
+                    drive.run.outcome = Outcome::NotConverged { mean_displacement, reason };
+                    break;
+                }
+            },
+        }
+    }
+    let spent = drive.walk.counts();
+    drive.run.counts += spent;
+    drive.run
+}
+
+/// A drive under way: down to the turning point, and back to the start.
+struct Drive<'s> {
+    scene: &'s Scene,
+    walk: Walk,
+    run: LoopRun,
+    /// Where it turns, if that is known.
+    turn: Option<f64>,
+    retracting: bool,
+    /// True if the next state is the first of its branch.
+    landed: bool,
+    lowest: f64,
+}
+
+impl<'s> Drive<'s> {
+    fn new(walk: Walk, scene: &'s Scene) -> Self {
+        let (start, mut run) = (scene.drive.start, LoopRun::empty());
+        run.record.states.push(walk.record().clone());
+        let turn = match scene.drive.turn {
+            Turn::At(turn) => Some(turn),
+            Turn::ZeroLoad => None,
+        };
+        let mut drive = Self { scene, walk, run, turn, retracting: false, landed: true, lowest: start };
+        drive.walk.set_target(scene.depth());
+        drive
+    }
+
+    /// One step of the walk, told and recorded.
+    fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
+        let Self { scene, walk, run, turn, retracting, landed, lowest } = self;
+        let start = scene.drive.start;
         let mut fresh = false;
         let progress = walk.step(cancel, &mut |happening| match happening {
             Happening::Moving { .. } => {}
             Happening::Jump(jump) => {
-                landed = true;
+                *landed = true;
                 observe(Report::Jump(&jump));
                 run.record.jumps.push(jump);
             }
             Happening::State(state) => {
                 fresh = true;
-                lowest = lowest.min(state.mean_displacement);
-                let depth = if wait_for_load { f64::INFINITY } else { start - turn };
-                let gone = if retracting {
-                    1.0 + (state.mean_displacement - lowest) / (start - lowest)
-                } else {
-                    (start - state.mean_displacement) / depth
+                *lowest = lowest.min(state.mean_displacement);
+                let depth = turn.map_or(f64::INFINITY, |turn| start - turn);
+                let gone = match *retracting {
+                    true => 1.0 + (state.mean_displacement - *lowest) / (start - *lowest),
+                    false => (start - state.mean_displacement) / depth,
                 };
                 observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
                 run.record.states.push(state);
             }
         });
-        if fresh && std::mem::take(&mut landed) {
+        if fresh && std::mem::take(landed) {
             let gap = walk.gap();
             let record = walk.record();
-            run.landings.push(Landing {
-                branch: record.branch,
-                mean_displacement: record.mean_displacement,
-                pattern: record.pattern,
-                gap,
-            });
+            let (branch, mean_displacement, pattern) = (record.branch, record.mean_displacement, record.pattern);
+            run.landings.push(Landing { branch, mean_displacement, pattern, gap });
         }
         let record = walk.record();
-        if fresh && wait_for_load && !retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {
-            turn = record.mean_displacement;
-            walk.set_target(turn);
+        if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
+            return Progress::Stuck("stress or energy are no finite numbers".to_owned());
         }
-        match progress {
-            Progress::Working => {}
-            Progress::Resting if retracting => break,
-            Progress::Resting => {
-                retracting = true;
-                walk.set_target(start);
-            }
-            Progress::Cancelled => {
-                run.outcome = Outcome::Cancelled;
-                break;
-            }
-            Progress::Stuck(reason) => {
-                run.outcome = Outcome::NotConverged { mean_displacement: walk.record().mean_displacement, reason };
-                break;
-            }
+        if fresh && turn.is_none() && !*retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {
+            *turn = Some(record.mean_displacement);
+            self.turn_round();
+            return Progress::Working;
+        }
+        progress
+    }
+
+    fn turn_round(&mut self) {
+        self.retracting = true;
+        self.walk.set_target(self.scene.drive.start);
+    }
+
+    /// On the whole cell, from where the walk stood or from the start of the drive.
+    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &str) {
+        self.run.counts += self.walk.counts();
+        if stays {
+            self.walk = walk;
+            let here = self.walk.record().mean_displacement;
+            self.run.deviation = Some(format!("on the whole cell from u0 = {here} on: {because}"));
+        } else {
+            let counts = self.run.counts;
+            *self = Self::new(walk, self.scene);
+            self.run.counts = counts;
+            self.run.deviation = Some(walked_after_all(because));
         }
     }
-    run.counts = walk.counts();
-    run
 }

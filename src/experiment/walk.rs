@@ -9,11 +9,13 @@ mod fall;
 pub(super) mod guard;
 mod happening;
 mod landing;
+mod transition;
 mod views;
 mod widen;
 
 pub use happening::{Counts, Happening, Progress};
 pub use views::EnergyWell;
+pub use widen::Widened;
 
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;

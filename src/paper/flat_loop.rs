@@ -30,8 +30,7 @@ pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(Loo
             let _ = task.tell(fraction, what);
         }
     };
-    let (run, _) =
-        run_planned(scene, MethodKind::NewtonKrylov, &plan, &cancel, &mut observe).map_err(|error| refused(scene, error))?;
+    let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, &cancel, &mut observe).map_err(|error| refused(scene, error))?;
     Ok((completed(run, scene)?, model))
 }
 

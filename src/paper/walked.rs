@@ -16,7 +16,7 @@ pub(super) fn walk(scene: &Scene, reduction: Reduction) -> Result<Walk, Stopped>
 pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
     task.tell(0.0, &scene.title)?;
     let cancel = task.cancel;
-    let run = run_walk(walk, scene, cancel, &mut |report| {
+    let run = run_walk(walk, scene, MethodKind::NewtonKrylov, cancel, &mut |report| {
         if let Report::State { fraction, .. } = report {
             // A request to stop ends the loop by itself.
             let _ = task.tell(fraction, &scene.title);
@@ -28,7 +28,10 @@ pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<Loop
 /// The loop if it is closed.
 pub(super) fn completed(run: LoopRun, scene: &Scene) -> Result<LoopRun, Stopped> {
     match &run.outcome {
-        Outcome::Completed => Ok(run),
+        Outcome::Completed => match run.record.ledger(1.0).open {
+            None => Ok(run),
+            Some(open) => Err(Stopped::Failed(format!("{}: loop not closed: {}", scene.title, open.reason))),
+        },
         Outcome::Cancelled => Err(Stopped::Cancelled),
         Outcome::NotConverged { mean_displacement, reason } => {
             Err(Stopped::Failed(format!("{}: stopped at u0 = {mean_displacement}: {reason}", scene.title)))

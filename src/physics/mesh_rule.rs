@@ -34,6 +34,11 @@ pub const TABLE_1: [ZoneModel; 6] = [
 /// The value the paper calls safe: the shortest unstable wave is 4 pi da.
 pub const SAFE: f64 = 0.5;
 
+/// True if a mesh of this mu_rho is safe for a smooth law; a range that was made for the safe value may be rounded.
+pub fn is_safe(mu_rho: f64) -> bool {
+    mu_rho <= 1.001 * SAFE
+}
+
 /// mu_rho of `law` on a mesh of `spacing` da (Eq. 10 with E* = 1).
 pub fn mu_rho(law: &Law, spacing: f64) -> f64 {
     (law.softening_max() * spacing).sqrt()

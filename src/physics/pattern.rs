@@ -56,6 +56,18 @@ pub fn contact_set(gap: ArrayView2<f64>, threshold: f64) -> Array2<bool> {
     gap.mapv(|g| g < threshold)
 }
 
+/// True if on the way from one contact set of the torus to the other its edge moves by a spacing at most: every point that changes has a
+/// neighbour that was on the other side before. False where there was no edge.
+pub fn moves_by_a_spacing(before: &Array2<bool>, after: &Array2<bool>) -> bool {
+    let (ny, nx) = before.dim();
+    let beside = |y: usize, x: usize| {
+        let (rows, columns) = ([y, (y + 1) % ny, (y + ny - 1) % ny], [x, (x + 1) % nx, (x + nx - 1) % nx]);
+        rows.into_iter().any(|row| columns.into_iter().any(|column| before[[row, column]] != before[[y, x]]))
+    };
+    let has_edge = before.iter().any(|&inside| inside) && !before.iter().all(|&inside| inside);
+    has_edge && before.indexed_iter().all(|((y, x), inside)| after[[y, x]] == *inside || beside(y, x))
+}
+
 /// Share of the cell in contact, 0 to 1: points with a gap (length) below that of the law's largest traction.
 pub fn contact_area(gap: ArrayView2<f64>, law: &Law) -> f64 {
     let threshold = law.contact_gap();

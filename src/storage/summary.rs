@@ -39,18 +39,33 @@ pub struct Summary {
     pub measured_error: Number,
     /// "newton", "gfmd" or another method's word.
     pub method: &'static str,
-    /// True if the loop is closed.
+    /// True if the drive went all the way.
     pub completed: bool,
     /// "completed", "not converged" or "cancelled".
     pub stop: &'static str,
     /// Where and why it stopped, if it did not complete.
     pub stop_reason: Option<String>,
-    /// Loop integral of stress du0 over gamma; not available unless the loop is closed.
+    /// True if it was completed and ends in the state with which it began.
+    pub closed: bool,
+    /// How its end differs from its beginning, if it was completed but is not closed.
+    pub open_reason: Option<String>,
+    /// What to change then.
+    pub open_remedy: Option<String>,
+    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of a method whose states are no
+    /// equilibria, the loop integral); not available unless the loop is closed.
     pub dissipated_energy: Number,
+    /// Its relative error: that of the mesh and that of locating the jumps; not available where no accuracy is promised.
+    pub stated_error: Number,
     /// Sum of the energies released in jumps, per area over gamma.
     pub released_energy_sum: Number,
-    /// |difference of both| over the dissipated energy; not available where nothing is dissipated.
+    /// How far that sum may be off because ends of branches are located only so well, over gamma.
+    pub released_energy_error: Number,
+    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop is closed.
+    pub loop_integral: Number,
+    /// |loop integral - sum of releases| over the loss; not available where nothing is dissipated.
     pub ledger_mismatch: Number,
+    /// What a reader of these numbers must know.
+    pub warnings: Vec<String>,
     /// What was counted.
     pub counts: CountSummary,
     /// Least smallest eigenvalue of all states (E*/L).
@@ -116,8 +131,12 @@ pub struct CountSummary {
     pub states: usize,
     /// Recorded states that are not "converged, stable".
     pub states_not_stable: usize,
-    /// Jumps.
+    /// Jumps of the physics.
     pub jumps: usize,
+    /// Jumps of the mesh.
+    pub mesh_jumps: usize,
+    /// Transitions without a jump.
+    pub transitions: usize,
     /// Increments that ended in a pattern other than flat.
     pub patterned_increments: usize,
     /// Fourier transforms.
@@ -135,11 +154,11 @@ pub struct CountSummary {
 pub struct Yardstick {
     /// "gfmd".
     pub method: &'static str,
-    /// True if its loop is closed.
+    /// True if its drive went all the way.
     pub completed: bool,
     /// "completed", "not converged" or "cancelled".
     pub stop: &'static str,
-    /// Its loop integral over gamma.
+    /// Its loss over gamma: its loop integral.
     pub dissipated_energy: Number,
     /// Its jumps.
     pub jumps: usize,

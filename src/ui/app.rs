@@ -282,8 +282,10 @@ impl App {
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
             FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
-            FileTask::ExportLoopPng => picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title)
-                .and_then(|()| picture::attach_scene(path, &state.scene)),
+            FileTask::ExportLoopPng => {
+                picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title, state.predicted_error())
+                    .and_then(|()| picture::attach_scene(path, &state.scene))
+            }
             FileTask::ExportGapPng => match &state.frame {
                 Some(frame) => picture::write_gap_png(path, &frame.gap).and_then(|()| picture::attach_scene(path, &state.scene)),
                 None => return,

@@ -206,6 +206,7 @@ mod tests {
             stress_before: 0.2 * LAW.traction_max(),
             stress_after: 0.4 * LAW.traction_max(),
             released_energy: 0.1,
+            release_error: 0.0,
             cause: Cause::FlatLimit,
         };
         curve.jump(&jump, &LAW);

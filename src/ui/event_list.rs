@@ -13,7 +13,7 @@ const ROWS: usize = 200;
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
     let jumps = &state.record.jumps;
     let sum = ui.label(
-        RichText::new(format!("{}, {:.4} γ released", counted(jumps.len()), state.record.released_energy_sum() + 0.0)).weak(),
+        RichText::new(format!("{}, {:.4} γ released", state.record.tally(), state.record.released_energy_sum() + 0.0)).weak(),
     );
     // Invisible, only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(sum.id, |node| {
@@ -55,8 +55,4 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
             }
         });
     });
-}
-
-fn counted(jumps: usize) -> String {
-    if jumps == 1 { "1 jump".to_owned() } else { format!("{jumps} jumps") }
 }

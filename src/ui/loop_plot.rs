@@ -5,6 +5,7 @@ use super::curves::Curve;
 use super::inspect;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
+use crate::experiment::plan::promise;
 use crate::experiment::record::Branch;
 use crate::paper::ticks::{self, label};
 use egui::emath::Rangef;
@@ -23,8 +24,15 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     heading(ui, state, actions, &palette);
     let theory = state.overlay();
     legend(ui, state, !theory.is_empty(), &palette);
-    let words = dissipated(state);
-    ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
+    let (words, doubt) = dissipated(state);
+    ui.horizontal(|ui| {
+        if let Some(doubt) = doubt {
+            ui.label(RichText::new("⚠").color(palette.warn).strong()).on_hover_text(&doubt);
+            ui.add(egui::Label::new(RichText::new(format!("{words}: {doubt}")).color(palette.warn).strong()).truncate());
+        } else {
+            ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
+        }
+    });
     let mut new_axes = None;
     if *axes_seen != state.axes_version {
         *axes_seen = state.axes_version;
@@ -142,20 +150,36 @@ fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) -> Response {
     response
 }
 
-/// The dissipated energy in words: of a walked loop, or else of the live one.
-fn dissipated(state: &ViewState) -> String {
+/// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks against it.
+fn dissipated(state: &ViewState) -> (String, Option<String>) {
     if let Some(closed) = &state.closed_loop {
-        let summary = &closed.summary;
-        return format!("∮ dissipated {:.4} γ  (jumps release {:.4} γ)", summary.dissipated_energy, summary.released_energy_sum);
+        let ledger = &closed.summary.ledger;
+        let words = match (ledger.dissipated_energy(), &ledger.open) {
+            (Some(loss), _) => {
+                format!("∮ dissipated {loss:.4} γ, {}", promise(ledger.stated_error(state.predicted_error())))
+            }
+            (None, Some(_)) => "loop not closed".to_owned(),
+            (None, None) => "dissipated energy not available".to_owned(),
+        };
+        let open = ledger.open.as_ref().map(|open| format!("{}; {}", open.reason, open.remedy));
+        return (words, open.or_else(|| ledger.warning()));
     }
-    match state.live.as_ref().map(|live| &live.state.found) {
-        Some(Ok(live)) => format!("∮ live loop: {:.4} γ lost in {} jumps", live.dissipated_energy, live.jumps.len()),
+    let words = match state.live.as_ref().map(|live| &live.state.found) {
+        Some(Ok(live)) => format!(
+            "∮ live loop: {:.4} γ lost in {} jumps, {}",
+            live.dissipated_energy,
+            live.jumps.len(),
+            promise(Some(live.predicted_error))
+        ),
         _ => "Play loop to see what one cycle dissipates.".to_owned(),
-    }
+    };
+    (words, None)
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, lines: &[TheoryLine], palette: &Palette) {
-    if let Some(closed) = state.closed_loop.as_ref().filter(|closed| closed.shade.x.len() > 1) {
+    if let Some(closed) =
+        state.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none() && closed.shade.x.len() > 1)
+    {
         let shade = &closed.shade;
         plot.add(FilledArea::new("dissipated", &shade.x, &shade.low, &shade.high).fill_color(palette.shade).allow_hover(false));
     }
@@ -313,14 +337,17 @@ fn jumps(plot: &mut PlotUi<'_>, state: &ViewState, palette: &Palette) {
 fn sentence(state: &ViewState) -> String {
     let Some(now) = &state.state else { return "Stress against u0: nothing recorded yet".to_owned() };
     let mut words = format!(
-        "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {} jumps",
+        "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {}",
         now.pattern,
         now.mean_displacement / state.rho(),
         now.stress_over_max,
-        state.record.jumps.len()
+        state.record.tally()
     );
     if let Some(closed) = &state.closed_loop {
-        words.push_str(&format!(", dissipated {:.4} gamma", closed.summary.dissipated_energy));
+        words.push_str(&match closed.summary.ledger.dissipated_energy() {
+            Some(loss) => format!(", dissipated {loss:.4} gamma"),
+            None => ", loop not closed".to_owned(),
+        });
     }
     words
 }

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::plan::{Reduction, Road};
+use crate::experiment::plan::{Reduction, Road, promise};
 use crate::experiment::record::StateRecord;
 use crate::physics::grid::Grid;
 use crate::solver::Stop;
@@ -99,17 +99,7 @@ pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
         (Reduction::Whole, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
         (Reduction::Quarter, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
     };
-    let error = choice.plan.predicted_error;
-    if error.is_nan() {
-        place
-    } else if error >= 1.0 {
-        format!("{place}, no accuracy promised")
-    } else {
-        // One significant digit.
-        let percent = 100.0 * error;
-        let digits = (-percent.log10().floor()).max(0.0) as usize;
-        format!("{place}, expected error {percent:.digits$} %")
-    }
+    format!("{place}, {}", promise(Some(choice.plan.predicted_error)))
 }
 
 fn model_sentence(ready: &Ready) -> String {

@@ -355,6 +355,11 @@ impl ViewState {
         commands
     }
 
+    /// What the plan expects of the loss; NaN while it is not known.
+    pub fn predicted_error(&self) -> f64 {
+        self.ready.as_ref().map_or(f64::NAN, |ready| ready.choice.plan.predicted_error)
+    }
+
     /// A jump in words.
     pub fn say_jump(&self, jump: &JumpRecord) -> String {
         format!(

@@ -5,7 +5,7 @@ use super::protocol::ModelChoice;
 use crate::experiment::plan::{Reduction, Road, Wish, plan};
 use crate::experiment::record::StateRecord;
 use crate::experiment::scene::{Model, Scene, SceneError};
-use crate::experiment::walk::Walk;
+use crate::experiment::walk::{Walk, Widened};
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::MethodKind;
 use std::sync::Arc;
@@ -54,20 +54,12 @@ impl Course {
         Walk::resume_reduced(&self.scene, self.method, self.choice.reduction, state, record)
     }
 
-    /// Goes over to the whole cell, for the reason given: a walk that stands where `walk` stood, and whether it does (else it is back
-    /// at the start of the drive). `None` if it was the whole cell already.
-    pub fn widen(&mut self, walk: &mut Walk, because: String) -> Option<(Walk, bool)> {
-        if self.choice.reduction == Reduction::Whole {
-            return None;
-        }
+    /// Goes over to the whole cell, for the reason given. `None` if it was the whole cell already.
+    pub fn widen(&mut self, walk: &mut Walk, because: String) -> Option<Widened> {
+        let widened = walk.widen(&self.scene, self.method)?;
         self.choice.reduction = Reduction::Whole;
         self.choice.because = Some(because);
-        if let Some(whole) = walk.widened(&self.scene, self.method) {
-            return Some((whole, true));
-        }
-        let mut afresh = self.walk().ok()?;
-        afresh.set_target(walk.target());
-        Some((afresh, false))
+        Some(widened)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the window says to the solver, and what it hears back.
 
 use crate::experiment::chart::{Effort, Judged};
+use crate::experiment::ledger::Ledger;
 use crate::experiment::live_loop::{Fineness, LiveLoop};
 use crate::experiment::plan::{Plan, Reduction, Wish};
 use crate::experiment::record::{JumpRecord, StateRecord};
@@ -236,15 +237,11 @@ pub struct ModelChoice {
     pub because: Option<String>,
 }
 
-/// The result of a closed loop.
+/// The result of a drive from the start to the turn and back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopSummary {
-    /// Loop integral over gamma.
-    pub dissipated_energy: f64,
-    /// Sum of releases over gamma.
-    pub released_energy_sum: f64,
-    /// |difference of both| / dissipated energy.
-    pub ledger_mismatch: f64,
+    /// What it lost, and whether it closes.
+    pub ledger: Ledger,
     /// Fourier transforms spent.
     pub transforms: usize,
     /// Wall seconds spent.

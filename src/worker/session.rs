@@ -5,7 +5,7 @@ use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, 
 use super::run_loop::Output;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{SceneError, Turn};
-use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk};
+use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
@@ -221,12 +221,7 @@ impl Session {
 
     fn start_sweep(&mut self, sweep: Sweep, sink: &mut dyn FnMut(Output)) {
         let Some(course) = &self.course else { return };
-        let scene = course.scene.clone();
-        let start = scene.drive.start;
-        let depth = match scene.drive.turn {
-            Turn::At(turn) => turn,
-            Turn::ZeroLoad => start - 1e3 * (start.abs() + scene.cell.length),
-        };
+        let start = course.scene.drive.start;
         match sweep {
             Sweep::Approach => (self.sweep, self.paused) = (Some(Leg::Approach { then_back: false }), false),
             Sweep::Retract => (self.sweep, self.paused) = (Some(Leg::Retract { closes: false }), false),
@@ -246,7 +241,16 @@ impl Session {
                 (self.sweep, self.paused) = (Some(Leg::Approach { then_back: true }), false);
             }
         }
-        self.go(if sweep == Sweep::Retract { start } else { depth });
+        if let Some(fault) = self.record.states.first().filter(|_| sweep == Sweep::Loop).and_then(StateRecord::fault) {
+            sink(Output::Event(Event::Failed { run: self.run, message: format!("No loop: {}.", fault.0), remedy: fault.1 }));
+            return self.rest(sink);
+        }
+        self.go(if sweep == Sweep::Retract { start } else { self.depth() });
+    }
+
+    /// Where an approach turns; at zero load the sign of the stress ends it before.
+    fn depth(&self) -> f64 {
+        self.course.as_ref().map_or(f64::NAN, |course| course.scene.depth())
     }
 
     /// What comes after a step: nothing, the next leg, or rest.
@@ -273,9 +277,9 @@ impl Session {
             },
             Progress::Stuck(message) => {
                 let spent = walk.counts().transforms;
-                if let Some((whole, stays)) = course.widen(walk, message.clone()) {
+                if let Some(widened) = course.widen(walk, message.clone()) {
                     sink(Output::Event(Event::Remodelled { run: self.run, choice: course.choice.clone() }));
-                    return self.go_on_with(whole, stays, spent, sink);
+                    return self.go_on_with(widened, spent, sink);
                 }
                 sink(Output::Event(Event::Failed {
                     run: self.run,
@@ -288,7 +292,7 @@ impl Session {
     }
 
     /// Takes another walk up, which stands where the last one stood or is back at the start of the drive.
-    fn go_on_with(&mut self, mut walk: Walk, stays: bool, spent: usize, sink: &mut dyn FnMut(Output)) {
+    fn go_on_with(&mut self, Widened { mut walk, stays }: Widened, spent: usize, sink: &mut dyn FnMut(Output)) {
         self.transforms_elsewhere += spent - self.transforms_before;
         self.transforms_before = 0;
         if !stays {
@@ -300,17 +304,17 @@ impl Session {
         self.good = Some((walk.state().clone(), walk.record().clone()));
         sink(Output::Frame(self.run, resting_frame(&mut walk)));
         self.walk = Some(walk);
+        if !stays && self.sweep == Some(Leg::Retract { closes: true }) {
+            // Back at the start, a loop has its approach ahead again.
+            self.sweep = Some(Leg::Approach { then_back: true });
+            self.go(self.depth());
+        }
     }
 
     fn close_loop(&mut self, now: Instant, sink: &mut dyn FnMut(Output)) {
         let Some(walk) = &self.walk else { return };
-        let gamma = walk.model().law.surface_energy;
-        let dissipated_energy = self.record.work() / gamma;
-        let released_energy_sum = self.record.released_energy_sum();
         let summary = LoopSummary {
-            dissipated_energy,
-            released_energy_sum,
-            ledger_mismatch: (dissipated_energy - released_energy_sum).abs() / dissipated_energy.abs().max(f64::MIN_POSITIVE),
+            ledger: self.record.ledger(walk.model().law.surface_energy),
             transforms: self.transforms_elsewhere + walk.counts().transforms - self.transforms_before,
             seconds: self.loop_began.map_or(0.0, |t| now.duration_since(t).as_secs_f64()),
         };

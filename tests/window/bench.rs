@@ -165,6 +165,7 @@ impl Bench {
             stress_before: 0.01,
             stress_after: 0.03,
             released_energy: 0.1234,
+            release_error: 0.0,
             cause: Cause::FlatLimit,
         };
         let run = self.state().run;

@@ -15,6 +15,7 @@ mod tabs;
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
+use tackscope::experiment::ledger::{Ledger, Open};
 use tackscope::experiment::record::Branch;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::method::MethodKind;
@@ -361,13 +362,37 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     for u0 in [2.0, 3.0, 4.0] {
         bench.reach(u0, Branch::Retraction);
     }
-    let summary =
-        LoopSummary { dissipated_energy: 0.4321, released_energy_sum: 0.4322, ledger_mismatch: 2e-4, transforms: 9, seconds: 0.1 };
-    bench.say(Event::Loop { run, summary });
-    assert!(bench.names().contains("dissipated 0.4321 γ"));
+    bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.4322)) });
+    assert!(bench.names().contains("dissipated 0.4321 γ, expected error 0.005 %"), "{}", bench.names());
     assert!(bench.state().closed_loop.as_ref().is_some_and(|closed| closed.shade.x.len() > 100));
     bench.say(Event::LoopStarted { run });
     assert_eq!((bench.state().ghosts.len(), bench.state().closed_loop.is_none()), (1, true));
+}
+
+fn ledger(released_energy_sum: f64, loop_integral: f64) -> Ledger {
+    Ledger { released_energy_sum, released_energy_error: 0.0, loop_integral, integral_error: 1e-6, open: None, viscous: false }
+}
+
+fn summary(ledger: Ledger) -> LoopSummary {
+    LoopSummary { ledger, transforms: 9, seconds: 0.1 }
+}
+
+#[test]
+fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() {
+    let mut bench = Bench::new();
+    let run = bench.state().run;
+    bench.ready();
+    for u0 in [4.0, 3.0, 2.0, 1.0] {
+        bench.reach(u0, Branch::Approach);
+    }
+    bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.3)) });
+    let names = bench.names();
+    assert!(names.contains("dissipated 0.4321 γ") && names.contains("the loop integral, 0.3000 gamma, is not the sum"), "{names}");
+    let open = Open { reason: "it ends as bulge and began as flat".to_owned(), remedy: "raise drive.start".to_owned() };
+    bench.say(Event::Loop { run, summary: summary(Ledger { open: Some(open), ..ledger(0.4321, 0.3) }) });
+    let names = bench.names();
+    assert!(names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"), "{names}");
+    assert!(!names.contains("0.4321"), "{names}");
 }
 
 #[test]

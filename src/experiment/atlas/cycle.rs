@@ -1,5 +1,6 @@
 //! A loop read off the branches: for any drive the legs between jumps, and the energy each jump releases.
 
+use super::trace::LOCATED;
 use super::{Atlas, End, Point, Unmapped};
 use crate::experiment::record::{Branch as Direction, Cause, JumpRecord};
 use crate::physics::theory::flat;
@@ -49,6 +50,8 @@ pub struct Cycle {
     pub dissipated_energy: f64,
 }
 
+/// Released energy (gamma) below which a jump is not told from a continuous transition, near which no branch is traced well.
+const LEAST_RELEASE: f64 = 1e-6;
 /// Most jumps of one loop.
 const JUMPS: usize = 64;
 
@@ -162,9 +165,17 @@ impl Journey {
         }
         let (before, after) = (atlas.at(self.place, at), atlas.at(next, at));
         let released_energy = (before.energy - after.energy) / atlas.chart.law.surface_energy;
-        if !(released_energy >= 0.0) || next == self.place {
+        if released_energy.abs() < LEAST_RELEASE {
+            return Err(Unmapped(format!("at u0 = {at:.4} a pattern comes or goes without a jump, continuously")));
+        }
+        if !(released_energy > 0.0) || next == self.place {
             return Err(Unmapped(format!("the jump at u0 = {at:.4} would release {released_energy:.2e} gamma")));
         }
+        let release_error = match self.place {
+            // In closed form.
+            Place::Flat => 0.0,
+            Place::On(_) => LOCATED * atlas.chart.law.range * (before.stress - after.stress).abs() / atlas.chart.law.surface_energy,
+        };
         let jump = JumpRecord {
             branch: direction,
             mean_displacement: at,
@@ -173,6 +184,7 @@ impl Journey {
             stress_before: before.stress,
             stress_after: after.stress,
             released_energy,
+            release_error,
             cause,
         };
         self.place = next;

@@ -3,10 +3,9 @@
 use super::cycle::Journey;
 use super::{Atlas, End, Leg, Place, Unmapped};
 use crate::experiment::flat_branch::FlatBranch;
-use crate::experiment::record::{Branch, LoopRecord, StateRecord};
+use crate::experiment::record::{Branch, StateRecord};
 use crate::experiment::run::{Landing, LoopRun, Outcome, Report};
 use crate::experiment::scene::{Model, Scene};
-use crate::experiment::walk::Counts;
 use crate::experiment::walk::guard::{Guard, slides_on};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
@@ -52,8 +51,7 @@ impl Atlas {
             flat: FlatBranch::new(law, model.grid.length),
             last: None,
         };
-        let mut run =
-            LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
+        let mut run = LoopRun::empty();
         while let Some(leg) = journey.leg(tour.atlas) {
             let edge = journey.jumps_next().then_some(HAIR * law.range);
             for (i, u0) in stations(&leg, start, scene.drive.step, edge, tour.fold(&leg)).enumerate() {

@@ -27,8 +27,8 @@ const AIM: f64 = 0.03;
 const NEAR_FOLD: f64 = 0.15;
 /// At a fold, breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
 const SOFT: f64 = 0.1;
-/// Accuracy of a symmetry-breaking point (ranges).
-const LOCATED: f64 = 1e-5;
+/// Accuracy of an end (ranges).
+pub(super) const LOCATED: f64 = 1e-5;
 /// Most Newton steps towards it.
 const CROSSINGS: usize = 24;
 /// Most nodes of one branch, one way.

@@ -2,10 +2,9 @@
 
 use crate::experiment::atlas::{Atlas, Leg, Place, Unmapped};
 use crate::experiment::plan;
-use crate::experiment::record::{LoopRecord, StateRecord};
+use crate::experiment::record::StateRecord;
 use crate::experiment::run::{LoopRun, Outcome};
 use crate::experiment::scene::{Model, Scene, Turn};
-use crate::experiment::walk::Counts;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 
@@ -19,8 +18,7 @@ pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
         Turn::At(turn) => atlas.cycle(start, turn),
         Turn::ZeroLoad => Err(Unmapped("a tip has no atlas".to_owned())),
     };
-    let mut run =
-        LoopRun { record: LoopRecord::default(), outcome: Outcome::Completed, counts: Counts::default(), landings: Vec::new() };
+    let mut run = LoopRun::empty();
     match cycle {
         Ok(cycle) => {
             run.record.states = cycle.legs.iter().flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model)).collect();

@@ -193,6 +193,9 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         }
         Outcome::Completed => {}
     }
+    if let Some(open) = measured.ledger().and_then(|ledger| ledger.open) {
+        return failed("loop not closed".to_owned(), format!("loop not closed: {}; {}", open.reason, open.remedy));
+    }
     let states = &measured.record.states;
     let with = |stop: Stop| states.iter().filter(|s| s.stop == stop).count();
     let mut faults = Vec::new();

@@ -1,6 +1,7 @@
 //! One loop, with what it took.
 
 use super::{Model, Point, atlas};
+use crate::experiment::ledger::Ledger;
 use crate::experiment::record::LoopRecord;
 use crate::experiment::run::{LoopRun, Outcome, Report, run_in_precision};
 use crate::experiment::scene::{Points, Scene, SceneError};
@@ -34,19 +35,19 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// True if the loop is closed.
+    /// True if the drive went all the way.
     pub fn is_complete(&self) -> bool {
         self.outcome == Outcome::Completed
     }
 
-    /// The best the method can say about the loss, over gamma: the sum of the releases where jumps are located, the loop integral
-    /// where they are only noticed. NaN unless the loop is closed.
+    /// The loss over gamma; NaN unless the loop is closed.
     pub fn dissipated_energy(&self) -> f64 {
-        match self.is_complete() {
-            false => f64::NAN,
-            true if self.point.method.build(0).locates() => self.record.released_energy_sum(),
-            true => self.integral(),
-        }
+        self.ledger().and_then(|ledger| ledger.dissipated_energy()).unwrap_or(f64::NAN)
+    }
+
+    /// The ledger, if the drive was completed.
+    pub fn ledger(&self) -> Option<Ledger> {
+        self.is_complete().then(|| self.record.ledger(self.law.surface_energy))
     }
 
     /// Loop integral of stress du0 over gamma.

@@ -23,6 +23,9 @@ impl Walk {
         let law = self.model.law;
         let uniform = self.state.is_uniform() && self.system.is_flat();
         let pattern = self.pattern();
+        if self.method.locates() {
+            self.note_transition(pattern, observe);
+        }
         let contact_area = match uniform {
             true => f64::from(u8::from(self.state.mean_displacement < law.contact_gap())),
             false => contact_area(self.ws.gap.view(), &law),

@@ -218,6 +218,7 @@ impl Walk {
                 stress_before: stress,
                 stress_after: self.state.stress,
                 released_energy: released,
+                release_error: (du * (self.state.stress - stress)).abs() / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
             }));
         }

@@ -29,6 +29,14 @@ pub enum Progress {
     Stuck(String),
 }
 
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.transforms += other.transforms;
+        self.iterations += other.iterations;
+        self.patterned_increments += other.patterned_increments;
+    }
+}
+
 /// What was spent so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {

@@ -4,6 +4,7 @@ use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
 use crate::experiment::record::{Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
+use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
@@ -19,7 +20,7 @@ const PEAK: f64 = 4.0;
 /// The smallest one tried, where a larger one ended higher than it began.
 const LEAST_KICK: f64 = 1e-4;
 /// Released energy, in gamma, below which a landing on the same pattern is no jump.
-const EVENT: f64 = 1e-6;
+pub(super) const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
 /// How often an unstable landing may be kicked on before the walk gives up.
@@ -28,13 +29,21 @@ const KICKS: usize = 8;
 impl Walk {
     /// Starts the release at a barrier. `choose`: take the side of the soft mode on which the energy falls.
     pub(super) fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
-        let du = barrier.at - self.state.mean_displacement;
-        let energy_before = self.state.energy + self.state.stress * du;
+        let (_, energy_before) = self.carried_to(barrier.at);
         let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, KICK, choose);
         let Barrier { at, cause, soft_mode, .. } = barrier;
         let release = Release::new(z, at).with_tolerance(self.system.precision().tolerance());
         self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick: KICK, energy_before });
         Progress::Working
+    }
+
+    /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order, with the slope of the stress from
+    /// the state before.
+    fn carried_to(&self, u0: f64) -> (f64, f64) {
+        let (here, stress, du) = (self.state.mean_displacement, self.state.stress, u0 - self.state.mean_displacement);
+        let slope = self.before.map_or(0.0, |before| (stress - before.stress) / (here - before.at));
+        let there = stress + slope * du;
+        (there, self.state.energy + 0.5 * (stress + there) * du)
     }
 
     /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
@@ -180,7 +189,7 @@ impl Walk {
     pub(super) fn land(&mut self, mut jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let law = self.model.law;
         let released = (jumping.energy_before - landed.energy) / law.surface_energy;
-        let stress_before = self.state.stress;
+        let (stress_before, _) = self.carried_to(landed.mean_displacement);
         self.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
@@ -201,8 +210,8 @@ impl Walk {
         Progress::Working
     }
 
-    /// Stands on the state where a jump ended. What released less than `event` (gamma) and kept the pattern was none: Newton can fail
-    /// on a branch that goes on, and a mode can soften without a jump.
+    /// Stands on the state where a jump ended. What released less than `event` (gamma) was none, unless the flat state was left or
+    /// reached: Newton can fail on a branch that goes on, a mode can soften without a jump, and faint patterns change their names.
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
@@ -212,24 +221,41 @@ impl Walk {
         event: f64,
         observe: &mut dyn FnMut(Happening),
     ) {
-        self.state = landed;
+        let left = std::mem::replace(&mut self.state, landed);
         (self.before, self.short) = (None, None);
         let (from, to) = (self.record.pattern, self.pattern());
-        if from == to && released <= event {
+        let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
+        let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
+        let to = if as_good_as_flat(&self.state) { Pattern::Flat } else { to };
+        if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
             self.history.push(self.state.mean_displacement, self.state.field.clone());
-        } else {
-            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
-            observe(Happening::Jump(JumpRecord {
-                branch: self.direction,
-                mean_displacement: self.state.mean_displacement,
-                from,
-                to,
-                stress_before,
-                stress_after: self.state.stress,
-                released_energy: released,
-                cause,
-            }));
+            return self.accept(observe);
         }
+        let du = (self.state.mean_displacement - left.mean_displacement).abs();
+        // The end lies somewhere on the way from the last state: what the release changes on it, and what the energy was carried.
+        let changed = (self.state.stress - stress_before).abs() + 0.5 * (stress_before - left.stress).abs();
+        let located = du * changed / self.model.law.surface_energy;
+        let (released_energy, release_error, cause) = if self.is_continuous(from, to, released, event) {
+            (0.0, released.abs(), Cause::Transition)
+        } else if from == to && self.is_of_the_mesh(&left) {
+            (released, located, Cause::Mesh)
+        } else {
+            (released, located, cause)
+        };
+        self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
+        // Nothing else happened on the way.
+        self.record.mean_displacement = self.state.mean_displacement;
+        observe(Happening::Jump(JumpRecord {
+            branch: self.direction,
+            mean_displacement: self.state.mean_displacement,
+            from,
+            to,
+            stress_before,
+            stress_after: self.state.stress,
+            released_energy,
+            release_error,
+            cause,
+        }));
         self.accept(observe);
     }
 }

@@ -1,18 +1,40 @@
 //! From a part of the cell to the whole of it, where the part was not enough.
 
 use super::Walk;
+use crate::experiment::plan::Reduction;
 use crate::experiment::scene::Scene;
 use crate::solver::Stop;
 use crate::solver::method::MethodKind;
 
+/// A walk on the whole cell that takes over from one on a part.
+pub struct Widened {
+    /// The walk, with the target of the one before.
+    pub walk: Walk,
+    /// True if it stands where the one before stood; false if it is back at the start of the drive.
+    pub stays: bool,
+}
+
 impl Walk {
-    /// A walk on the whole cell that stands where this one last stood and has the same target. A jump under way begins anew from the
-    /// state before it. `None` where the unfolded state is not near an equilibrium of the whole cell (a tip's apex lies on a point
-    /// there and between points here).
-    pub fn widened(&mut self, scene: &Scene, method: MethodKind) -> Option<Self> {
-        let mut whole = Self::new(scene, method).ok()?;
+    /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if that is not near an equilibrium of the
+    /// whole cell (a tip's apex lies on a point there and between points here), from the start of the drive. A jump under way begins
+    /// anew from the state before it. `None` if this is the whole cell already, or a surface that is to be held mirror-symmetric.
+    pub fn widen(&mut self, scene: &Scene, method: MethodKind) -> Option<Widened> {
+        self.guard.as_ref()?;
+        let precision = self.system.precision();
+        let afresh = || Self::in_precision(scene, method.build(scene.seed), Reduction::Whole, precision).ok();
+        let mut walk = afresh()?;
+        let stays = self.stand(&mut walk);
+        if !stays {
+            walk = afresh()?;
+        }
+        (walk.target, walk.falls_within) = (self.target, self.falls_within);
+        Some(Widened { walk, stays })
+    }
+
+    /// Puts `whole` on the present state; false where that is near no equilibrium of it.
+    fn stand(&mut self, whole: &mut Self) -> bool {
         let u0 = self.state.mean_displacement;
-        (whole.target, whole.direction) = (self.target, self.direction);
+        whole.direction = self.direction;
         match self.flat {
             Some(flat) if self.state.is_uniform() => whole.state = flat.state(u0, whole.system.dimension()),
             _ => {
@@ -21,11 +43,11 @@ impl Walk {
                 whole.state.field = whole.system.amplitudes(&displacement, &mut whole.ws);
                 whole.solve_here();
                 if !matches!(whole.state.stop, Stop::Stable | Stop::Unstable) {
-                    return None;
+                    return false;
                 }
             }
         }
         whole.accept(&mut |_| {});
-        Some(whole)
+        true
     }
 }

@@ -150,7 +150,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
     let model = scene.model().map_err(|error| refused(&scene, error))?;
     let plan = plan(&scene, &model, Wish::Plan);
     let found = run_planned(&scene, MethodKind::NewtonKrylov, &plan, task.cancel, &mut |_| {});
-    let run = completed(found.map_err(|error| refused(&scene, error))?.0, &scene)?;
+    let run = completed(found.map_err(|error| refused(&scene, error))?, &scene)?;
     let (law, units) = (&model.law, Units { length: model.grid.length, surface_energy: model.law.surface_energy });
     let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());
@@ -163,7 +163,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
         because: "On the way in, the flat surface is already drawn towards the ground: that much less is lost when it jumps.",
         evidence: vec![Evidence {
             quantity: "energy over gamma that a loop of a line cell of 1024 ranges loses, computed",
-            found: run.record.work() / units.surface_energy,
+            found: run.record.released_energy_sum(),
             printed: thick - flat,
             right: thick + flat,
             // The theory has no range in the ridge itself: good to about a percent.

@@ -76,7 +76,7 @@ pub fn write_chart_json(path: &Path, given: &str, scene: &Scene, chart: &Chart) 
             what: reference.point().to_string(),
             dissipated_energy: Number(reference.dissipated_energy),
             loop_integral: Number(reference.integral),
-            jumps: reference.finest.record.jumps.len(),
+            jumps: reference.finest.record.tally().jumps,
             error_dissipated_energy: Number(reference.errors.dissipated_energy),
             error_jumps: Number(reference.errors.jumps),
             error_stress: Number(reference.errors.stress),

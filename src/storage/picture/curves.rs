@@ -33,8 +33,6 @@ pub(super) struct Curves {
     pub(super) flat: Option<Vec<Point>>,
     /// The area of the loop, if it is closed.
     pub(super) loss: Vec<Vec<Point>>,
-    /// True if the record ends where it began.
-    pub(super) closed: bool,
 }
 
 impl Curves {
@@ -48,16 +46,11 @@ impl Curves {
         let y = spread(states.iter().map(|s| point(s).1).chain([0.0, peak]), (-0.2, 1.0), 0.05);
         // The flat state's curve is cut where it leaves the window of the states.
         let flat = flat.map(|curve| curve.into_iter().filter(|p| y.contains(&p.1)).collect());
-        let closed = match (states.first(), states.last()) {
-            (Some(first), Some(last)) => {
-                last.branch == Branch::Retraction && (first.mean_displacement - last.mean_displacement).abs() < 1e-9 * law.range
-            }
-            _ => false,
-        };
+        let closed = record.ledger(law.surface_energy).open.is_none();
         let window = Window { x, y };
         let lines = lines(&states, record, point, &window);
         let loss = if closed { loss(&states, point) } else { Vec::new() };
-        Self { window, lines, flat, loss, closed }
+        Self { window, lines, flat, loss }
     }
 
     pub(super) fn lines_of(&self, branch: Branch) -> impl Iterator<Item = &Line> {

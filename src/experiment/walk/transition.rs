@@ -1,0 +1,99 @@
+//! What is no jump of the physics: patterns that come and go continuously, and edges of contact that move on by a spacing of the mesh.
+
+use super::landing::EVENT;
+use super::{Happening, Walk, problem};
+use crate::experiment::flat_branch::FlatBranch;
+use crate::experiment::record::{Branch, Cause, JumpRecord};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::norm;
+use crate::physics::mesh_rule;
+use crate::physics::pattern::{Pattern, contact_set, moves_by_a_spacing};
+use crate::physics::theory::flat;
+use crate::solver::Stop;
+use crate::solver::equilibrium::Equilibrium;
+use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
+
+/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a jump.
+const WEAK: f64 = 1e-2;
+/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits are uncertain.
+const APART: f64 = 3e-4;
+
+impl Walk {
+    /// True if the surface came to the present state, of another pattern, without a jump: then the branch it is on goes over into the one
+    /// it left, as at a supercritical bifurcation, and there is no stable state of it at a distance before the limit. After a jump there
+    /// is one, beside the state that was left.
+    pub(super) fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
+        let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
+        let Some(flat) = self.flat.filter(|_| weak) else { return false };
+        let side = if self.direction == Branch::Approach { 1.0 } else { -1.0 };
+        let (here, before) = (self.state.mean_displacement, self.state.mean_displacement + side * APART * self.model.law.range);
+        if to == Pattern::Flat {
+            return flat.state(before, 0).stop != Stop::Stable;
+        }
+        // So soft a state is told from the flat one only by a small residual.
+        let limits = NewtonLimits { tolerance: self.system.precision().floor().max(1e-10), ..NewtonLimits::of(&self.system) };
+        let problem = problem(&self.system, &self.preconditioner, self.slides);
+        let pattern = self.state.field.clone();
+        let found = solve(&problem, pattern.clone(), before, limits, &mut self.ws, &Cancel::default());
+        self.system.evaluate(&pattern, here, &mut vec![0.0; pattern.len()], &mut self.ws);
+        match found.end {
+            NewtonEnd::Converged => norm(&found.z) < 0.5 * norm(&pattern),
+            _ => released.abs() <= event,
+        }
+    }
+
+    /// True where the flat state is stable and `state` no more than a trace of a pattern on it, which the tolerance lets be.
+    pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
+        let there = flat.state(state.mean_displacement, 0);
+        there.stop == Stop::Stable && (state.energy - there.energy).abs() <= EVENT * self.model.law.surface_energy
+    }
+
+    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
+    /// come to an end: the flat state has its limit in between, on the stable side of which the surface is as good as flat.
+    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Happening)) {
+        let Some(flat) = self.flat else { return };
+        let (a, b, law) = (&self.record, &self.state, &self.model.law);
+        let Some(limits) = flat::limits(law, self.model.grid.length) else { return };
+        let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
+        let Some(at) = [limits.0, limits.1].into_iter().find(|limit| low < *limit && *limit <= high) else { return };
+        let leaves = flat.state(a.mean_displacement, 0).stop == Stop::Stable;
+        let (stable, energy, pattern) = match leaves {
+            true => (a.mean_displacement, a.energy, now),
+            false => (b.mean_displacement, b.energy, a.pattern),
+        };
+        if (energy - flat.state(stable, 0).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
+            return;
+        }
+        let stress = flat.state(at, 0).stress;
+        let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
+        observe(Happening::Jump(JumpRecord {
+            branch: self.direction,
+            mean_displacement: at,
+            from: if leaves { Pattern::Flat } else { pattern },
+            to: if leaves { pattern } else { Pattern::Flat },
+            stress_before: stress,
+            stress_after: stress,
+            released_energy: 0.0,
+            release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
+            cause: Cause::Transition,
+        }));
+    }
+
+    /// True if a coarse mesh is why the surface jumped from `left` to the present state: on no mesh does the edge of the contact move by
+    /// more than a spacing in such a jump, so that it vanishes with refinement. Meshes on which the shortest wave that a smooth law makes
+    /// unstable is many spacings long have no such jumps.
+    pub(super) fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
+        let law = self.model.law;
+        if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
+            return false;
+        }
+        // Looking is no part of the solution's cost.
+        let spent = self.ws.transforms;
+        let now = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
+        self.system.gap(&left.field, left.mean_displacement, &mut self.ws);
+        let before = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
+        self.system.gap(&self.state.field, self.state.mean_displacement, &mut self.ws);
+        self.ws.transforms = spent;
+        moves_by_a_spacing(&before, &now)
+    }
+}
