@@ -64,7 +64,8 @@ impl Dense {
             a[(r, r)] += law.at(*g).stiffness;
         }
         // Above every eigenvalue, and no larger than needed: it costs digits.
-        let far = 2.0 * (2.0 * PI / self.grid.spacing() + gap.iter().fold(0.0, |most: f64, g| most.max(law.at(*g).stiffness.abs())));
+        let far =
+            2.0 * (2.0 * PI / self.grid.spacing() + gap.iter().fold(0.0, |most: f64, g| most.max(law.at(*g).stiffness.abs())));
         let mut lifted = vec![DVector::from_element(n, (n as f64).sqrt().recip())];
         for axis in (0..2).filter(|&axis| uniform[axis]) {
             let mut slide = derivative(gap, axis);
