@@ -31,9 +31,11 @@ pub enum Progress {
 
 impl std::ops::AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
-        self.transforms += other.transforms;
-        self.iterations += other.iterations;
-        self.patterned_increments += other.patterned_increments;
+        let Self { transforms, proof_transforms, iterations, patterned_increments } = other;
+        self.transforms += transforms;
+        self.proof_transforms += proof_transforms;
+        self.iterations += iterations;
+        self.patterned_increments += patterned_increments;
     }
 }
 
