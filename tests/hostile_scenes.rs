@@ -362,12 +362,11 @@ fn no_scene_file_makes_the_program_panic_hang_or_print_what_is_no_number() {
                     }
                     let (text, more) = file(number, &seeds);
                     let (end, words, answer) = run(folder.path(), &text, &more);
-                    if end.is_fault() {
-                        if let Some(keep) = std::env::var_os("TACKSCOPE_KEEP") {
-                            let _ = fs::create_dir_all(&keep);
-                            let _ =
-                                fs::write(Path::new(&keep).join(format!("{end:?}-{number}.toml")), format!("# {more:?}\n{text}"));
-                        }
+                    if end.is_fault()
+                        && let Some(keep) = std::env::var_os("TACKSCOPE_KEEP")
+                    {
+                        let _ = fs::create_dir_all(&keep);
+                        let _ = fs::write(Path::new(&keep).join(format!("{end:?}-{number}.toml")), format!("# {more:?}\n{text}"));
                     }
                     told.lock().expect("nobody panics with it").push((end, number, answer, words));
                 }

@@ -170,6 +170,8 @@ impl Method for NewtonKrylov {
         let state = solve(problem, guess.clone(), u0, limits(problem.system, from), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
+            // No sharper than usual, and still that.
+            NewtonEnd::Stalled if state.residual <= problem.system.precision().tolerance() => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
             NewtonEnd::Stalled => return Err(Lost::Gone),
             NewtonEnd::Cancelled => return Err(Lost::Cancelled),

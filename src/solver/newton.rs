@@ -188,7 +188,7 @@ pub fn descend(
 }
 
 /// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where nothing attracts.
-const PINNED: f64 = 0.02;
+const PINNED: f64 = 0.1;
 
 /// Orthonormal basis of the directions in which the pattern of `z` slides; none for a flat surface, one for a ridge. `ws` must be
 /// evaluated at the state where it depends on the mesh's pinning.
