@@ -162,6 +162,8 @@ impl Tracker {
             }
         }
         let mut relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
+        // Rounding may say softer, and not find it: an eigenvalue so close to zero is the end of the branch.
+        let mut undecided = f64::NAN;
         for find in 0..FINDS {
             let found = place.softest(std::mem::take(&mut self.modes), &mut self.rng, sharp * relative, cancel);
             self.modes = found.vectors;
@@ -178,7 +180,10 @@ impl Tracker {
             let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng, cancel);
             self.spent += place.ws.transforms - before;
             match proved {
-                Proved::Nothing => break,
+                Proved::Nothing => {
+                    undecided = f64::NAN;
+                    break;
+                }
                 Proved::Least(proof) => {
                     let error = value - proof.least;
                     self.proof = Some(proof);
@@ -187,10 +192,11 @@ impl Tracker {
                 Proved::Softer(mode) => {
                     self.modes.insert(0, mode);
                     relative = AFRESH;
+                    undecided = -value;
                 }
             }
         }
-        (Stiffness { value: f64::NAN, error: f64::NAN }, self.modes.first().cloned().unwrap_or_default())
+        (Stiffness { value: undecided, error: undecided.abs() }, self.modes.first().cloned().unwrap_or_default())
     }
 }
 
