@@ -56,7 +56,7 @@ impl Dense {
     }
 
     /// The matrix at a gap field, the uniform field and the patterns' sliding lifted out of the way.
-    fn at(&self, gap: &Array2<f64>, law: &Law, uniform: [bool; 2], freely: bool) -> DMatrix<f64> {
+    fn at(&self, gap: &Array2<f64>, displacement: &Array2<f64>, law: &Law, uniform: [bool; 2], freely: bool) -> DMatrix<f64> {
         let (ny, nx) = self.grid.shape();
         let n = nx * ny;
         let mut a = DMatrix::from_fn(n, n, |r, s| self.kernel[[(r / nx + ny - s / nx) % ny, (r % nx + nx - s % nx) % nx]]);
@@ -68,11 +68,12 @@ impl Dense {
             2.0 * (2.0 * PI / self.grid.spacing() + gap.iter().fold(0.0, |most: f64, g| most.max(law.at(*g).stiffness.abs())));
         let mut lifted = vec![DVector::from_element(n, (n as f64).sqrt().recip())];
         for axis in (0..2).filter(|&axis| uniform[axis]) {
-            let mut slide = derivative(gap, axis);
+            let mut slide = derivative(displacement, axis);
             for known in &lifted {
                 slide -= known * known.dot(&slide);
             }
-            let pattern = gap.iter().map(|g| (g - gap.mean().unwrap()).powi(2)).sum::<f64>().sqrt();
+            let mean = displacement.mean().unwrap();
+            let pattern = displacement.iter().map(|u| (u - mean).powi(2)).sum::<f64>().sqrt();
             let length = slide.norm();
             if length <= 1e-3 * pattern {
                 continue;
@@ -224,7 +225,10 @@ fn audit(scene: &Scene, reduction: Reduction, tally: &mut Tally) {
             });
             // The closed form of the flat state has tests of its own.
             if let Some(state) = states.last().filter(|_| !walk.state().is_uniform()) {
-                let a = dense.at(&walk.gap(), &model.law, uniform, smooth && model.mu_rho <= FREELY);
+                let gap = walk.gap();
+                let height = walk.system().height().map(|height| walk.system().unfolded(height));
+                let displacement = height.map_or_else(|| gap.clone(), |height| &gap + &height);
+                let a = dense.at(&gap, &displacement, &model.law, uniform, smooth && model.mu_rho <= FREELY);
                 // Rounding of sums over the matrix.
                 let stiffest = (0..a.nrows()).map(|r| a[(r, r)].abs()).fold(0.0, f64::max);
                 let hair = 1e-12 * stiffest;
