@@ -130,13 +130,14 @@ impl Tracker {
         let Some(mut coarse) = self.coarse.take() else {
             return self.at(&mut fine, 1.0, cancel);
         };
+        let relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
         let (rough, mode) = self.at(&mut coarse.at(z, slides, &fine), REFINED, cancel);
         let (seen, mode) = fine.measured(carried(&mode, &coarse.system, system));
-        let relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
         // Where the coarse mesh does not resolve the mode, what it proved is not of the fine one either.
-        let alike = (seen.value - rough.value).abs() <= REFINED * fine.goal(relative, seen.value);
-        let found = if seen.error <= fine.goal(relative, seen.value) && alike || cancel.requested() {
-            (Stiffness { value: seen.value, error: (seen.value - rough.value).abs() + rough.error }, mode)
+        let (goal, apart) = (fine.goal(relative, seen.value), (seen.value - rough.value).abs());
+        let decided = seen.value < 0.0 || rough.value - rough.error - apart >= 0.0;
+        let found = if decided && seen.error <= goal && apart <= REFINED * goal || cancel.requested() {
+            (Stiffness { value: seen.value, error: apart + rough.error }, mode)
         } else {
             let up = |mode: &Vec<f64>| carried(mode, &coarse.system, system);
             self.modes = self.modes.iter().map(up).collect();
