@@ -135,7 +135,7 @@ impl Tracker {
         let (seen, mode) = fine.measured(carried(&mode, &coarse.system, system));
         // Where the coarse mesh does not resolve the mode, what it proved is not of the fine one either.
         let (goal, apart) = (fine.goal(relative, seen.value), (seen.value - rough.value).abs());
-        let decided = seen.value < 0.0 || rough.value - rough.error - apart >= 0.0;
+        let decided = seen.value < 0.0 || rough.value >= 0.0 && apart <= REFINED * TRACKED * seen.value;
         let found = if decided && seen.error <= goal && apart <= REFINED * goal || cancel.requested() {
             (Stiffness { value: seen.value, error: apart + rough.error }, mode)
         } else {
