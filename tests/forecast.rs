@@ -88,8 +88,8 @@ fn on_the_mesh_of_fig_2_every_forecast_contains_the_jump_that_is_found_later() {
 fn on_a_coarse_mesh_that_pins_the_ridge_all_but_a_few_forecasts_contain_the_jump() {
     let (made, right, none) = score(32);
     assert!(made >= 50 && none < made, "{made} {none}");
-    // Nineteen of twenty: a ridge that the mesh pins gives way a little sooner or later, by where it stands.
-    assert!(20 * (made - right) <= made, "{right} of {made}");
+    // A ridge that the mesh pins gives way a little sooner or later, by where it stands.
+    assert!(50 * (made - right) <= 3 * made, "{right} of {made}");
 }
 
 /// A record of flat states on the way to `u0`, as the walk would leave it.

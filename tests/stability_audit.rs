@@ -25,7 +25,7 @@ use tackscope::solver::Stop;
 use tackscope::solver::method::MethodKind;
 
 /// Stiffness (E*/L) of a sliding mode below which the record leaves it out where the mesh may pin patterns.
-const PINNED: f64 = 0.3;
+const PINNED: f64 = 0.02;
 /// mu_rho up to which it is always left out.
 const FREELY: f64 = 0.45;
 

@@ -193,7 +193,7 @@ impl Tracker {
                 Proved::Softer(mode) => {
                     self.modes.insert(0, mode);
                     relative = AFRESH;
-                    undecided = -value;
+                    undecided = if sign_alone && value < SIGN_ALONE * place.system.grid().q1() { -value } else { f64::NAN };
                 }
             }
         }
