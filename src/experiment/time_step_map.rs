@@ -7,11 +7,12 @@
 use super::scene::{Model, Scene, SceneError};
 use super::walk::{Progress as Walked, Walk};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, norm, scale};
+use crate::numerics::vector::{add, norm, project_out, scale};
 use crate::physics::system::Workspace;
-use crate::solver::branch::{History, distance};
+use crate::solver::branch::History;
 use crate::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
-use crate::solver::method::{Lost, Method, MethodKind};
+use crate::solver::method::{Lost, Method, MethodKind, Slides};
+use crate::solver::newton::sliding_basis;
 use crate::solver::stability::random_amplitudes;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -179,7 +180,11 @@ impl Survey {
         let grown = match run.gfmd.follow(&self.walk.problem(), &History::default(), &run.state, u0, &mut self.ws, cancel) {
             Ok(state) => {
                 run.state = state;
-                distance(&run.state.field, &self.walk.state().field) > GROWTH * run.size
+                // A pattern that slides, driven by what its residual left, is no oscillation that grows.
+                let (mut away, here) = (run.state.field.clone(), &self.walk.state().field);
+                add(&mut away, -1.0, here);
+                project_out(&mut away, &sliding_basis(self.walk.system(), here, Slides::Freely, &mut self.ws));
+                norm(&away) > GROWTH * run.size
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(Lost::Gone | Lost::Unstable | Lost::Diverged(_)) => true,
