@@ -61,7 +61,9 @@ impl Stiffness {
     /// The smallest eigenvalue among `all` modes, of which these are some.
     pub fn among(self, all: Self) -> Self {
         match all.value < self.value {
-            _ if all.value.is_nan() || !self.is_stable() => self,
+            _ if !self.is_stable() => self,
+            // Not known among all is not known.
+            _ if all.value.is_nan() => all,
             true => all,
             // Seen more closely among some, and bounded among all.
             false => Self { value: self.value, error: self.error.max(self.value - (all.value - all.error)) },

@@ -157,6 +157,9 @@ impl Tour<'_> {
         if all.value < 0.0 && !at_end && !cancel.requested() {
             return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
         }
+        if all.value.is_nan() && !cancel.requested() {
+            return Err(Unmapped(format!("at u0 = {u0:.4} the stability against all modes was not decided")));
+        }
         if all.value >= 0.0 {
             stiffness = stiffness.among(all);
         }
