@@ -15,7 +15,7 @@ fn law(range: f64) -> Law {
 fn loops(c: &mut Criterion, name: &str, length: f64, n: usize, start: f64) {
     let mut group = c.benchmark_group(name);
     group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
-    let (old, new) = (chart(&law(1.0), length, n, 1), chart(&law(1.01), length, n, 1));
+    let (old, new) = (chart(&law(1.0), length, n), chart(&law(1.01), length, n));
     let mut known = Atlas::new(old);
     known.cycle(start, 0.2).expect("a loop");
     let mut again = known.adapted(new).expect("the same branches");

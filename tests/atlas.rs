@@ -129,7 +129,7 @@ fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_gr
 fn a_cell_below_the_critical_length_has_no_jump() {
     let law = morse(1.0);
     let length = 0.99 * flat::critical_length(&law);
-    let cycle = Atlas::new(chart(&law, length, 32, 1)).cycle(4.0, 0.2).unwrap();
+    let cycle = Atlas::new(chart(&law, length, 32)).cycle(4.0, 0.2).unwrap();
     assert!(cycle.jumps.is_empty() && cycle.dissipated_energy == 0.0);
 }
 
@@ -146,7 +146,7 @@ fn an_adapted_atlas_is_the_one_made_afresh() {
     for change in [1.01, 0.99, 1.003, 1.02] {
         let law = morse(change);
         let (anew, fresh) = cycle(&law, 48);
-        let mut adapted = first.adapted(chart(&law, 256.0, 48, 1)).unwrap();
+        let mut adapted = first.adapted(chart(&law, 256.0, 48)).unwrap();
         let warm = adapted.cycle(4.4, 0.2).unwrap();
         assert_eq!(warm.jumps.len(), fresh.jumps.len());
         for (a, b) in warm.jumps.iter().zip(&fresh.jumps) {

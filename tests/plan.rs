@@ -3,7 +3,8 @@
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, measured_error, next_fast, plan, reference, refusal};
+use tackscope::experiment::error_bar::{measured_error, reference};
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, next_fast, plan, refusal};
 use tackscope::experiment::run::{run_planned, run_reduced};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
@@ -63,7 +64,7 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         };
         assert!(plan.predicted_error <= 1.5 * target.max(1e-4), "{}", plan.words);
         let Turn::At(turn) = scene.drive.turn else { unreachable!() };
-        let finer = chart(&model.law, model.grid.length, tackscope::experiment::plan::next_fast(n * 3 / 2), 1);
+        let finer = chart(&model.law, model.grid.length, tackscope::experiment::plan::next_fast(n * 3 / 2));
         let loops = [coarse, finer].map(|chart| Atlas::new(chart).cycle(scene.drive.start, turn));
         match loops {
             [Ok(a), Ok(b)] => {
@@ -100,7 +101,7 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
         let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
         assert_eq!(run.deviation, None);
         let finer = run_reduced(&reference(&scene, &model), newton, Reduction::Whole, &Cancel::default(), &mut |_| {}).unwrap();
-        let measured = measured_error(&run.record, &finer.record);
+        let measured = measured_error(&run.record.jumps, &finer.record.jumps);
         println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);
         assert!(measured <= plan.predicted_error.max(1e-4) && plan.predicted_error <= 1.2 * target, "{measured:e}");
     }

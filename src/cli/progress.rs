@@ -104,6 +104,6 @@ fn jump_words(jump: &JumpRecord, step: f64) -> String {
         jump.from,
         jump.to,
         jump.released_energy,
-        jump.cause
+        jump.cause_words()
     )
 }

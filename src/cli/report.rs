@@ -3,12 +3,12 @@
 use crate::experiment::ledger::Ledger;
 use crate::experiment::plan::{Plan, Road};
 use crate::experiment::record::StateRecord;
-use crate::experiment::run::{Landing, LoopRun, Outcome};
+use crate::experiment::run::{Landing, LoopRun, Outcome, RivalLoop};
 use crate::experiment::scene::{Model, Scene, Turn};
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
-use crate::storage::summary::{CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
+use crate::storage::summary::{Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
 use crate::storage::{Failure, export, picture, scene_file};
 
 /// A walk with what it took.
@@ -55,7 +55,7 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
             toml: scene_file::to_text(scene),
         },
         plan: plan_summary(model, plan, run.deviation.as_deref()),
-        predicted_error: Number(plan.predicted_error),
+        predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),
         measured_error: Number(f64::NAN),
         method,
         completed: run.outcome == Outcome::Completed,
@@ -65,12 +65,13 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
         open_reason: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.reason.clone())),
         open_remedy: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.remedy.clone())),
         dissipated_energy: of(Ledger::dissipated_energy),
-        stated_error: ledger.as_ref().and_then(|ledger| ledger.stated_error(plan.predicted_error)).into(),
+        stated_error: stated_error(model, plan, run).into(),
         released_energy_sum: Number(run.record.released_energy_sum()),
         released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
         loop_integral: of(|ledger| Some(ledger.loop_integral).filter(|_| ledger.open.is_none())),
         ledger_mismatch: of(Ledger::mismatch),
-        warnings: model.warning().into_iter().chain(ledger.as_ref().and_then(Ledger::warning)).collect(),
+        warnings: warnings(model, run, ledger.as_ref()),
+        contested: run.rivals.iter().map(contested).collect(),
         counts: counts(run),
         stiffness_min_least: Number(-largest(|s| -s.stiffness_min).0),
         stiffness_error_max: largest(|s| s.stiffness_error),
@@ -79,6 +80,29 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
         processor_seconds: Number(timed.processor_seconds),
         yardstick: None,
     }
+}
+
+fn warnings(model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
+    let contested = run.record.jumps.iter().filter(|jump| !jump.rivals.is_empty()).map(|jump| {
+        let losses: Vec<String> = run.rivals.iter().filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?))).collect();
+        let or = if losses.is_empty() { "is not known".to_owned() } else { format!("is {} gamma", losses.join(" or ")) };
+        format!("u0 = {}: {}; the loss of the other landing {or}", jump.mean_displacement, jump.cause_words())
+    });
+    model.warning().into_iter().chain(ledger.and_then(Ledger::warning)).chain(contested).collect()
+}
+
+fn contested(rival: &RivalLoop) -> Contested {
+    Contested {
+        landing: rival.landing.pattern.word(),
+        share: Number(rival.landing.share),
+        dissipated_energy: Number::from(rival.dissipated_energy),
+    }
+}
+
+/// The relative error to be stated of the loss: what a finer mesh tells, or else what the plan expects; `None` where nothing is promised.
+fn stated_error(model: &Model, plan: &Plan, run: &LoopRun) -> Option<f64> {
+    let expected = || run.ledger(model.law.surface_energy)?.stated_error(plan.predicted_error);
+    run.error_bar.map_or_else(expected, |error| Some(error).filter(|error| *error < 1.0))
 }
 
 /// The larger one; NaN wins, so that it is not swallowed.
@@ -182,12 +206,13 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
 
 /// Writes tables and pictures of a walk; returns what could not be written.
 pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Vec<Failure> {
+    let error = stated_error(model, plan, run);
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
     let mut written = vec![
         export::write_loop_csv(&states, &run.record.states),
         export::write_events_csv(&jumps, &run.record.jumps),
-        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title, plan.predicted_error),
-        picture::write_loop_png(&png, &run.record, &model.law, &scene.title, plan.predicted_error)
+        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title, error),
+        picture::write_loop_png(&png, &run.record, &model.law, &scene.title, error)
             .and_then(|()| picture::attach_scene(&png, scene)),
     ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));

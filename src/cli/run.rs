@@ -3,7 +3,8 @@
 use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
-use crate::experiment::plan::{Plan, Wish, measured_error, plan as plan_of, promise, reference, refusal};
+use crate::experiment::error_bar::{measured_error, reference};
+use crate::experiment::plan::{Plan, Wish, plan as plan_of, promise, refusal};
 use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
@@ -113,7 +114,7 @@ fn compare(
         let whole = plan_of(&finer, &finer_model, Wish::Whole);
         let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, cancel)?;
         match &better.run.outcome {
-            Outcome::Completed => told.measured_error = Number(measured_error(&main.run.record, &better.run.record)),
+            Outcome::Completed => told.measured_error = Number(measured_error(&main.run.record.jumps, &better.run.record.jumps)),
             Outcome::Cancelled => {
                 code = INTERRUPTED;
                 warn("interrupted before the verification was done; the loop itself is complete");

@@ -14,8 +14,10 @@ mod trace;
 
 pub use curve::{Branch, Point};
 pub use cycle::{Cycle, Leg, Place};
+pub(super) use explorer::{Explorer, Rest};
 pub use trace::End;
 
+use super::contest::{Share, shares};
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
@@ -23,7 +25,6 @@ use crate::physics::system::{System, carried};
 use crate::physics::theory::flat;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
-use explorer::{Explorer, Rest};
 use trace::trace;
 
 /// What an atlas is made for.
@@ -39,8 +40,6 @@ pub struct Chart {
     pub line: usize,
     /// Points along a side of the whole cell, for releases; a multiple of 8.
     pub coarse: usize,
-    /// Seed of the perturbation of the flat state.
-    pub seed: u64,
 }
 
 /// How a surface is helped over an edge to see where it falls: how far beyond it (ranges), and whether on the fine mesh. Beyond the
@@ -66,22 +65,34 @@ pub struct Atlas {
     branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
     landings: Vec<[Option<Place>; 2]>,
+    /// Where else it may land from the lower and the upper limit of the flat state.
+    rivals: [Vec<Rival>; 2],
+}
+
+/// Another landing from a limit of the flat state.
+#[derive(Clone, Debug)]
+struct Rival {
+    share: Share,
+    rest: Rest,
+    /// On the fine mesh.
+    fine: bool,
 }
 
 impl Atlas {
     /// An atlas without branches; they are found as a loop asks for them.
     pub fn new(chart: Chart) -> Self {
-        let Chart { length, law, square, line, coarse, seed } = chart;
+        let Chart { length, law, square, line, coarse } = chart;
         Self {
             chart,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
-            explorer: Explorer::new(length, coarse, law, seed),
+            explorer: Explorer::new(length, coarse, law),
             fine: None,
             flat_limits: flat::limits(&law, length),
             cancel: Cancel::default(),
             branches: Vec::new(),
             landings: vec![[None; 2]],
+            rivals: Default::default(),
         }
     }
 
@@ -128,11 +139,21 @@ impl Atlas {
         let onwards = if up { 1.0 } else { -1.0 } * self.chart.law.range;
         let mut refusal = Unmapped(format!("the surface at u0 = {u0:.4} falls nowhere"));
         for (beyond, fine) in ATTEMPTS {
+            // Every mesh has the same limits of the flat state, and from far beyond them the surface falls elsewhere.
+            let far = place == Place::Flat && beyond != ATTEMPTS[0].0;
             if self.cancel.requested() {
                 break;
             }
-            let (z, mode, explorer) = self.kick(place, up, fine)?;
-            let rest = explorer.release(&z, &mode, u0 + beyond * onwards);
+            if far {
+                continue;
+            }
+            let rest = match place {
+                Place::Flat => self.from_flat(up, u0 + beyond * onwards, fine),
+                Place::On(i) => {
+                    let (z, mode, explorer) = self.kick(i, up, fine)?;
+                    explorer.release(&z, &mode, u0 + beyond * onwards)
+                }
+            };
             match self.settle(u0, energy, rest, fine) {
                 Ok(next) if next != place => {
                     self.landings[row][side] = Some(next);
@@ -161,12 +182,51 @@ impl Atlas {
         }
     }
 
-    /// The state at the end of `place` and the mode along which it gives way, on the mesh for releases.
-    fn kick(&mut self, place: Place, up: bool, fine: bool) -> Result<(Vec<f64>, Vec<f64>, &mut Explorer), Unmapped> {
-        let explorer = if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer };
-        let Place::On(i) = place else {
-            return Ok((vec![0.0; explorer.system().dimension()], explorer.flat_mode(), explorer));
+    /// Where most mixtures of the soft modes lead from a limit of the flat state; the others are remembered.
+    fn from_flat(&mut self, up: bool, u0: f64, fine: bool) -> Rest {
+        let mut rests = self.explorer(fine).from_flat(u0);
+        let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
+        let mut first = |share: &Share| {
+            let rest = rests.iter_mut().find(|rest| rest.pattern() == share.pattern).expect("it was counted");
+            Rival { share: *share, rest: std::mem::replace(rest, Rest::Other), fine }
         };
+        let mut found: Vec<Rival> = shares.iter().map(&mut first).collect();
+        let most = found.remove(0).rest;
+        // The upper limit ends the way down.
+        self.rivals[usize::from(!up)] = found;
+        most
+    }
+
+    /// The loops from `start` to `turn` and back of which a limit of the flat state leads elsewhere than most mixtures do, one limit
+    /// after the other: the share of that landing, and its loop.
+    pub fn rival_cycles(&mut self, start: f64, turn: f64) -> Vec<(Share, Result<Cycle, Unmapped>)> {
+        let mut cycles = Vec::new();
+        for up in [false, true] {
+            for Rival { share, rest, fine } in self.rivals[usize::from(!up)].clone() {
+                let usual = self.landings[0][usize::from(up)];
+                let (u0, energy) = self.end_point(Place::Flat, up);
+                let cycle = self.settle(u0, energy, rest, fine).and_then(|place| {
+                    self.landings[0][usize::from(up)] = Some(place);
+                    self.cycle(start, turn)
+                });
+                self.landings[0][usize::from(up)] = usual;
+                cycles.push((share, cycle));
+            }
+        }
+        cycles
+    }
+
+    /// Where else a limit of the flat state leads.
+    fn shares_beside(&self, place: Place, up: bool) -> Vec<Share> {
+        if place != Place::Flat {
+            return Vec::new();
+        }
+        self.rivals[usize::from(!up)].iter().map(|rival| rival.share).collect()
+    }
+
+    /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for releases.
+    fn kick(&mut self, i: usize, up: bool, fine: bool) -> Result<(Vec<f64>, Vec<f64>, &mut Explorer), Unmapped> {
+        let explorer = if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer };
         let branch = &self.branches[i];
         let node = branch.end(up);
         let sector = if branch.is_ridge { &self.ridge } else { &self.square };
@@ -181,8 +241,12 @@ impl Atlas {
         Ok((carried(&node.z, own, explorer.system()), mode, explorer))
     }
 
+    fn explorer(&mut self, fine: bool) -> &mut Explorer {
+        if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer }
+    }
+
     fn fine<'e>(fine: &'e mut Option<Explorer>, chart: &Chart, cancel: &Cancel) -> &'e mut Explorer {
-        let explorer = fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law, chart.seed));
+        let explorer = fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law));
         explorer.cancel = cancel.clone();
         explorer
     }

@@ -137,7 +137,7 @@ const NEAR: f64 = 1.03;
 
 fn is_near(a: &Chart, b: &Chart) -> bool {
     let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;
-    let same = a.law.shape == b.law.shape && a.seed == b.seed;
+    let same = a.law.shape == b.law.shape;
     same && close(a.law.range, b.law.range) && close(a.law.surface_energy, b.law.surface_energy) && close(a.length, b.length)
 }
 
@@ -156,7 +156,7 @@ fn chart_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Chart, 
     if points > POINTS_MAX {
         return Err(unmapped(&format!("a live loop would need {points} points a side")));
     }
-    Ok((plan::chart(&law, length, points, scene.seed), turn))
+    Ok((plan::chart(&law, length, points), turn))
 }
 
 impl LiveLoop {

@@ -4,6 +4,8 @@
 
 pub mod atlas;
 pub mod chart;
+pub mod contest;
+pub mod error_bar;
 pub mod flat_branch;
 pub mod forecast;
 pub mod ledger;

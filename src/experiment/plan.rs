@@ -1,8 +1,7 @@
 //! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the cost it expects.
 
 use super::atlas::Chart;
-use super::record::{JumpRecord, LoopRecord};
-use super::scene::{Model, Points, Range, Scene, Turn};
+use super::scene::{Model, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
@@ -135,9 +134,9 @@ pub fn next_fast(n: usize) -> usize {
 }
 
 /// The atlas of a scene on `n` points along a side.
-pub fn chart(law: &Law, length: f64, n: usize, seed: u64) -> Chart {
+pub fn chart(law: &Law, length: f64, n: usize) -> Chart {
     let coarse = next_fast((mesh_rule::points_for_mu_rho(law, length, EXPLORED)).ceil() as usize);
-    Chart { length, law: *law, square: n, line: next_fast(n + n / 3), coarse: coarse.clamp(16, n.max(16)), seed }
+    Chart { length, law: *law, square: n, line: next_fast(n + n / 3), coarse: coarse.clamp(16, n.max(16)) }
 }
 
 /// Decides how to compute the loop of `scene`, whose open choices are made in `model`.
@@ -173,7 +172,7 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
         // What the wish may overrule is the plan, not the scene.
         (Wish::Atlas, _) if no_atlas.is_some() => by_walk(Reduction::Whole, &no_atlas.unwrap_or_default()),
         (Wish::Atlas, _) | (Wish::Plan, None) => {
-            let chart = chart(&model.law, model.grid.length, n, scene.seed);
+            let chart = chart(&model.law, model.grid.length, n);
             let side = chart.square;
             Plan {
                 road: Road::Atlas(chart),
@@ -211,13 +210,18 @@ fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
         Some("uneven ground has no branches of known symmetry".to_owned())
     } else if model.grid.is_line() {
         Some("a line cell is small enough as it is".to_owned())
-    } else if !n.is_multiple_of(4) || n < 16 {
-        Some(format!("{n} points are no multiple of 4 from 16 on"))
+    } else if let Some(reason) = no_quarter(n) {
+        Some(reason)
     } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
         Some("the turn at zero load is for uneven ground".to_owned())
     } else {
         None
     }
+}
+
+/// Why a mesh of n x n points has no quarter whose modes are resolved; `None` if it has.
+pub(super) fn no_quarter(n: usize) -> Option<String> {
+    (!n.is_multiple_of(4) || n < 16).then(|| format!("{n} points are no multiple of 4 from 16 on"))
 }
 
 /// Why an atlas will not do; `None` if it will.
@@ -249,31 +253,4 @@ fn travel(scene: &Scene, model: &Model) -> f64 {
         Turn::At(turn) => scene.drive.start - turn,
         Turn::ZeroLoad => 10.0 * model.law.range,
     }
-}
-
-/// The scene that judges a loop of `scene`: the same law on the next finer mesh.
-pub fn reference(scene: &Scene, model: &Model) -> Scene {
-    let n = next_fast(model.grid.nx + model.grid.nx / 3);
-    let mut finer = scene.clone();
-    finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
-    finer.law.range = Range::Length(model.law.range);
-    finer
-}
-
-/// The larger of the relative errors of the released energy and of the jumps' u0, of `record` against the better `reference`; 1 where
-/// the jumps are not the same ones. Zero if neither has any. Jumps that release less than a thousandth of the whole are the mesh's.
-pub fn measured_error(record: &LoopRecord, reference: &LoopRecord) -> f64 {
-    let least = 1e-3 * reference.released_energy_sum();
-    let (mine, right) = (large_jumps(record, least), large_jumps(reference, least));
-    let name = |jump: &&JumpRecord| (jump.branch, jump.from, jump.to);
-    if !mine.iter().map(name).eq(right.iter().map(name)) {
-        return 1.0;
-    }
-    let share = |value: f64, right: f64| if right == 0.0 { value.abs() } else { ((value - right) / right).abs() };
-    let jumps = mine.iter().zip(&right).map(|(a, b)| share(a.mean_displacement, b.mean_displacement));
-    jumps.fold(share(record.released_energy_sum(), reference.released_energy_sum()), f64::max)
-}
-
-fn large_jumps(record: &LoopRecord, least: f64) -> Vec<&JumpRecord> {
-    record.jumps.iter().filter(|jump| jump.released_energy > least).collect()
 }

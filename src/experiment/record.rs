@@ -1,5 +1,6 @@
 //! What a walk leaves behind: states and jumps.
 
+use super::contest::Share;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use std::fmt;
@@ -144,6 +145,21 @@ pub struct JumpRecord {
     pub release_error: f64,
     /// What gave way.
     pub cause: Cause,
+    /// Where else it might have landed; empty unless that is contested.
+    pub rivals: Vec<Share>,
+}
+
+impl JumpRecord {
+    /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 %, bulge 43 %".
+    pub fn cause_words(&self) -> String {
+        if self.rivals.is_empty() {
+            return self.cause.to_string();
+        }
+        let own = Share { pattern: self.to, share: 1.0 - self.rivals.iter().map(|rival| rival.share).sum::<f64>() };
+        let say = |share: &Share| format!("{} {:.0} %", share.pattern, 100.0 * share.share);
+        let all: Vec<String> = std::iter::once(&own).chain(&self.rivals).map(say).collect();
+        format!("{}; contested: {}", self.cause, all.join(" / "))
+    }
 }
 
 /// Everything recorded along a path, in order.

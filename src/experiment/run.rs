@@ -1,10 +1,12 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
-use super::atlas::{Atlas, Unmapped};
+use super::atlas::{Atlas, Cycle, Unmapped};
+use super::contest::Share;
+use super::error_bar::error_bar;
 use super::ledger::Ledger;
-use super::plan::{Plan, Reduction, Road};
+use super::plan::{Plan, Reduction, Road, chart};
 use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
-use super::scene::{Scene, SceneError, Turn};
+use super::scene::{Model, Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
@@ -25,13 +27,26 @@ pub struct LoopRun {
     pub landings: Vec<Landing>,
     /// Why it was not computed as it was meant to be, in words, if it was not.
     pub deviation: Option<String>,
+    /// Relative error of loss and jumps as a finer mesh tells it ([`error_bar`]); `None` unless it was asked.
+    pub error_bar: Option<f64>,
+    /// The loops of other landings, if it is contested where the surface lands.
+    pub rivals: Vec<RivalLoop>,
+}
+
+/// The loop of another landing from a limit of the flat state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RivalLoop {
+    /// Where the surface lands, and how often.
+    pub landing: Share,
+    /// Its loss over gamma; `None` where that is not known.
+    pub dissipated_energy: Option<f64>,
 }
 
 impl LoopRun {
     /// A loop of which nothing is computed yet.
     pub(crate) fn empty() -> Self {
         let (record, counts) = (LoopRecord::default(), Counts::default());
-        Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None }
+        Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None, error_bar: None, rivals: Vec::new() }
     }
 
     /// The ledger, for a law of `surface_energy` gamma; `None` if the drive was not completed.
@@ -96,11 +111,40 @@ pub fn run_loop(
     run_reduced(scene, method, Reduction::Whole, cancel, observe)
 }
 
-/// Runs the closed loop on the road of `plan`; where an atlas finds that it does not hold this scene, on the whole cell.
+/// Runs the closed loop on the road of `plan`, with its error bar and the loops of other landings; where an atlas finds that it does not
+/// hold this scene, on the whole cell.
 ///
 /// # Errors
 /// As [`run_loop`].
 pub fn run_planned(
+    scene: &Scene,
+    method: MethodKind,
+    plan: &Plan,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
+    let (mut run, model) = (run_on_road(scene, method, plan, cancel, observe)?, scene.model()?);
+    run.error_bar = error_bar(scene, &model, &run, cancel);
+    run.rivals = rival_loops(scene, &model, &run, cancel);
+    Ok(run)
+}
+
+/// The loops of other landings of a contested one.
+fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
+    let Turn::At(turn) = scene.drive.turn else { return Vec::new() };
+    if run.record.jumps.iter().all(|jump| jump.rivals.is_empty()) {
+        return Vec::new();
+    }
+    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
+    atlas.obey(cancel);
+    // Its landings are known once it has been round.
+    let _ = atlas.cycle(scene.drive.start, turn);
+    let loss = |cycle: Result<Cycle, Unmapped>| cycle.ok().map(|cycle| cycle.dissipated_energy);
+    let rivals = atlas.rival_cycles(scene.drive.start, turn);
+    rivals.into_iter().map(|(landing, cycle)| RivalLoop { landing, dissipated_energy: loss(cycle) }).collect()
+}
+
+fn run_on_road(
     scene: &Scene,
     method: MethodKind,
     plan: &Plan,

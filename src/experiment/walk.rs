@@ -17,6 +17,7 @@ pub use happening::{Counts, Happening, Progress};
 pub use views::EnergyWell;
 pub use widen::Widened;
 
+use super::contest::Share;
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;
 use super::record::{Branch, Cause, StateRecord};
@@ -67,6 +68,8 @@ struct Jumping {
     kick: f64,
     /// Energy of the state before, carried to the u0 of the jump.
     energy_before: f64,
+    /// Where other kicks lead.
+    rivals: Vec<Share>,
 }
 
 /// A body on its way along u0.
@@ -107,6 +110,8 @@ pub struct Walk {
     worked: Duration,
     step_began: Instant,
     seen: Cost,
+    /// Transforms spent on looking where a surface may land.
+    looked: usize,
 }
 
 impl Walk {
@@ -207,6 +212,7 @@ impl Walk {
             worked: Duration::ZERO,
             step_began: Instant::now(),
             seen: Cost::default(),
+            looked: 0,
             system,
             model,
         };
@@ -288,7 +294,7 @@ impl Walk {
     }
 
     fn transforms(&self) -> usize {
-        self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
+        self.looked + self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.
@@ -335,7 +341,7 @@ impl Walk {
             (self.barrier, self.before, self.short) = (None, None, None);
         }
         match self.flat {
-            Some(flat) if self.state.is_uniform() => self.step_flat(flat, observe),
+            Some(flat) if self.state.is_uniform() => self.step_flat(flat, cancel, observe),
             _ => self.step_patterned(cancel, observe),
         }
     }

@@ -36,7 +36,7 @@ fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, S
     let model = scene.model().map_err(|error| failed(error.to_string()))?;
     let Turn::At(turn) = scene.drive.turn else { return Err(failed("turns at zero load".to_owned())) };
     task.tell(0.0, &scene.title)?;
-    let mut atlas = Atlas::new(plan::chart(&model.law, model.grid.length, points, scene.seed));
+    let mut atlas = Atlas::new(plan::chart(&model.law, model.grid.length, points));
     atlas.obey(task.cancel);
     let cycle = atlas.cycle(scene.drive.start, turn);
     task.tell(1.0, &scene.title)?;

@@ -1,7 +1,10 @@
-//! The release after an instability: damped dynamics at fixed u0 that cannot gain energy, until Newton can take over.
+//! The release after an instability: down the steepest way at fixed u0, until Newton can take over nearby.
+//!
+//! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over it; where it then comes to rest is a
+//! matter of luck. Here the velocity always points along the force.
 
 use super::method::{Problem, Slides};
-use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
+use super::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::preconditioner::Preconditioner;
@@ -9,19 +12,18 @@ use crate::physics::system::{System, Workspace};
 
 /// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
 const STEP_MAX: f64 = 0.05;
-/// Share of the velocity that turns into the direction of the force in each step.
-const STEERING: f64 = 0.05;
 /// Time step in units of the inverse largest frequency (the stability limit is 2).
 const TIME_STEP: f64 = 1.2;
 /// Steps after which a release is given up: hundreds are normal.
 const STEPS_MAX: usize = 20_000;
-/// Root mean square force over sigma_max at which Newton is tried first.
-const FIRST_TRY: f64 = 1e-2;
-
-/// Steps after which the descent by Newton steps is tried in any case: in a flat valley dynamics is slow.
-const RETRY: usize = 60;
-/// Newton steps of one such descent.
-const DESCENT: usize = 12;
+/// Share of the longest step below which the steepest way creeps, on a saddle or along a valley, and Newton steps go on.
+const CREEP: f64 = 0.2;
+/// Steps that the steepest way is given before that is asked.
+const STEEPEST: usize = 12;
+/// Newton steps then, each within a trust region of the longest step, so that they follow the valley.
+const DESCENT: usize = 4;
+/// The smallest trust region, over the longest step.
+const LEAST_TRUST: f64 = 1e-6;
 
 /// A release under way.
 #[derive(Clone, Debug)]
@@ -39,7 +41,11 @@ pub struct Release {
     gradient: Vec<f64>,
     energy: f64,
     shrink: f64,
-    try_newton_at: f64,
+    /// Length of the last step (root mean square), and steps since Newton's method was tried.
+    moved: f64,
+    since_newton: usize,
+    /// Newton's trust region over the longest step: smaller after a descent that found nothing lower.
+    trust: f64,
     limits: NewtonLimits,
 }
 
@@ -70,7 +76,9 @@ impl Release {
             gradient: vec![0.0; n],
             energy: f64::INFINITY,
             shrink: 1.0,
-            try_newton_at: FIRST_TRY,
+            moved: 0.0,
+            since_newton: 0,
+            trust: 1.0,
             limits: NewtonLimits { steps: DESCENT, ..NewtonLimits::default() },
         }
     }
@@ -96,7 +104,6 @@ impl Release {
         ws: &mut Workspace,
         cancel: &Cancel,
     ) -> Slice {
-        let sigma = system.law().traction_max();
         for _ in 0..count {
             if cancel.requested() {
                 return Slice::Cancelled;
@@ -117,17 +124,24 @@ impl Release {
                 continue;
             }
             (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
-            if force < self.try_newton_at * sigma || self.steps.is_multiple_of(RETRY) {
-                self.try_newton_at *= 0.1;
+            let cap = STEP_MAX * system.law().range;
+            self.since_newton += 1;
+            if self.since_newton >= STEEPEST && self.moved < CREEP * cap {
+                self.since_newton = 0;
                 preconditioner.refresh(system, ws);
                 let problem = Problem { system, preconditioner, slides };
-                let state = descend(&problem, self.z.clone(), self.u0, STEP_MAX * system.law().range, self.limits, ws, cancel);
+                let state = descend(&problem, self.z.clone(), self.u0, self.trust * cap, self.limits, ws, cancel);
                 match state.end {
                     NewtonEnd::Converged => return Slice::Settled(state),
                     NewtonEnd::Cancelled => return Slice::Cancelled,
                     // Lower, if not there yet: go on from where it got to.
                     _ => {
-                        self.z = state.z;
+                        let rounding = system.precision().rounding().max(1e-12) * system.law().surface_energy;
+                        let found = state.at.energy < self.energy - rounding;
+                        self.trust = if found { 1.0 } else { (0.25_f64.powi(DESCENT as i32) * self.trust).max(LEAST_TRUST) };
+                        // What slides is pulled by the mesh alone, and Newton steps leave that out: at rest, if it is on a mesh point.
+                        self.z = if found || slides == Slides::Never { state.z } else { centred(system, &state.z) };
+                        self.energy = f64::INFINITY;
                         self.velocity.fill(0.0);
                         continue;
                     }
@@ -145,8 +159,8 @@ impl Release {
         }
         let (speed, length) = (norm(&self.velocity), norm(&push));
         if length > 0.0 {
-            scale(&mut self.velocity, 1.0 - STEERING);
-            add(&mut self.velocity, STEERING * speed / length, &push);
+            self.velocity.copy_from_slice(&push);
+            scale(&mut self.velocity, speed / length);
         }
         let inertia = 1.0 / preconditioner.diagonal().iter().cloned().fold(0.0, f64::max);
         let stiffest = ws.stiffness.iter().cloned().fold(0.0, f64::max);
@@ -157,6 +171,7 @@ impl Release {
         if moved > cap {
             scale(&mut self.velocity, cap / moved);
         }
+        self.moved = moved.min(cap);
         self.previous.copy_from_slice(&self.z);
         add(&mut self.z, dt, &self.velocity);
         self.shrink = (self.shrink * 1.02).min(1.0);

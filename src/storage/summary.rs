@@ -33,7 +33,8 @@ pub struct Summary {
     pub scene: SceneSummary,
     /// The model that was chosen, and why.
     pub plan: PlanSummary,
-    /// Relative error of dissipated energy and jumps that the plan expects; not available where nothing is known.
+    /// Relative error to be expected of the dissipated energy and of the jumps' u0, as a finer mesh tells it (what the plan expects,
+    /// where that was not asked); not available where nothing is known.
     pub predicted_error: Number,
     /// The same against a walk on the next finer mesh; not available unless asked for with --verify.
     pub measured_error: Number,
@@ -66,6 +67,8 @@ pub struct Summary {
     pub ledger_mismatch: Number,
     /// What a reader of these numbers must know.
     pub warnings: Vec<String>,
+    /// Other landings of a contested jump, and what the loop then loses.
+    pub contested: Vec<Contested>,
     /// What was counted.
     pub counts: CountSummary,
     /// Least smallest eigenvalue of all states (E*/L).
@@ -122,6 +125,17 @@ pub struct PlanSummary {
     pub mu_rho: Number,
     /// What a reader must know of this mesh.
     pub warning: Option<String>,
+}
+
+/// Another landing of a contested jump.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contested {
+    /// The pattern.
+    pub landing: &'static str,
+    /// The share of all mixtures of the soft modes that lead there, 0 to 1.
+    pub share: Number,
+    /// What the loop then loses, over gamma.
+    pub dissipated_energy: Number,
 }
 
 /// What was counted.

@@ -283,7 +283,9 @@ impl App {
             FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
             FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
             FileTask::ExportLoopPng => {
-                picture::write_loop_png(path, &state.record, &state.model.law, &state.scene.title, state.predicted_error())
+                let law = &state.model.law;
+                let error = state.record.ledger(law.surface_energy).stated_error(state.predicted_error());
+                picture::write_loop_png(path, &state.record, law, &state.scene.title, error)
                     .and_then(|()| picture::attach_scene(path, &state.scene))
             }
             FileTask::ExportGapPng => match &state.frame {

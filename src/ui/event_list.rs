@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
                 }
                 ui.label(format!("{} → {}", jump.from, jump.to)).on_hover_text(state.say_jump(jump));
                 ui.label(format!("{:.4}", jump.released_energy));
-                ui.label(RichText::new(jump.cause.to_string()).small());
+                ui.label(RichText::new(jump.cause_words()).small());
                 ui.end_row();
             }
         });

@@ -369,7 +369,7 @@ impl ViewState {
             jump.mean_displacement / self.rho(),
             jump.branch,
             jump.released_energy,
-            jump.cause
+            jump.cause_words()
         )
     }
 }

@@ -1,5 +1,6 @@
 //! Where a surface comes to rest when its branch ends: a release on a coarse quarter cell, only to learn which pattern it is.
 
+use crate::experiment::contest::{KICK as FLAT_KICK, MIXTURES, angle};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, scale};
 use crate::physics::grid::Grid;
@@ -11,8 +12,6 @@ use crate::physics::system::{System, Workspace};
 use crate::solver::method::Slides;
 use crate::solver::newton::NewtonState;
 use crate::solver::release::{Release, Slice};
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 
 /// Root mean square kick along the soft mode, in ranges; the same as the walk's.
 const KICK: f64 = 0.1;
@@ -34,27 +33,37 @@ pub enum Rest {
     Other,
 }
 
+impl Rest {
+    /// Its pattern.
+    pub fn pattern(&self) -> Pattern {
+        match self {
+            Rest::Flat => Pattern::Flat,
+            Rest::Ridge(_) => Pattern::Ridge,
+            Rest::Square(pattern, _) => *pattern,
+            Rest::Other => Pattern::Other,
+        }
+    }
+}
+
 /// The coarse quarter cell.
 #[derive(Clone, Debug)]
 pub struct Explorer {
     system: System,
     preconditioner: Preconditioner,
     ws: Workspace,
-    seed: u64,
     /// Interrupts a fall.
     pub cancel: Cancel,
 }
 
 impl Explorer {
     /// On n x n points of the whole cell.
-    pub fn new(length: f64, n: usize, law: Law, seed: u64) -> Self {
+    pub fn new(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
         let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
         Self {
             preconditioner: Preconditioner::new(&system, constant),
             ws: system.workspace(),
             system,
-            seed,
             cancel: Cancel::default(),
         }
     }
@@ -69,16 +78,15 @@ impl Explorer {
         self.ws.transforms
     }
 
-    /// The first waves along x and y, in a mixture drawn from the seed: the flat state's soft modes.
-    pub fn flat_mode(&self) -> Vec<f64> {
-        let mut rng = Pcg64::seed_from_u64(self.seed);
-        // In the whole cell each is the length of two amplitudes.
-        let mut size = || rng.random_range(-1.0..1.0_f64).hypot(rng.random_range(-1.0..1.0));
-        let (x, y) = (size(), size());
-        let mut z = vec![0.0; self.system.dimension()];
-        let ny = self.system.shape().0;
-        (z[ny], z[1]) = (x / x.hypot(y), y / x.hypot(y));
-        z
+    /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first waves along x and y.
+    pub fn from_flat(&mut self, u0: f64) -> Vec<Rest> {
+        let (flat, ny) = (vec![0.0; self.system.dimension()], self.system.shape().0);
+        let from = |mixture: usize| {
+            let mut mode = flat.clone();
+            (mode[1], mode[ny]) = angle(mixture).sin_cos();
+            self.kicked(&flat, &mode, FLAT_KICK, u0)
+        };
+        (0..MIXTURES).map(from).collect()
     }
 
     /// The pattern of amplitudes.
@@ -89,7 +97,11 @@ impl Explorer {
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
     pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
-        let size = KICK * self.system.law().range / norm(mode);
+        self.kicked(z, mode, KICK, u0)
+    }
+
+    fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, u0: f64) -> Rest {
+        let size = kick * self.system.law().range / norm(mode);
         let mut g = vec![0.0; z.len()];
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();

@@ -11,7 +11,7 @@ use crate::solver::Stop;
 /// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged, and says why.
 pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
-    let chart = plan::chart(&model.law, model.grid.length, model.grid.nx, scene.seed);
+    let chart = plan::chart(&model.law, model.grid.length, model.grid.nx);
     let mut atlas = Atlas::new(chart);
     let start = scene.drive.start;
     let cycle = match scene.drive.turn {

@@ -1,16 +1,21 @@
 //! One increment along a branch, and the bracketing of where the branch ends.
 
 use super::{Barrier, Before, Happening, Progress, Walk, problem};
+use crate::experiment::atlas::{Explorer, Rest};
+use crate::experiment::contest::{mixture, shares};
 use crate::experiment::flat_branch::FlatBranch;
+use crate::experiment::plan;
 use crate::experiment::record::{Branch, Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
+use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::{Lost, audit};
 use crate::solver::stability::random_smooth;
+use ndarray::Axis;
 
 /// Width, in ranges, to which the end of a branch is bracketed: a fifth of what a plan promises for jumps at half a range.
 const LOCATED: f64 = 1e-5;
@@ -19,6 +24,10 @@ const LOCATED: f64 = 1e-5;
 /// branch may be unstable for a tenth of a range alone, and a step across that goes unseen.
 const LONGEST_FLAT: f64 = 0.5;
 const LONGEST_UNEVEN: f64 = 0.1;
+/// The first step, in ranges, on a branch just landed on: there is no prediction yet from which another branch would stray.
+pub(super) const FIRST: f64 = 0.05;
+/// Step, in ranges, below which nobody asks whether a falling eigenvalue was negative on the way.
+const PASSED: f64 = 1e-3;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
@@ -74,7 +83,7 @@ impl Walk {
         if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
     }
 
-    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn step_flat(&mut self, flat: FlatBranch, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
         let next = self.next_displacement();
         let Some((stable, unstable)) = flat.limit_between(self.state.mean_displacement, next) else {
             self.state = flat.state(next, self.system.dimension());
@@ -85,8 +94,46 @@ impl Walk {
             self.state = flat.state(stable, self.system.dimension());
             self.accept(observe);
         }
-        let soft = self.random_soft_wave();
-        self.release(Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft }, false)
+        let landings = self.landings_from_flat(unstable, cancel);
+        if cancel.requested() {
+            return Progress::Cancelled;
+        }
+        let shares = shares(&landings);
+        let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
+        let barrier = Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft };
+        let rivals = shares.into_iter().skip(1).collect();
+        self.release_towards(barrier, false, rivals)
+    }
+
+    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on a coarse quarter cell; empty where there is
+    /// but one wave, or no such cell.
+    fn landings_from_flat(&mut self, u0: f64, cancel: &Cancel) -> Vec<Pattern> {
+        let grid = *self.system.grid();
+        if grid.is_line() || plan::no_quarter(grid.nx).is_some() {
+            return Vec::new();
+        }
+        let law = *self.system.law();
+        let mut explorer = Explorer::new(grid.length, plan::chart(&law, grid.length, grid.nx).coarse, law);
+        explorer.cancel = cancel.clone();
+        let landings = explorer.from_flat(u0).iter().map(Rest::pattern).collect();
+        self.looked += explorer.transforms();
+        landings
+    }
+
+    /// A random mixture of the first waves that leads to `pattern`.
+    fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
+        loop {
+            let wave = self.random_soft_wave();
+            let field = self.system.field(&wave, &mut self.ws);
+            let along = |axis: usize| {
+                let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
+                profile.iter().map(|v| v * v).sum::<f64>().sqrt()
+            };
+            // As if drawn from all that lead there.
+            if landings.get(mixture(along(0), along(1))).copied() == pattern {
+                return wave;
+            }
+        }
     }
 
     /// All first waves of the cell go soft together; the seed mixes them.
@@ -130,14 +177,22 @@ impl Walk {
                     Err(reason) => return Progress::Stuck(reason),
                 };
                 state.measured(stiffness, mode);
-                if state.stop != Stop::Unstable || !locates {
-                    let progress = self.take(state, observe);
-                    self.watch_bracket();
-                    return progress;
+                if locates && self.barrier.is_none() && self.passed_an_end(&state) {
+                    self.short = Some(0.5 * (next - here).abs());
+                    return Progress::Working;
                 }
-                barrier.cause = Cause::SymmetryBreaking;
-                barrier.stiffness = Some(stiffness.value);
-                barrier.soft_mode = state.soft_mode;
+                if state.stop != Stop::Unstable || !locates {
+                    let faded = locates && reached.is_none() && self.faded(&state);
+                    if !faded {
+                        let progress = self.take(state, observe);
+                        self.watch_bracket();
+                        return progress;
+                    }
+                } else {
+                    barrier.cause = Cause::SymmetryBreaking;
+                    barrier.stiffness = Some(stiffness.value);
+                    barrier.soft_mode = state.soft_mode;
+                }
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(Lost::Diverged(reason)) => {
@@ -158,6 +213,20 @@ impl Walk {
         self.barrier = Some(barrier);
         self.watch_bracket();
         Progress::Working
+    }
+
+    /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the branch may have been unstable on
+    /// the way.
+    fn passed_an_end(&self, next: &Equilibrium) -> bool {
+        let (Some(before), Some(now)) = (self.before, self.state.stiffness_min) else { return false };
+        let (here, there) = (self.state.mean_displacement, next.mean_displacement);
+        let expected = now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
+        expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.model.law.range
+    }
+
+    /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only faded, a bracket says so.
+    fn faded(&self, next: &Equilibrium) -> bool {
+        self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.state))
     }
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
@@ -220,6 +289,7 @@ impl Walk {
                 released_energy: released,
                 release_error: (du * (self.state.stress - stress)).abs() / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
+                rivals: Vec::new(),
             }));
         }
         self.accept(observe);

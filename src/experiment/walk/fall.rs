@@ -4,6 +4,7 @@
 //! Here a step that Newton's method refuses is gone downhill from where the branch was heading, which always ends somewhere. The
 //! energy tells whether something let go on the way; then the step is halved until it is short enough to say where.
 
+use super::landing::Leaving;
 use super::{Before, Happening, Progress, Walk, problem};
 use crate::experiment::record::Cause;
 use crate::numerics::cancel::Cancel;
@@ -62,7 +63,7 @@ impl Walk {
         if !jumped {
             return Some(self.take(state, observe));
         }
-        self.arrive(state, stress_before, released, Cause::Fold, RELEASED, observe);
+        self.arrive(state, Leaving { stress: stress_before, released, cause: Cause::Fold, rivals: Vec::new() }, RELEASED, observe);
         Some(Progress::Working)
     }
 }

@@ -1,6 +1,8 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
+use super::advance::FIRST;
 use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
+use crate::experiment::contest::{KICK as FLAT_KICK, Share};
 use crate::experiment::record::{Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
@@ -26,14 +28,32 @@ const SLICE: usize = 6;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
 
+/// How a branch was left.
+pub(super) struct Leaving {
+    /// Mean stress where it ended (E*).
+    pub(super) stress: f64,
+    /// Energy released from there to where the surface landed (gamma).
+    pub(super) released: f64,
+    /// What gave way.
+    pub(super) cause: Cause,
+    /// Where other kicks lead.
+    pub(super) rivals: Vec<Share>,
+}
+
 impl Walk {
     /// Starts the release at a barrier. `choose`: take the side of the soft mode on which the energy falls.
     pub(super) fn release(&mut self, barrier: Barrier, choose: bool) -> Progress {
+        self.release_towards(barrier, choose, Vec::new())
+    }
+
+    /// The same where other kicks lead elsewhere.
+    pub(super) fn release_towards(&mut self, barrier: Barrier, choose: bool, rivals: Vec<Share>) -> Progress {
         let (_, energy_before) = self.carried_to(barrier.at);
-        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, KICK, choose);
+        let kick = if barrier.cause == Cause::FlatLimit { FLAT_KICK } else { KICK };
+        let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, kick, choose);
         let Barrier { at, cause, soft_mode, .. } = barrier;
         let release = Release::new(z, at).with_tolerance(self.system.precision().tolerance());
-        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick: KICK, energy_before });
+        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, rivals });
         Progress::Working
     }
 
@@ -206,7 +226,8 @@ impl Walk {
                 landed.mean_displacement
             ));
         }
-        self.arrive(landed, stress_before, released, jumping.cause, EVENT, observe);
+        let Jumping { cause, rivals, .. } = jumping;
+        self.arrive(landed, Leaving { stress: stress_before, released, cause, rivals }, EVENT, observe);
         Progress::Working
     }
 
@@ -215,14 +236,12 @@ impl Walk {
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
-        stress_before: f64,
-        released: f64,
-        cause: Cause,
+        Leaving { stress: stress_before, released, cause, rivals }: Leaving,
         event: f64,
         observe: &mut dyn FnMut(Happening),
     ) {
         let left = std::mem::replace(&mut self.state, landed);
-        (self.before, self.short) = (None, None);
+        (self.before, self.short) = (None, Some(FIRST * self.model.law.range).filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
         let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
         let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
@@ -255,6 +274,7 @@ impl Walk {
             released_energy,
             release_error,
             cause,
+            rivals,
         }));
         self.accept(observe);
     }

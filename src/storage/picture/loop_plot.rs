@@ -37,26 +37,26 @@ const LOSS: RGBColor = RGBColor(0xe8, 0xc8, 0x60);
 type Drawn = Result<(), Box<dyn Error>>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Ticks, Ticks>>;
 
-/// Writes the loop as an SVG; `predicted_error` is what the plan expects of its loss.
+/// Writes the loop as an SVG; `error` is the relative error to be stated of its loss.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_loop_svg(path: &Path, record: &LoopRecord, law: &Law, title: &str, predicted_error: f64) -> Result<(), Failure> {
+pub fn write_loop_svg(path: &Path, record: &LoopRecord, law: &Law, title: &str, error: Option<f64>) -> Result<(), Failure> {
     let mut text = String::new();
-    let plot = Plot::new(record, law, title, predicted_error).scaled(1.0);
+    let plot = Plot::new(record, law, title, error).scaled(1.0);
     let backend = SVGBackend::with_string(&mut text, SIZE);
     plot.draw(&backend.into_drawing_area()).map_err(|error| Failure::write(path, error))?;
     files::write_whole(path, text.as_bytes())
 }
 
-/// Writes the loop as a PNG of 1600 x 1000 pixels; `predicted_error` is what the plan expects of its loss.
+/// Writes the loop as a PNG of 1600 x 1000 pixels; `error` is the relative error to be stated of its loss.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_loop_png(path: &Path, record: &LoopRecord, law: &Law, title: &str, predicted_error: f64) -> Result<(), Failure> {
+pub fn write_loop_png(path: &Path, record: &LoopRecord, law: &Law, title: &str, error: Option<f64>) -> Result<(), Failure> {
     let (width, height) = (PNG_SIZE.0 * OVERSAMPLING, PNG_SIZE.1 * OVERSAMPLING);
     let mut image = RgbImage::new(width, height);
-    let plot = Plot::new(record, law, title, predicted_error).scaled(f64::from(width) / f64::from(SIZE.0));
+    let plot = Plot::new(record, law, title, error).scaled(f64::from(width) / f64::from(SIZE.0));
     let backend = BitMapBackend::with_buffer(&mut image, (width, height));
     plot.draw(&backend.into_drawing_area()).map_err(|error| Failure::write(path, error))?;
     write_png(path, &image::imageops::thumbnail(&image, PNG_SIZE.0, PNG_SIZE.1))
@@ -130,10 +130,10 @@ struct Plot<'a> {
 }
 
 impl<'a> Plot<'a> {
-    fn new(record: &'a LoopRecord, law: &'a Law, title: &str, predicted_error: f64) -> Self {
+    fn new(record: &'a LoopRecord, law: &'a Law, title: &str, error: Option<f64>) -> Self {
         register_font();
         let curves = Curves::new(record, law);
-        let caption = caption(record, law, predicted_error);
+        let caption = caption(record, law, error);
         let title = line(title).chars().take(90).collect();
         Self { curves, jumps: &record.jumps, law, title, caption, scale: 1.0 }
     }
@@ -310,7 +310,7 @@ fn colour_of(branch: Branch) -> RGBColor {
 }
 
 /// The numbers of the loop in one line.
-fn caption(record: &LoopRecord, law: &Law, predicted_error: f64) -> String {
+fn caption(record: &LoopRecord, law: &Law, error: Option<f64>) -> String {
     let jumps = match record.jumps.is_empty() {
         true => "no jumps".to_owned(),
         false => format!("{}, releasing {} \u{3b3}", record.tally(), energy(record.released_energy_sum())),
@@ -319,7 +319,7 @@ fn caption(record: &LoopRecord, law: &Law, predicted_error: f64) -> String {
     let loss = match (ledger.dissipated_energy(), &ledger.open) {
         _ if record.states.is_empty() => "No states were computed".to_owned(),
         (Some(loss), _) => {
-            let accuracy = promise(ledger.stated_error(predicted_error));
+            let accuracy = promise(error);
             format!("Dissipated energy {} \u{3b3} per area and loop ({accuracy})", energy(loss))
         }
         (None, Some(open)) => format!("Loop not closed: {}", open.reason),

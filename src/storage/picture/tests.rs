@@ -59,6 +59,7 @@ fn invented_loop() -> LoopRecord {
                     released_energy: 0.1,
                     release_error: 1e-5,
                     cause: Cause::Fold,
+                    rivals: Vec::new(),
                 });
             }
             let first = usize::from(branch == Branch::Retraction && k == 0);
@@ -93,8 +94,8 @@ fn a_loop_becomes_an_svg_and_a_png() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (svg, png) = (folder.path().join("loop.svg"), folder.path().join("loop.png"));
     let record = invented_loop();
-    write_loop_svg(&svg, &record, &law(), "Fig. 2: four patterns <&>", 0.01).expect("an SVG");
-    write_loop_png(&png, &record, &law(), "Fig. 2: four patterns <&>", 0.01).expect("a PNG");
+    write_loop_svg(&svg, &record, &law(), "Fig. 2: four patterns <&>", Some(0.01)).expect("an SVG");
+    write_loop_png(&png, &record, &law(), "Fig. 2: four patterns <&>", Some(0.01)).expect("a PNG");
     let text = std::fs::read_to_string(&svg).expect("text");
     assert!(text.contains("Dissipated energy") && text.contains("&lt;&amp;&gt;") && text.contains("retraction"));
     let picture = image::ImageReader::open(&png).expect("the PNG").decode().expect("a picture").into_rgb8();
@@ -113,7 +114,7 @@ fn the_ticks_of_a_narrow_drive_are_told_apart() {
             .states
             .extend((0..=20).map(|i| state(Branch::Approach, Pattern::Bulge, middle + width * (0.5 - f64::from(i) / 20.0))));
         let path = folder.path().join("narrow.svg");
-        write_loop_svg(&path, &record, &law(), "", f64::NAN).expect("an SVG");
+        write_loop_svg(&path, &record, &law(), "", None).expect("an SVG");
         let text = std::fs::read_to_string(&path).expect("text");
         // The numbers below the x axis stand centred under their ticks.
         let lines: Vec<&str> = text.lines().collect();
@@ -129,14 +130,14 @@ fn the_ticks_of_a_narrow_drive_are_told_apart() {
 fn pictures_of_nothing_and_of_broken_numbers_are_drawn_too() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let empty = LoopRecord::default();
-    write_loop_png(&folder.path().join("empty.png"), &empty, &law(), "", f64::NAN).expect("a picture");
+    write_loop_png(&folder.path().join("empty.png"), &empty, &law(), "", None).expect("a picture");
     let mut one = LoopRecord::default();
     one.states.push(state(Branch::Approach, Pattern::Flat, 4.0));
-    write_loop_svg(&folder.path().join("one.svg"), &one, &law(), "bell \u{7}", 0.01).expect("a picture");
+    write_loop_svg(&folder.path().join("one.svg"), &one, &law(), "bell \u{7}", Some(0.01)).expect("a picture");
     let mut broken = invented_loop();
     broken.states[7].stress_over_max = f64::NAN;
     broken.states[9].mean_displacement = f64::INFINITY;
     broken.jumps[0].stress_after = f64::NAN;
-    write_loop_svg(&folder.path().join("broken.svg"), &broken, &law(), "broken", 0.01).expect("a picture");
+    write_loop_svg(&folder.path().join("broken.svg"), &broken, &law(), "broken", Some(0.01)).expect("a picture");
     write_gap_png(&folder.path().join("deep").join("gap.png"), &Array2::from_elem((4, 4), f64::NAN)).expect("a picture");
 }

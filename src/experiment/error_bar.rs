@@ -1,0 +1,72 @@
+//! The error bar of a finished loop: how far its loss and its jumps are from those of a finer mesh.
+//!
+//! What a mesh is worth is known beforehand only as a bound ([`super::plan::mesh_error`]): the errors of two scenes on equally fine
+//! meshes differ by a factor of ten. Afterwards a second, finer mesh tells. The error falls exponentially with the number of points, so
+//! that of the finer mesh hardly counts beside that of the loop.
+
+use super::atlas::Atlas;
+use super::plan::{Reduction, chart, flat_error, next_fast};
+use super::record::JumpRecord;
+use super::run::{LoopRun, Outcome, run_reduced};
+use super::scene::{Model, Points, Range, Scene, Turn};
+use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
+use crate::solver::method::MethodKind;
+
+/// The measured difference is stated this many times larger: what a mesh of 4/3 times the points itself is off by, a tenth at most where
+/// the error falls by e^2.6 for each unit of 1/mu_rho^2, and as much again.
+const SAFETY: f64 = 1.25;
+/// Added to it, relative: how well two loops locate the same ends.
+const FLOOR: f64 = 3e-6;
+
+/// The relative error of loss and jumps of a loop that was completed on flat ground; `None` where a finer mesh cannot tell, or not in
+/// time. Where its jumps are not the same ones nothing can be promised: 1.
+pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Option<f64> {
+    let promised = flat_error(&model.law, model.grid.length, model.mu_rho) < 1.0;
+    let closed = run.ledger(model.law.surface_energy).is_some_and(|ledger| ledger.dissipated_energy().is_some() && !ledger.viscous);
+    if model.indenter != Indenter::Flat || !promised || !closed {
+        return None;
+    }
+    let jumps = finer_jumps(scene, model, cancel)?;
+    let error = measured_error(&run.record.jumps, &jumps);
+    (!cancel.requested()).then_some(if error < 1.0 { SAFETY * error + FLOOR } else { 1.0 })
+}
+
+/// The jumps of the loop on the next finer mesh: of a line walked, of a square read off an atlas.
+fn finer_jumps(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<JumpRecord>> {
+    let finer = reference(scene, model);
+    if model.grid.is_line() {
+        let run = run_reduced(&finer, MethodKind::NewtonKrylov, Reduction::Quarter, cancel, &mut |_| {}).ok()?;
+        return (run.outcome == Outcome::Completed).then_some(run.record.jumps);
+    }
+    let Turn::At(turn) = scene.drive.turn else { return None };
+    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, finer.model().ok()?.grid.nx));
+    atlas.obey(cancel);
+    atlas.cycle(scene.drive.start, turn).ok().map(|cycle| cycle.jumps)
+}
+
+/// The scene that judges a loop of `scene`: the same law on the next finer mesh.
+pub fn reference(scene: &Scene, model: &Model) -> Scene {
+    let n = next_fast(model.grid.nx + model.grid.nx / 3);
+    let mut finer = scene.clone();
+    finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+    finer.law.range = Range::Length(model.law.range);
+    finer
+}
+
+/// The larger of the relative errors of the released energy and of the jumps' u0, of a loop with these `jumps` against the better
+/// `reference`; 1 where the jumps are not the same ones. Zero if neither has any. Jumps that release less than a thousandth of the whole
+/// are the mesh's.
+pub fn measured_error(jumps: &[JumpRecord], reference: &[JumpRecord]) -> f64 {
+    let loss = |jumps: &[JumpRecord]| jumps.iter().map(|jump| jump.released_energy).sum::<f64>();
+    let least = 1e-3 * loss(reference);
+    let large = |jumps: &'_ [JumpRecord]| jumps.iter().filter(|jump| jump.released_energy > least).cloned().collect::<Vec<_>>();
+    let (mine, right) = (large(jumps), large(reference));
+    let name = |jump: &JumpRecord| (jump.branch, jump.from, jump.to);
+    if !mine.iter().map(name).eq(right.iter().map(name)) {
+        return 1.0;
+    }
+    let share = |value: f64, right: f64| if right == 0.0 { value.abs() } else { ((value - right) / right).abs() };
+    let each = mine.iter().zip(&right).map(|(a, b)| share(a.mean_displacement, b.mean_displacement));
+    each.fold(share(loss(jumps), loss(reference)), f64::max)
+}
