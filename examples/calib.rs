@@ -1,74 +1,131 @@
+//! How often the stated error holds: random loops on flat ground against an independent walk on a mesh half as fine again.
+//!
+//! Prints one row a loop, then the table of the README. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares and
+//! lines, every road, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump or has one too many counts as outside.
+
+use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use tackscope::experiment::plan::*;
-use tackscope::experiment::record::*;
-use tackscope::experiment::run::*;
-use tackscope::experiment::scene::*;
+use tackscope::experiment::error_bar::measured_error;
+use tackscope::experiment::plan::{Plan, Reduction, Road, Wish, next_fast, plan};
+use tackscope::experiment::run::{Outcome, run_planned, run_reduced};
+use tackscope::experiment::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::mesh_rule;
 use tackscope::physics::theory::flat;
 use tackscope::solver::method::MethodKind::NewtonKrylov;
 
-fn errs(a: &LoopRecord, b: &LoopRecord) -> (f64, f64, f64) {
-    let least = 1e-3 * b.released_energy_sum();
-    let f = |r: &LoopRecord| r.jumps.iter().filter(|j| j.released_energy > least).cloned().collect::<Vec<_>>();
-    let (x, y) = (f(a), f(b));
-    let nm = |j: &JumpRecord| (j.branch, j.from, j.to);
-    if !x.iter().map(nm).eq(y.iter().map(nm)) { return (1.0, 1.0, 1.0) }
-    let j = x.iter().zip(&y).map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs()).fold(0.0, f64::max);
-    let jr = x.iter().zip(&y).map(|(a, b)| (a.mean_displacement - b.mean_displacement).abs()).fold(0.0, f64::max);
-    ((a.released_energy_sum() / b.released_energy_sum() - 1.0).abs(), j, jr)
+/// What came of one scene.
+struct Trial {
+    road: &'static str,
+    target: f64,
+    predicted: f64,
+    /// Relative error of the loss or of a jump's u0, whichever is larger; 1 where the jumps are not the same, NaN without a reference.
+    measured: f64,
+}
+
+/// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be computed.
+fn random(seed: u64) -> (Scene, Wish) {
+    let rng = &mut Pcg64::seed_from_u64(seed);
+    let shape = match rng.random_range(0..3) {
+        0 => Shape::Morse(Morse),
+        1 => {
+            let n = rng.random_range(1.5..4.0);
+            Shape::Mie(Mie { m: n + rng.random_range(1.0..7.0), n })
+        }
+        _ => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
+    };
+    let law = Law { shape, surface_energy: rng.random_range(0.02..0.3), range: 1.0 };
+    let length = flat::critical_length(&law) * rng.random_range(1.15..5.0);
+    let line = rng.random_bool(0.3);
+    let target = 10f64.powf(rng.random_range(-5.0..-1.0));
+    let (low, high) = flat::limits(&law, length).expect("longer than the critical length");
+    let (start, bottom) = (2.2 * high + 1.0, law.equilibrium_gap());
+    let scene = Scene {
+        title: format!("seed {seed}"),
+        source: String::new(),
+        cell: Cell { length, points: Points::Auto },
+        law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(1.0) },
+        indenter: Indenter::Flat,
+        drive: Drive {
+            start,
+            turn: Turn::At(bottom + rng.random_range(0.2..0.9) * (low - bottom)),
+            step: (start - bottom) / rng.random_range(10.0..100.0),
+        },
+        accuracy: target,
+        seed,
+    };
+    if !line {
+        return (scene, *[Wish::Plan, Wish::Plan, Wish::Quarter, Wish::Whole].choose(rng).expect("not empty"));
+    }
+    let n = scene.model().expect("a legal scene").grid.nx;
+    (Scene { cell: Cell { length, points: Points::Line(n) }, ..scene }, Wish::Plan)
+}
+
+fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
+    let road = match plan.road {
+        Road::Walk(_) if model.grid.is_line() => "line",
+        Road::Walk(reduction) => reduction.word(),
+        Road::Atlas(_) => "atlas",
+    };
+    let cancel = Cancel::default();
+    let mut finer = scene.clone();
+    let n = next_fast(model.grid.nx * 3 / 2);
+    finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+    finer.drive.step = 0.2 * model.law.range;
+    let run = run_planned(scene, NewtonKrylov, plan, &cancel, &mut |_| {}).expect("a legal scene");
+    let better = run_reduced(&finer, NewtonKrylov, Reduction::Quarter, &cancel, &mut |_| {}).expect("a legal scene");
+    let measured = match (&run.outcome, &better.outcome) {
+        (_, Outcome::NotConverged { .. } | Outcome::Cancelled) => f64::NAN,
+        (Outcome::Completed, _) => measured_error(&run.record.jumps, &better.record.jumps),
+        _ => 1.0,
+    };
+    let predicted = run.error_bar.unwrap_or(plan.predicted_error);
+    Trial { road, target: scene.accuracy, predicted, measured }
 }
 
 fn main() {
-    let a: Vec<u64> = std::env::args().skip(1).map(|x| x.parse().unwrap()).collect();
-    let next = AtomicU64::new(a[1]);
-    println!("seed,kind,law,c1,c2,gamma,periods,n,mu,loss,jumps,jumps_ranges,release_error,extra");
-    let work = || loop {
-        let seed = next.fetch_add(1, Ordering::Relaxed);
-        if seed >= a[0] + a[1] { return }
-        let rng = &mut Pcg64::seed_from_u64(seed + 1_000_000);
-        let (shape, nm, c1, c2) = match rng.random_range(0..3) {
-            0 => (Shape::Morse(Morse), "morse", 0.0, 0.0),
-            1 => { let n = rng.random_range(1.5..4.0); let m = n + rng.random_range(1.0..7.0); (Shape::Mie(Mie { m, n }), "mie", m, n) }
-            _ => { let r = rng.random_range(0.25..0.8); (Shape::DoubleExponential(DoubleExponential { ratio: r }), "dexp", r, 0.0) }
-        };
-        let law = Law { shape, surface_energy: rng.random_range(0.02..0.3), range: 1.0 };
-        let periods: f64 = rng.random_range(1.15..6.0);
-        let length = flat::critical_length(&law) * periods;
-        let mu0: f64 = rng.random_range(0.36..0.56);
-        let n = next_fast(mesh_rule::points_for_mu_rho(&law, length, mu0) as usize);
-        let (low, high) = flat::limits(&law, length).unwrap();
-        let (start, bottom) = (2.2 * high + 1.0, law.equilibrium_gap());
-        let mk = |pts| Scene {
-            title: String::new(), source: String::new(), cell: Cell { length, points: pts },
-            law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(1.0) }, indenter: Indenter::Flat,
-            drive: Drive { start, turn: Turn::At(bottom + 0.3 * (low - bottom)), step: 0.25 }, accuracy: 0.01, seed };
-        let c = Cancel::default();
-        let run = |pts, wish| { let s: Scene = mk(pts); let m = s.model().unwrap(); let p = plan(&s, &m, wish);
-            let r = run_planned(&s, NewtonKrylov, &p, &c, &mut |_| {}).unwrap(); (r, m) };
-        let mut rows = vec![];
-        let fine = next_fast(n * 8 / 5);
-        let (lf, _) = run(Points::Line(2 * n), Wish::Quarter);
-        let (l, m) = run(Points::Line(n), Wish::Quarter);
-        if lf.outcome == Outcome::Completed && l.outcome == Outcome::Completed { rows.push(("line", l, errs_of(&lf), m.clone())); let k = rows.len()-1; let e = errs(&rows[k].1.record, &lf.record); rows[k].2 = e; }
-        let (af, _) = run(Points::Square(fine), Wish::Plan);
-        if af.deviation.is_none() && af.outcome == Outcome::Completed {
-            let (x, m) = run(Points::Square(n), Wish::Plan);
-            if x.deviation.is_none() { let e = errs(&x.record, &af.record); rows.push(("atlas", x, e, m)); }
-            if n <= 96 {
-                let (x, m) = run(Points::Square(n), Wish::Quarter);
-                if x.deviation.is_none() && x.outcome == Outcome::Completed { let e = errs(&x.record, &af.record); rows.push(("quarter", x, e, m)); }
+    let mut arguments = std::env::args().skip(1).filter_map(|argument| argument.parse::<u64>().ok());
+    let (count, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
+    let (next, trials) = (AtomicU64::new(first), Mutex::new(Vec::new()));
+    println!("seed,road,target,law,periods,points,mu_rho,predicted,measured");
+    let work = || {
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= first + count {
+                return;
             }
-        }
-        for (kind, r, (l, j, jr), m) in rows {
-            let led = r.record.ledger(law.surface_energy);
-            println!("{seed},{kind},{nm},{c1:.3},{c2:.3},{:.3},{periods:.3},{n},{:.4},{l:.3e},{j:.3e},{jr:.3e},{:.2e},{}", law.surface_energy, m.mu_rho, led.released_energy_error / led.released_energy_sum, r.record.jumps.len());
+            let (scene, wish) = random(seed);
+            let model = scene.model().expect("a legal scene");
+            let plan = plan(&scene, &model, wish);
+            if std::env::var_os("DUMP").is_some() { std::fs::write(format!("/tmp/s/v{seed}.toml"), tackscope::storage::scene_file::to_text(&scene)).unwrap(); continue; }
+            let trial = trial(&scene, &model, &plan);
+            let periods = model.grid.length / flat::critical_length(&model.law);
+            let Trial { road, target, predicted, measured } = trial;
+            println!(
+                "{seed},{road},{target:.1e},{:?},{periods:.3},{},{:.4},{predicted:.2e},{measured:.2e}",
+                model.law.shape, model.grid.nx, model.mu_rho
+            );
+            trials.lock().expect("no other thread panicked").push(trial);
         }
     };
-    std::thread::scope(|s| for _ in 0..2 { s.spawn(&work); });
+    std::thread::scope(|scope| (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| _ = scope.spawn(work)));
+    let trials = trials.into_inner().expect("no thread panicked");
+    println!("\n| road | loops | inside | met the target | median predicted / measured |\n|---|---|---|---|---|");
+    for road in ["atlas", "quarter", "whole", "line"] {
+        row(road, trials.iter().filter(|trial| trial.road == road).collect());
+    }
+    row("all", trials.iter().collect());
 }
-fn errs_of(_: &LoopRun) -> (f64, f64, f64) { (0.0, 0.0, 0.0) }
+
+fn row(road: &str, trials: Vec<&Trial>) {
+    let inside = trials.iter().filter(|t| t.measured <= t.predicted).count();
+    let met = trials.iter().filter(|t| t.measured <= t.target).count();
+    let mut ratios: Vec<f64> = trials.iter().map(|t| t.predicted / t.measured).filter(|ratio| ratio.is_finite()).collect();
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
+    println!("| {road} | {} | {inside} | {met} | {median:.1} |", trials.len());
+}

@@ -1,30 +1,35 @@
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 use tackscope::experiment::plan::*;
-use tackscope::experiment::scene::*;
-use tackscope::physics::indenter::Indenter;
-use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::mesh_rule;
-use tackscope::physics::theory::flat;
+use tackscope::experiment::walk::*;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::solver::method::MethodKind;
+use std::f64::consts::TAU;
 fn main() {
-    for seed in std::env::args().skip(1).map(|x| x.parse::<u64>().unwrap()) {
-        let rng = &mut Pcg64::seed_from_u64(seed + 1_000_000);
-        let shape = match rng.random_range(0..3) {
-            0 => Shape::Morse(Morse),
-            1 => { let n = rng.random_range(1.5..4.0); let m = n + rng.random_range(1.0..7.0); Shape::Mie(Mie { m, n }) }
-            _ => { let r = rng.random_range(0.25..0.8); Shape::DoubleExponential(DoubleExponential { ratio: r }) }
-        };
-        let law = Law { shape, surface_energy: rng.random_range(0.02..0.3), range: 1.0 };
-        let periods: f64 = rng.random_range(1.15..6.0);
-        let length = flat::critical_length(&law) * periods;
-        let mu0: f64 = rng.random_range(0.36..0.56);
-        let n = next_fast(mesh_rule::points_for_mu_rho(&law, length, mu0) as usize);
-        let (low, high) = flat::limits(&law, length).unwrap();
-        let (start, bottom) = (2.2 * high + 1.0, law.equilibrium_gap());
-        let s = Scene {
-            title: String::new(), source: String::new(), cell: Cell { length, points: Points::Square(n) },
-            law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(1.0) }, indenter: Indenter::Flat,
-            drive: Drive { start, turn: Turn::At(bottom + 0.3 * (low - bottom)), step: 0.25 }, accuracy: 0.01, seed };
-        std::fs::write(format!("/tmp/s/c{seed}.toml"), tackscope::storage::scene_file::to_text(&s)).unwrap();
-    }
+    let text = std::fs::read_to_string("/tmp/s/vv.toml").unwrap();
+    let scene = tackscope::storage::scene_file::parse(&text, "vv").unwrap();
+    let model = scene.model().unwrap();
+    for red in [Reduction::Quarter, Reduction::Whole] {
+    let mut walk = Walk::reduced(&scene, MethodKind::NewtonKrylov, red).unwrap();
+    for target in [1.25, 1.2127155] {
+        walk.set_target(target);
+        while let Progress::Working = walk.step(&Cancel::default(), &mut |_| {}) {}
+        let s = walk.record().clone();
+        let gap = walk.gap();
+        let (ny, nx) = gap.dim();
+        let col: Vec<f64> = gap.row(0).to_vec();
+        let row: Vec<f64> = gap.column(0).to_vec();
+        let spread = |v: &[f64]| v.iter().fold(0.0f64, |m, x| m.max((x - v[0]).abs()));
+        let line = if spread(&col) > spread(&row) { col.clone() } else { row.clone() };
+        println!("u0 {} {} along {:.3e} {:.3e} residual {:.1e} stiffness {:.6e} pm {:.1e}", s.mean_displacement, s.pattern, spread(&col), spread(&row), s.residual, s.stiffness_min, s.stiffness_error);
+        let n = line.len(); let _ = (ny, nx);
+        let q1 = TAU / model.grid.length;
+        let m = nalgebra::DMatrix::from_fn(n, n, |i, j| {
+            let mut a = 0.0;
+            for k in 0..n { let kk = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
+                a += 0.5 * q1 * kk.hypot(1.0) * (TAU * (k * ((i + n - j) % n)) as f64 / n as f64).cos() / n as f64; }
+            a + if i == j { model.law.at(line[i]).stiffness } else { 0.0 }
+        });
+        let mut e: Vec<f64> = m.symmetric_eigen().eigenvalues.iter().map(|x| x * model.grid.length).collect();
+        e.sort_by(f64::total_cmp);
+        println!("   dense k_y=1: {:.6e} {:.6e}", e[0], e[1]);
+    }}
 }

@@ -5,6 +5,7 @@
 //! that of the finer mesh hardly counts beside that of the loop.
 
 use super::atlas::Atlas;
+use super::ledger::LOSS_MIN;
 use super::plan::{Reduction, chart, flat_error, next_fast};
 use super::record::JumpRecord;
 use super::run::{LoopRun, Outcome, run_reduced};
@@ -13,23 +14,27 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::solver::method::MethodKind;
 
-/// The measured difference is stated this many times larger: what a mesh of 4/3 times the points itself is off by, a tenth at most where
-/// the error falls by e^2.6 for each unit of 1/mu_rho^2, and as much again.
-const SAFETY: f64 = 1.25;
+/// The measured difference is stated this many times larger: what a mesh of 4/3 times the points itself is off by, a tenth to a fifth
+/// where the error falls by e^2.6 for each unit of 1/mu_rho^2, and as much again.
+const SAFETY: f64 = 1.4;
 /// Added to it, relative: how well two loops locate the same ends.
-const FLOOR: f64 = 3e-6;
+const FLOOR: f64 = 4e-6;
+/// The share of a bracket within which the end of a branch is found by the eigenvalues at both its sides.
+const WITHIN: f64 = 0.2;
 
 /// The relative error of loss and jumps of a loop that was completed on flat ground; `None` where a finer mesh cannot tell, or not in
 /// time. Where its jumps are not the same ones nothing can be promised: 1.
 pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Option<f64> {
     let promised = flat_error(&model.law, model.grid.length, model.mu_rho) < 1.0;
-    let closed = run.ledger(model.law.surface_energy).is_some_and(|ledger| ledger.dissipated_energy().is_some() && !ledger.viscous);
-    if model.indenter != Indenter::Flat || !promised || !closed {
+    let ledger = run.ledger(model.law.surface_energy).filter(|ledger| !ledger.viscous)?;
+    let loss = ledger.dissipated_energy()?;
+    if model.indenter != Indenter::Flat || !promised {
         return None;
     }
     let jumps = finer_jumps(scene, model, cancel)?;
     let error = measured_error(&run.record.jumps, &jumps);
-    (!cancel.requested()).then_some(if error < 1.0 { SAFETY * error + FLOOR } else { 1.0 })
+    let located = if loss > LOSS_MIN { WITHIN * ledger.released_energy_error / loss } else { 0.0 };
+    (!cancel.requested()).then_some(if error < 1.0 { SAFETY * error + located + FLOOR } else { 1.0 })
 }
 
 /// The jumps of the loop on the next finer mesh: of a line walked, of a square read off an atlas.

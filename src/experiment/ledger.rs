@@ -35,6 +35,8 @@ pub struct Open {
 
 /// Share of the largest traction by which mean stresses of the same state may differ, beside their residuals.
 const SAME: f64 = 1e-4;
+/// Residual below which a state has lost nothing on the way, whatever is known of its stability: energies are off by its square.
+const AT_REST: f64 = 1e-5;
 /// A loss below this (in gamma) is rounding.
 pub const LOSS_MIN: f64 = 1e-6;
 /// Share of the loss by which loop integral and loss may differ without a word, beside their errors: the digits that are shown.
@@ -87,7 +89,7 @@ impl LoopRecord {
             loop_integral: work / surface_energy,
             integral_error: error / surface_energy,
             open: self.open(),
-            viscous: self.states.iter().any(|s| s.stop == Stop::NotConverged)
+            viscous: self.states.iter().any(|s| s.stop == Stop::NotConverged && !(s.residual <= AT_REST))
                 || self.jumps.iter().any(|j| j.cause == Cause::PatternChange),
         }
     }

@@ -5,8 +5,8 @@
 //! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
 
 use super::system::{System, Workspace};
-use crate::numerics::vector::dot;
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use crate::numerics::vector::{add, dot, scale};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 
 /// Symmetry of even fields under x <-> y; both are kept by a Hessian at a field that has the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,9 +57,17 @@ pub struct LowBlock {
     /// Lower triangles, row by row; empty before the first [`LowBlock::assemble`].
     hessian: Vec<f64>,
     factor: Vec<f64>,
-    /// Pivots as they came, before the floor.
+    /// Negative pivots as they came, before the floor.
     negative: usize,
+    floor: f64,
 }
+
+/// Most steps towards the softest mode of a block.
+const SOFTEST: usize = 60;
+/// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the floor of the pivots. The error of the
+/// eigenvalue goes with the square of the residual.
+const RESIDUAL: f64 = 1e-2;
+const NEAR_ZERO: f64 = 1e-4;
 
 impl LowBlock {
     /// The waves of `class` no longer than `reach` of an even `system`, at least one.
@@ -85,7 +93,7 @@ impl LowBlock {
         let alone = |w: &[usize; 2]| class == Class::Symmetric && w[0] == w[1];
         let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
         let weights = waves.iter().map(|w| single(w) * norm(w[0]) * norm(w[1]) / 2.0).collect();
-        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0 }
+        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0, floor: 0.0 }
     }
 
     /// True once assembled.
@@ -124,7 +132,8 @@ impl LowBlock {
             }
             *self.hessian.last_mut().expect("just pushed") += self.elastic[i];
         }
-        self.factorise(0.01 * system.grid().q1());
+        self.floor = 0.01 * system.grid().q1();
+        self.factorise(self.floor);
     }
 
     /// L D L^T with |pivots| kept above `floor`, which bounds the inverse along a mode without stiffness.
@@ -162,8 +171,9 @@ impl LowBlock {
         self.negative
     }
 
-    /// The eigenvalue next to zero (E* per length), with its mode of norm 1 as coefficients of the block's waves, by inverse
-    /// iteration from the coefficients `start`.
+    /// The smallest eigenvalue (E* per length), with its mode of norm 1 as coefficients of the block's waves, from the coefficients
+    /// `start`: each step takes the softest combination of the mode and its residual over the factors. Their pivots are no smaller than
+    /// the floor, so that they alone would lead to the mode of another matrix.
     pub fn softest(&self, start: Option<&[f64]>) -> (f64, Vec<f64>) {
         let n = self.waves.len();
         let mut x = match start {
@@ -171,19 +181,27 @@ impl LowBlock {
             // Nothing smooth is orthogonal to this.
             None => (0..n).map(|i| (1.0 + (2.0 * i as f64).sin()) / (n - i) as f64).collect(),
         };
-        let mut value = f64::INFINITY;
-        for _ in 0..60 {
-            let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-            x.iter_mut().for_each(|x| *x /= length);
-            let before = value;
-            value = self.quadratic(&x);
-            if (value - before).abs() < 1e-4 * value.abs() {
+        normalise(&mut x);
+        let mut image = self.product(&x);
+        let mut value = dot(&x, &image);
+        for _ in 0..SOFTEST {
+            let mut d: Vec<f64> = image.iter().zip(&x).map(|(image, x)| image - value * x).collect();
+            if dot(&d, &d).sqrt() < (RESIDUAL * value.abs()).max(NEAR_ZERO * self.floor) {
                 break;
             }
-            self.solve(&mut x, false);
+            self.solve(&mut d, true);
+            let along = dot(&d, &x);
+            add(&mut d, -along, &x);
+            normalise(&mut d);
+            let pushed = self.product(&d);
+            let (mixed, other) = (dot(&x, &pushed), dot(&d, &pushed));
+            let angle = 0.5 * (2.0 * mixed).atan2(value - other) + FRAC_PI_2;
+            let (sin, cos) = angle.sin_cos();
+            let turn = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = cos * *a + sin * b);
+            turn(&mut x, &d);
+            turn(&mut image, &pushed);
+            value = dot(&x, &image);
         }
-        let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        x.iter_mut().for_each(|x| *x /= length);
         (value, x)
     }
 
@@ -211,13 +229,15 @@ impl LowBlock {
         self.scatter(&x, out);
     }
 
-    fn quadratic(&self, x: &[f64]) -> f64 {
-        let mut sum = 0.0;
+    /// The Hessian times coefficients.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; x.len()];
         for i in 0..x.len() {
-            let row = &self.hessian[i * (i + 1) / 2..];
-            sum += x[i] * (2.0 * dot(&row[..i], &x[..i]) + row[i] * x[i]);
+            let row = &self.hessian[i * (i + 1) / 2..][..=i];
+            out[i] += dot(row, &x[..=i]);
+            out[..i].iter_mut().zip(row).for_each(|(out, h)| *out += h * x[i]);
         }
-        sum
+        out
     }
 
     /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest is kept.
@@ -340,4 +360,9 @@ impl Table {
 /// 1 over the root mean square of cos_k.
 fn norm(k: usize) -> f64 {
     if k == 0 { 1.0 } else { SQRT_2 }
+}
+
+fn normalise(x: &mut [f64]) {
+    let length = dot(x, x).sqrt();
+    scale(x, 1.0 / length);
 }

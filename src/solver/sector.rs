@@ -24,7 +24,7 @@ use crate::physics::theory::flat;
 /// corrected along the tangent: the errors of both are second order in this.
 pub const NODE: f64 = 2e-4;
 /// The same for the ends, whose place must be known, and for states that are shown.
-pub const SHARP: f64 = 1e-5;
+pub const SHARP: f64 = 1e-8;
 /// Longest step while settling, root mean square in ranges.
 const SETTLING: f64 = 0.2;
 /// Descents of six steps while settling.
@@ -165,7 +165,7 @@ impl Sector {
     }
 
     /// True for ridges.
-    pub fn is_ridge(&self) -> bool {
+    fn is_ridge(&self) -> bool {
         self.class == Class::Even
     }
 

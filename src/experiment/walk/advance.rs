@@ -17,7 +17,7 @@ use crate::solver::method::{Lost, audit};
 use crate::solver::stability::random_smooth;
 use ndarray::Axis;
 
-/// Width, in ranges, to which the end of a branch is bracketed: a fifth of what a plan promises for jumps at half a range.
+/// Width, in ranges, to which the end of a branch is bracketed. Eigenvalues at both sides tell where in between it is.
 const LOCATED: f64 = 1e-5;
 
 /// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; on uneven ground a
@@ -28,6 +28,9 @@ const LONGEST_UNEVEN: f64 = 0.1;
 pub(super) const FIRST: f64 = 0.05;
 /// Step, in ranges, below which nobody asks whether a falling eigenvalue was negative on the way.
 const PASSED: f64 = 1e-3;
+
+/// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
+const AT_END: f64 = 1e-3;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
@@ -65,18 +68,29 @@ impl Walk {
         (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
 
+    /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
+    fn expected_share(&self, barrier: &Barrier) -> Option<f64> {
+        let here = self.state.mean_displacement;
+        let share = match (self.state.stiffness_min, barrier.stiffness) {
+            (Some(a), Some(b)) => a.value / (a.value - b),
+            _ => (self.expected_fold()? - here) / (barrier.at - here),
+        };
+        (0.0..1.0).contains(&share).then_some(share)
+    }
+
+    /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
+    fn located(&self, barrier: Barrier) -> Barrier {
+        let here = self.state.mean_displacement;
+        let share = self.expected_share(&barrier).unwrap_or(1.0);
+        Barrier { at: here + share * (barrier.at - here), ..barrier }
+    }
+
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
     /// where there is no expectation, or it did not help last time.
     pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
         let here = self.state.mean_displacement;
         let width = barrier.at - here;
-        let share = match (self.state.stiffness_min, barrier.stiffness) {
-            (Some(a), Some(b)) => a.value / (a.value - b),
-            _ => match self.expected_fold().map(|fold| (fold - here) / width) {
-                Some(share) if share < 1.0 => share,
-                _ => return here + 0.5 * width,
-            },
-        };
+        let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
         let fine = LOCATED * self.model.law.range / width.abs();
         // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
         let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
@@ -156,7 +170,7 @@ impl Walk {
         let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
-            Some(barrier) if barrier.stiffness.is_some() => return self.release(barrier.clone(), true),
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone()), true),
             // Newton failed there from afar. From this close its failure means a fold.
             Some(barrier) => barrier.at,
             None => self.next_displacement(),
@@ -181,7 +195,13 @@ impl Walk {
                     self.short = Some(0.5 * (next - here).abs());
                     return Progress::Working;
                 }
-                if state.stop != Stop::Unstable || !locates {
+                // Next to an end that is known no budget tells the sign of what vanishes there.
+                let at_end = self.barrier.as_ref().is_some_and(|known| {
+                    stiffness.value.is_nan() && known.stiffness.is_some() && (known.at - here).abs() < AT_END * self.model.law.range
+                });
+                if at_end {
+                    (barrier.cause, barrier.stiffness, barrier.soft_mode) = (Cause::SymmetryBreaking, Some(0.0), state.soft_mode);
+                } else if state.stop != Stop::Unstable || !locates {
                     let faded = locates && reached.is_none() && self.faded(&state);
                     if !faded {
                         let progress = self.take(state, observe);
@@ -208,7 +228,7 @@ impl Walk {
             if barrier.stiffness.is_none() {
                 barrier.soft_mode = self.state.soft_mode.clone();
             }
-            return self.release(barrier, true);
+            return self.release(self.located(barrier), true);
         }
         self.barrier = Some(barrier);
         self.watch_bracket();
