@@ -21,7 +21,7 @@ fn loops(c: &mut Criterion, name: &str, length: f64, n: usize, start: f64) {
     let mut again = known.adapted(new).expect("the same branches");
     again.cycle(start, 0.2).expect("a loop");
     println!(
-        "{name}: transforms on the line, the quarter and the coarse quarter: {:?} afresh, {:?} adapted",
+        "{name}: transforms on the line, the quarter and releases: {:?} afresh, {:?} adapted",
         known.transforms(),
         again.transforms()
     );

@@ -2,7 +2,7 @@
 //!
 //! Flat states are a closed form, ridges a line problem, bulges and dimples live on the symmetric part of a quarter cell. Every
 //! branch is traced by long tangent steps to its two ends, which are located directly (a fold where du0 turns, a breaking of
-//! symmetry where an eigenvalue vanishes), and where the surface lands is learnt from a release on a coarse mesh. A loop of any
+//! symmetry where an eigenvalue vanishes), and where the surface lands is learnt from a release. A loop of any
 //! drive, or the state under the slider, is then read off. The walk is the reference, and a test holds the two together.
 
 mod adapt;
@@ -38,13 +38,11 @@ pub struct Chart {
     pub square: usize,
     /// Points along the whole line, for ridges; a multiple of 4.
     pub line: usize,
-    /// Points along a side of the whole cell, for releases; a multiple of 8.
-    pub coarse: usize,
 }
 
-/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges), and whether on the fine mesh. Beyond the
-/// edge a fall is quicker, and there a coarse mesh, whose edges lie elsewhere, does not hold what the fine one lets go.
-const ATTEMPTS: [(f64, bool); 5] = [(0.002, false), (0.02, false), (0.1, false), (0.002, true), (0.0, true)];
+/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges). Right at the edge it lands where it would;
+/// further on it falls also from where the edge is not known so well, but may miss what lives only next to it.
+const ATTEMPTS: [f64; 4] = [0.0, 0.002, 0.02, 0.1];
 
 /// Why an atlas cannot answer: the walk can.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,8 +56,6 @@ pub struct Atlas {
     ridge: Sector,
     square: Sector,
     explorer: Explorer,
-    /// For releases that the coarse mesh does not show.
-    fine: Option<Explorer>,
     flat_limits: Option<(f64, f64)>,
     cancel: Cancel,
     branches: Vec<Branch>,
@@ -74,20 +70,17 @@ pub struct Atlas {
 struct Rival {
     share: Share,
     rest: Rest,
-    /// On the fine mesh.
-    fine: bool,
 }
 
 impl Atlas {
     /// An atlas without branches; they are found as a loop asks for them.
     pub fn new(chart: Chart) -> Self {
-        let Chart { length, law, square, line, coarse } = chart;
+        let Chart { length, law, square, line } = chart;
         Self {
             chart,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
-            explorer: Explorer::new(length, coarse, law),
-            fine: None,
+            explorer: Explorer::new(length, square, law),
             flat_limits: flat::limits(&law, length),
             cancel: Cancel::default(),
             branches: Vec::new(),
@@ -115,10 +108,9 @@ impl Atlas {
         &self.branches
     }
 
-    /// Transforms spent so far: on the line, on the quarter cell, on the coarse quarter cell.
+    /// Transforms spent so far: on the line, on the quarter cell, and there on releases.
     pub fn transforms(&self) -> [usize; 3] {
-        let fine = self.fine.as_ref().map_or(0, Explorer::transforms);
-        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms() + fine]
+        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms()]
     }
 
     /// Lower and upper limit of the flat state (length); `None` where it is always stable.
@@ -138,23 +130,20 @@ impl Atlas {
         let (u0, energy) = self.end_point(place, up);
         let onwards = if up { 1.0 } else { -1.0 } * self.chart.law.range;
         let mut refusal = Unmapped(format!("the surface at u0 = {u0:.4} falls nowhere"));
-        for (beyond, fine) in ATTEMPTS {
-            // Every mesh has the same limits of the flat state, and from far beyond them the surface falls elsewhere.
-            let far = place == Place::Flat && beyond != ATTEMPTS[0].0;
+        // The limits of the flat state are known exactly.
+        let attempts = if place == Place::Flat { &ATTEMPTS[..1] } else { &ATTEMPTS[..] };
+        for beyond in attempts {
             if self.cancel.requested() {
                 break;
             }
-            if far {
-                continue;
-            }
             let rest = match place {
-                Place::Flat => self.from_flat(up, u0 + beyond * onwards, fine),
+                Place::Flat => self.from_flat(up, u0 + beyond * onwards),
                 Place::On(i) => {
-                    let (z, mode, explorer) = self.kick(i, up, fine)?;
-                    explorer.release(&z, &mode, u0 + beyond * onwards)
+                    let (z, mode) = self.kick(i, up)?;
+                    self.explorer.release(&z, &mode, u0 + beyond * onwards)
                 }
             };
-            match self.settle(u0, energy, rest, fine) {
+            match self.settle(u0, energy, rest) {
                 Ok(next) if next != place => {
                     self.landings[row][side] = Some(next);
                     return Ok(next);
@@ -183,12 +172,12 @@ impl Atlas {
     }
 
     /// Where most mixtures of the soft modes lead from a limit of the flat state; the others are remembered.
-    fn from_flat(&mut self, up: bool, u0: f64, fine: bool) -> Rest {
-        let mut rests = self.explorer(fine).from_flat(u0);
+    fn from_flat(&mut self, up: bool, u0: f64) -> Rest {
+        let mut rests = self.explorer.from_flat(u0);
         let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
         let mut first = |share: &Share| {
             let rest = rests.iter_mut().find(|rest| rest.pattern() == share.pattern).expect("it was counted");
-            Rival { share: *share, rest: std::mem::replace(rest, Rest::Other), fine }
+            Rival { share: *share, rest: std::mem::replace(rest, Rest::Other) }
         };
         let mut found: Vec<Rival> = shares.iter().map(&mut first).collect();
         let most = found.remove(0).rest;
@@ -202,10 +191,10 @@ impl Atlas {
     pub fn rival_cycles(&mut self, start: f64, turn: f64) -> Vec<(Share, Result<Cycle, Unmapped>)> {
         let mut cycles = Vec::new();
         for up in [false, true] {
-            for Rival { share, rest, fine } in self.rivals[usize::from(!up)].clone() {
+            for Rival { share, rest } in self.rivals[usize::from(!up)].clone() {
                 let usual = self.landings[0][usize::from(up)];
                 let (u0, energy) = self.end_point(Place::Flat, up);
-                let cycle = self.settle(u0, energy, rest, fine).and_then(|place| {
+                let cycle = self.settle(u0, energy, rest).and_then(|place| {
                     self.landings[0][usize::from(up)] = Some(place);
                     self.cycle(start, turn)
                 });
@@ -225,8 +214,8 @@ impl Atlas {
     }
 
     /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for releases.
-    fn kick(&mut self, i: usize, up: bool, fine: bool) -> Result<(Vec<f64>, Vec<f64>, &mut Explorer), Unmapped> {
-        let explorer = if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer };
+    fn kick(&self, i: usize, up: bool) -> Result<(Vec<f64>, Vec<f64>), Unmapped> {
+        let explorer = &self.explorer;
         let branch = &self.branches[i];
         let node = branch.end(up);
         let sector = if branch.is_ridge { &self.ridge } else { &self.square };
@@ -238,23 +227,13 @@ impl Atlas {
             }
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
-        Ok((carried(&node.z, own, explorer.system()), mode, explorer))
-    }
-
-    fn explorer(&mut self, fine: bool) -> &mut Explorer {
-        if fine { Self::fine(&mut self.fine, &self.chart, &self.cancel) } else { &mut self.explorer }
-    }
-
-    fn fine<'e>(fine: &'e mut Option<Explorer>, chart: &Chart, cancel: &Cancel) -> &'e mut Explorer {
-        let explorer = fine.get_or_insert_with(|| Explorer::new(chart.length, chart.square, chart.law));
-        explorer.cancel = cancel.clone();
-        explorer
+        Ok((carried(&node.z, own, explorer.system()), mode))
     }
 
     /// The place of a state at rest: a known branch, or a new one traced from it both ways.
-    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest, fine: bool) -> Result<Place, Unmapped> {
+    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest) -> Result<Place, Unmapped> {
         let gamma = self.chart.law.surface_energy;
-        let (is_ridge, pattern, coarse) = match rest {
+        let (is_ridge, pattern, landed) = match rest {
             Rest::Flat => {
                 let stable = flat::stiffness_min(&self.chart.law, self.chart.length, u0) > 0.0;
                 return if stable { Ok(Place::Flat) } else { Err(Unmapped(format!("no rest was found at u0 = {u0:.4}"))) };
@@ -274,9 +253,8 @@ impl Atlas {
             let _ = self.pin(i, u0);
             return Ok(Place::On(i));
         }
-        let explored = if fine { self.fine.as_ref().expect("it was there") } else { &self.explorer };
         let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
-        let z = carried(&coarse, explored.system(), sector.system());
+        let z = carried(&landed, self.explorer.system(), sector.system());
         let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
         let mut first = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;

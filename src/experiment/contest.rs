@@ -35,6 +35,23 @@ pub fn mixture(x: f64, y: f64) -> usize {
     (part as usize).min(MIXTURES - 1)
 }
 
+/// What all mixtures lead to, each looked at by `one`. Where the purest, the evenest and one in between lead to the `same`, so do those
+/// between them.
+pub fn tried<T: Clone>(mut one: impl FnMut(usize) -> T, same: impl Fn(&T, &T) -> bool) -> Vec<T> {
+    const MIDDLE: usize = MIXTURES / 2;
+    let seen = [0, MIDDLE, MIXTURES - 1].map(&mut one);
+    let agree = same(&seen[0], &seen[1]) && same(&seen[1], &seen[2]);
+    (0..MIXTURES)
+        .map(|mixture| match mixture {
+            0 => seen[0].clone(),
+            MIDDLE => seen[1].clone(),
+            _ if mixture == MIXTURES - 1 => seen[2].clone(),
+            _ if agree => seen[1].clone(),
+            _ => one(mixture),
+        })
+        .collect()
+}
+
 /// The shares of what each mixture leads to, the largest first; of equal ones that of the purer wave.
 pub fn shares(landings: &[Pattern]) -> Vec<Share> {
     let mut shares: Vec<Share> = Vec::new();

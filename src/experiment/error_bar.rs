@@ -31,23 +31,31 @@ pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -
     if model.indenter != Indenter::Flat || !promised {
         return None;
     }
-    let jumps = finer_jumps(scene, model, cancel)?;
-    let error = measured_error(&run.record.jumps, &jumps);
+    // Where it is contested which of two loops it is, both meshes have both.
+    let error = finer_loops(scene, model, cancel)?.iter().map(|jumps| measured_error(&run.record.jumps, jumps)).fold(1.0, f64::min);
     let located = if loss > LOSS_MIN { WITHIN * ledger.released_energy_error / loss } else { 0.0 };
     (!cancel.requested()).then_some(if error < 1.0 { SAFETY * error + located + FLOOR } else { 1.0 })
 }
 
 /// The jumps of the loop on the next finer mesh: of a line walked, of a square read off an atlas.
-fn finer_jumps(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<JumpRecord>> {
+fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let finer = reference(scene, model);
-    if model.grid.is_line() {
-        let run = run_reduced(&finer, MethodKind::NewtonKrylov, Reduction::Quarter, cancel, &mut |_| {}).ok()?;
-        return (run.outcome == Outcome::Completed).then_some(run.record.jumps);
+    if !model.grid.is_line() {
+        return read_off(&finer, cancel);
     }
+    let run = run_reduced(&finer, MethodKind::NewtonKrylov, Reduction::Quarter, cancel, &mut |_| {}).ok()?;
+    (run.outcome == Outcome::Completed).then_some(vec![run.record.jumps])
+}
+
+/// The jumps of a loop on flat ground as an atlas on the scene's mesh has them, and those of other landings; `None` if it has none.
+pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
+    let model = scene.model().ok()?;
     let Turn::At(turn) = scene.drive.turn else { return None };
-    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, finer.model().ok()?.grid.nx));
+    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
     atlas.obey(cancel);
-    atlas.cycle(scene.drive.start, turn).ok().map(|cycle| cycle.jumps)
+    let usual = atlas.cycle(scene.drive.start, turn).ok()?.jumps;
+    let rivals = atlas.rival_cycles(scene.drive.start, turn).into_iter().filter_map(|(_, cycle)| Some(cycle.ok()?.jumps));
+    Some(std::iter::once(usual).chain(rivals).collect())
 }
 
 /// The scene that judges a loop of `scene`: the same law on the next finer mesh.
@@ -67,8 +75,8 @@ pub fn measured_error(jumps: &[JumpRecord], reference: &[JumpRecord]) -> f64 {
     let least = 1e-3 * loss(reference);
     let large = |jumps: &'_ [JumpRecord]| jumps.iter().filter(|jump| jump.released_energy > least).cloned().collect::<Vec<_>>();
     let (mine, right) = (large(jumps), large(reference));
-    let name = |jump: &JumpRecord| (jump.branch, jump.from, jump.to);
-    if !mine.iter().map(name).eq(right.iter().map(name)) {
+    // Not by the names of the patterns: on which side of a growing dimple's change into a bulge a jump lies may depend on the mesh.
+    if !mine.iter().map(|jump| jump.branch).eq(right.iter().map(|jump| jump.branch)) {
         return 1.0;
     }
     let share = |value: f64, right: f64| if right == 0.0 { value.abs() } else { ((value - right) / right).abs() };

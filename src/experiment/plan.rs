@@ -81,8 +81,6 @@ pub struct Plan {
 
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
-/// Finest and coarsest mesh on which landings are explored, as mu_rho.
-const EXPLORED: f64 = 0.65;
 
 /// Expected relative error of jumps and dissipated energy from the mesh, for smooth laws on flat ground.
 ///
@@ -135,8 +133,7 @@ pub fn next_fast(n: usize) -> usize {
 
 /// The atlas of a scene on `n` points along a side.
 pub fn chart(law: &Law, length: f64, n: usize) -> Chart {
-    let coarse = next_fast((mesh_rule::points_for_mu_rho(law, length, EXPLORED)).ceil() as usize);
-    Chart { length, law: *law, square: n, line: next_fast(n + n / 3), coarse: coarse.clamp(16, n.max(16)) }
+    Chart { length, law: *law, square: n, line: next_fast(n + n / 3) }
 }
 
 /// Decides how to compute the loop of `scene`, whose open choices are made in `model`.

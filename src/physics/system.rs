@@ -293,8 +293,10 @@ impl System {
             let row = &mut z[2 * k * ny..2 * (k + 1) * ny];
             for l in 0..=ny / 2 {
                 let mirror = (ny - l) % ny;
-                row[2 * mirror] = row[2 * l];
-                row[2 * mirror + 1] = if mirror == l { 0.0 } else { -row[2 * l + 1] };
+                // The mean of both, so that this is a projection onto the nearest real field.
+                let (re, im) = (0.5 * (row[2 * l] + row[2 * mirror]), 0.5 * (row[2 * l + 1] - row[2 * mirror + 1]));
+                (row[2 * mirror], row[2 * mirror + 1]) = (re, -im);
+                (row[2 * l], row[2 * l + 1]) = (re, im);
             }
         }
         z[1] = 0.0;

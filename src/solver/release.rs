@@ -22,6 +22,8 @@ const CREEP: f64 = 0.2;
 const STEEPEST: usize = 12;
 /// Newton steps then, each within a trust region of the longest step, so that they follow the valley.
 const DESCENT: usize = 4;
+/// Energy, in gamma, that such a descent must release: less is what a pattern between mesh points gives by sliding, and that is slow.
+const LEAST_GAIN: f64 = 1e-10;
 /// The smallest trust region, over the longest step.
 const LEAST_TRUST: f64 = 1e-6;
 
@@ -136,8 +138,8 @@ impl Release {
                     NewtonEnd::Cancelled => return Slice::Cancelled,
                     // Lower, if not there yet: go on from where it got to.
                     _ => {
-                        let rounding = system.precision().rounding().max(1e-12) * system.law().surface_energy;
-                        let found = state.at.energy < self.energy - rounding;
+                        let least = system.precision().rounding().max(LEAST_GAIN) * system.law().surface_energy;
+                        let found = state.at.energy < self.energy - least;
                         self.trust = if found { 1.0 } else { (0.25_f64.powi(DESCENT as i32) * self.trust).max(LEAST_TRUST) };
                         // What slides is pulled by the mesh alone, and Newton steps leave that out: at rest, if it is on a mesh point.
                         self.z = if found || slides == Slides::Never { state.z } else { centred(system, &state.z) };

@@ -275,9 +275,11 @@ impl Place<'_> {
                 1.0 / dot(mode, &softened)
             })
             .collect();
-        let (mut x, mut image) = (vec![0.0; start.len()], vec![0.0; start.len()]);
+        let (mut x, mut image, mut real) = (vec![0.0; start.len()], vec![0.0; start.len()], vec![0.0; start.len()]);
         let mut shifted = |y: &[f64], out: &mut [f64]| {
-            preconditioner.spread(y, &mut x);
+            real.copy_from_slice(y);
+            system.make_real(&mut real);
+            preconditioner.spread(&real, &mut x);
             let along: Vec<f64> = removed.iter().map(|mode| dot(mode, &x)).collect();
             project_out(&mut x, removed);
             system.hessian(&x, &mut image, ws);
@@ -286,9 +288,12 @@ impl Place<'_> {
             for ((mode, along), stiffness) in removed.iter().zip(along).zip(&stiffened) {
                 add(&mut image, along * stiffness, mode);
             }
-            // Nor may rounding lead to amplitudes that belong to no real field.
             system.make_real(&mut image);
             preconditioner.gather(&image, out);
+            // Amplitudes that belong to no real field come from rounding alone. With an eigenvalue of one they stay there; with one near
+            // zero they would grow as the bound does.
+            add(out, 1.0, y);
+            add(out, -1.0, &real);
         };
         let chance = if system.precision() == Precision::Double { CHANCE } else { CHANCE_SINGLE };
         let bound = lowest(&mut shifted, &start, chance, PRODUCTS, |lower, upper| lower > 0.0 || upper < 0.0, cancel);

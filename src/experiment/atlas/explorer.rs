@@ -1,6 +1,6 @@
-//! Where a surface comes to rest when its branch ends: a release on a coarse quarter cell, only to learn which pattern it is.
+//! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which pattern it is.
 
-use crate::experiment::contest::{KICK as FLAT_KICK, MIXTURES, angle};
+use crate::experiment::contest::{KICK as FLAT_KICK, angle, tried};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, scale};
 use crate::physics::grid::Grid;
@@ -25,9 +25,9 @@ const TRACE: f64 = 2e-2;
 pub enum Rest {
     /// The flat state.
     Flat,
-    /// A ridge; amplitudes of the coarse quarter cell, waves along x only.
+    /// A ridge; amplitudes of the quarter cell, waves along x only.
     Ridge(Vec<f64>),
-    /// A bulge or dimple; amplitudes of the coarse quarter cell, x <-> y symmetric.
+    /// A bulge or dimple; amplitudes of the quarter cell, x <-> y symmetric.
     Square(Pattern, Vec<f64>),
     /// Anything else.
     Other,
@@ -45,7 +45,7 @@ impl Rest {
     }
 }
 
-/// The coarse quarter cell.
+/// A quarter cell for releases.
 #[derive(Clone, Debug)]
 pub struct Explorer {
     system: System,
@@ -68,7 +68,7 @@ impl Explorer {
         }
     }
 
-    /// The coarse mechanics.
+    /// Its mechanics.
     pub fn system(&self) -> &System {
         &self.system
     }
@@ -86,7 +86,7 @@ impl Explorer {
             (mode[1], mode[ny]) = angle(mixture).sin_cos();
             self.kicked(&flat, &mode, FLAT_KICK, u0)
         };
-        (0..MIXTURES).map(from).collect()
+        tried(from, |a, b| a.pattern() == b.pattern())
     }
 
     /// The pattern of amplitudes.

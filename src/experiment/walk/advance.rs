@@ -119,7 +119,7 @@ impl Walk {
         self.release_towards(barrier, false, rivals)
     }
 
-    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on a coarse quarter cell; empty where there is
+    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
     /// but one wave, or no such cell.
     fn landings_from_flat(&mut self, u0: f64, cancel: &Cancel) -> Vec<Pattern> {
         let grid = *self.system.grid();
@@ -127,7 +127,7 @@ impl Walk {
             return Vec::new();
         }
         let law = *self.system.law();
-        let mut explorer = Explorer::new(grid.length, plan::chart(&law, grid.length, grid.nx).coarse, law);
+        let mut explorer = Explorer::new(grid.length, grid.nx, law);
         explorer.cancel = cancel.clone();
         let landings = explorer.from_flat(u0).iter().map(Rest::pattern).collect();
         self.looked += explorer.transforms();
