@@ -82,7 +82,7 @@ fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
         (_, Outcome::NotConverged { .. } | Outcome::Cancelled) => f64::NAN,
         (Outcome::Completed, _) => {
             // Where it is contested which of two loops it is, the reference has both.
-            let contested = [&run, &better].iter().any(|run| run.record.jumps.iter().any(|jump| !jump.rivals.is_empty()));
+            let contested = [&run, &better].iter().any(|run| run.record.jumps.iter().any(|jump| !jump.landings.is_empty()));
             let loops = contested.then(|| read_off(&finer, &cancel)).flatten().unwrap_or_default();
             let all = loops.iter().chain([&better.record.jumps]);
             all.map(|jumps| measured_error(&run.record.jumps, jumps)).fold(1.0, f64::min)
@@ -117,7 +117,9 @@ fn main() {
             trials.lock().expect("no other thread panicked").push(trial);
         }
     };
-    std::thread::scope(|scope| (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| _ = scope.spawn(work)));
+    std::thread::scope(|scope| {
+        (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| _ = scope.spawn(work))
+    });
     let trials = trials.into_inner().expect("no thread panicked");
     println!("\n| road | loops | inside | met the target | median predicted / measured |\n|---|---|---|---|---|");
     for road in ["atlas", "quarter", "whole", "line"] {

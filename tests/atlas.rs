@@ -134,7 +134,7 @@ fn a_cell_below_the_critical_length_has_no_jump() {
 }
 
 fn cycle(law: &Law, n: usize) -> (Atlas, Cycle) {
-    let mut atlas = Atlas::new(chart(law, 256.0, n, 1));
+    let mut atlas = Atlas::new(chart(law, 256.0, n));
     let cycle = atlas.cycle(4.4, 0.2).unwrap();
     (atlas, cycle)
 }

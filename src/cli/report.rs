@@ -83,7 +83,7 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
 }
 
 fn warnings(model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
-    let contested = run.record.jumps.iter().filter(|jump| !jump.rivals.is_empty()).map(|jump| {
+    let contested = run.record.jumps.iter().filter(|jump| !jump.landings.is_empty()).map(|jump| {
         let losses: Vec<String> = run.rivals.iter().filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?))).collect();
         let or = if losses.is_empty() { "is not known".to_owned() } else { format!("is {} gamma", losses.join(" or ")) };
         format!("u0 = {}: {}; the loss of the other landing {or}", jump.mean_displacement, jump.cause_words())

@@ -61,15 +61,9 @@ pub struct Atlas {
     branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
     landings: Vec<[Option<Place>; 2]>,
-    /// Where else it may land from the lower and the upper limit of the flat state.
-    rivals: [Vec<Rival>; 2],
-}
-
-/// Another landing from a limit of the flat state.
-#[derive(Clone, Debug)]
-struct Rival {
-    share: Share,
-    rest: Rest,
+    /// Where it may land from the lower and the upper limit of the flat state, most often first.
+    contested: [Vec<Rest>; 2],
+    shares: [Vec<Share>; 2],
 }
 
 impl Atlas {
@@ -85,7 +79,8 @@ impl Atlas {
             cancel: Cancel::default(),
             branches: Vec::new(),
             landings: vec![[None; 2]],
-            rivals: Default::default(),
+            contested: Default::default(),
+            shares: Default::default(),
         }
     }
 
@@ -171,27 +166,27 @@ impl Atlas {
         }
     }
 
-    /// Where most mixtures of the soft modes lead from a limit of the flat state; the others are remembered.
+    /// Where most mixtures of the soft modes lead from a limit of the flat state; all are remembered.
     fn from_flat(&mut self, up: bool, u0: f64) -> Rest {
-        let mut rests = self.explorer.from_flat(u0);
+        let rests = self.explorer.from_flat(u0);
         let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
-        let mut first = |share: &Share| {
-            let rest = rests.iter_mut().find(|rest| rest.pattern() == share.pattern).expect("it was counted");
-            Rival { share: *share, rest: std::mem::replace(rest, Rest::Other) }
-        };
-        let mut found: Vec<Rival> = shares.iter().map(&mut first).collect();
-        let most = found.remove(0).rest;
-        // The upper limit ends the way down.
-        self.rivals[usize::from(!up)] = found;
+        let first = |share: &Share| rests.iter().find(|rest| rest.pattern() == share.pattern).cloned().unwrap_or(Rest::Other);
+        let found: Vec<Rest> = shares.iter().map(first).collect();
+        let most = found[0].clone();
+        (self.contested[usize::from(up)], self.shares[usize::from(up)]) = (found, shares);
         most
     }
 
-    /// The loops from `start` to `turn` and back of which a limit of the flat state leads elsewhere than most mixtures do, one limit
-    /// after the other: the share of that landing, and its loop.
-    pub fn rival_cycles(&mut self, start: f64, turn: f64) -> Vec<(Share, Result<Cycle, Unmapped>)> {
+    /// The loops from `start` to `turn` and back for each landing of each contested limit of the flat state, and the share of that
+    /// landing; none where no limit that was passed is contested.
+    pub fn contested_cycles(&mut self, start: f64, turn: f64) -> Vec<(Share, Result<Cycle, Unmapped>)> {
         let mut cycles = Vec::new();
         for up in [false, true] {
-            for Rival { share, rest } in self.rivals[usize::from(!up)].clone() {
+            let side = usize::from(up);
+            for (rest, share) in self.contested[side].clone().into_iter().zip(self.shares[side].clone()) {
+                if self.shares[side].len() == 1 {
+                    continue;
+                }
                 let usual = self.landings[0][usize::from(up)];
                 let (u0, energy) = self.end_point(Place::Flat, up);
                 let cycle = self.settle(u0, energy, rest).and_then(|place| {
@@ -205,12 +200,10 @@ impl Atlas {
         cycles
     }
 
-    /// Where else a limit of the flat state leads.
-    fn shares_beside(&self, place: Place, up: bool) -> Vec<Share> {
-        if place != Place::Flat {
-            return Vec::new();
-        }
-        self.rivals[usize::from(!up)].iter().map(|rival| rival.share).collect()
+    /// Where a limit of the flat state leads, if that is contested.
+    fn contested(&self, place: Place, up: bool) -> Vec<Share> {
+        let shares = &self.shares[usize::from(up)];
+        if place == Place::Flat && shares.len() > 1 { shares.clone() } else { Vec::new() }
     }
 
     /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for releases.

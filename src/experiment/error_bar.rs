@@ -37,11 +37,11 @@ pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -
     (!cancel.requested()).then_some(if error < 1.0 { SAFETY * error + located + FLOOR } else { 1.0 })
 }
 
-/// The jumps of the loop on the next finer mesh: of a line walked, of a square read off an atlas.
+/// The jumps of the loop on the next finer mesh: read off an atlas, or walked where there is none.
 fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let finer = reference(scene, model);
-    if !model.grid.is_line() {
-        return read_off(&finer, cancel);
+    if let Some(loops) = read_off(&finer, cancel) {
+        return Some(loops);
     }
     let run = run_reduced(&finer, MethodKind::NewtonKrylov, Reduction::Quarter, cancel, &mut |_| {}).ok()?;
     (run.outcome == Outcome::Completed).then_some(vec![run.record.jumps])
@@ -51,11 +51,14 @@ fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<
 pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let model = scene.model().ok()?;
     let Turn::At(turn) = scene.drive.turn else { return None };
+    if model.grid.is_line() {
+        return None;
+    }
     let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
     atlas.obey(cancel);
     let usual = atlas.cycle(scene.drive.start, turn).ok()?.jumps;
-    let rivals = atlas.rival_cycles(scene.drive.start, turn).into_iter().filter_map(|(_, cycle)| Some(cycle.ok()?.jumps));
-    Some(std::iter::once(usual).chain(rivals).collect())
+    let contested = atlas.contested_cycles(scene.drive.start, turn).into_iter().filter_map(|(_, cycle)| Some(cycle.ok()?.jumps));
+    Some(std::iter::once(usual).chain(contested).collect())
 }
 
 /// The scene that judges a loop of `scene`: the same law on the next finer mesh.

@@ -145,19 +145,18 @@ pub struct JumpRecord {
     pub release_error: f64,
     /// What gave way.
     pub cause: Cause,
-    /// Where else it might have landed; empty unless that is contested.
-    pub rivals: Vec<Share>,
+    /// All places where it might have landed, most often first; empty unless that is contested.
+    pub landings: Vec<Share>,
 }
 
 impl JumpRecord {
     /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 %, bulge 43 %".
     pub fn cause_words(&self) -> String {
-        if self.rivals.is_empty() {
+        if self.landings.is_empty() {
             return self.cause.to_string();
         }
-        let own = Share { pattern: self.to, share: 1.0 - self.rivals.iter().map(|rival| rival.share).sum::<f64>() };
         let say = |share: &Share| format!("{} {:.0} %", share.pattern, 100.0 * share.share);
-        let all: Vec<String> = std::iter::once(&own).chain(&self.rivals).map(say).collect();
+        let all: Vec<String> = self.landings.iter().map(say).collect();
         format!("{}; contested: {}", self.cause, all.join(" / "))
     }
 }

@@ -46,7 +46,15 @@ impl LoopRun {
     /// A loop of which nothing is computed yet.
     pub(crate) fn empty() -> Self {
         let (record, counts) = (LoopRecord::default(), Counts::default());
-        Self { record, outcome: Outcome::Completed, counts, landings: Vec::new(), deviation: None, error_bar: None, rivals: Vec::new() }
+        Self {
+            record,
+            outcome: Outcome::Completed,
+            counts,
+            landings: Vec::new(),
+            deviation: None,
+            error_bar: None,
+            rivals: Vec::new(),
+        }
     }
 
     /// The ledger, for a law of `surface_energy` gamma; `None` if the drive was not completed.
@@ -132,7 +140,8 @@ pub fn run_planned(
 /// The loops of other landings of a contested one.
 fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
     let Turn::At(turn) = scene.drive.turn else { return Vec::new() };
-    if run.record.jumps.iter().all(|jump| jump.rivals.is_empty()) {
+    let contested: Vec<_> = run.record.jumps.iter().filter(|jump| !jump.landings.is_empty()).collect();
+    if contested.is_empty() {
         return Vec::new();
     }
     let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
@@ -140,8 +149,9 @@ fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> 
     // Its landings are known once it has been round.
     let _ = atlas.cycle(scene.drive.start, turn);
     let loss = |cycle: Result<Cycle, Unmapped>| cycle.ok().map(|cycle| cycle.dissipated_energy);
-    let rivals = atlas.rival_cycles(scene.drive.start, turn);
-    rivals.into_iter().map(|(landing, cycle)| RivalLoop { landing, dissipated_energy: loss(cycle) }).collect()
+    let cycles = atlas.contested_cycles(scene.drive.start, turn).into_iter();
+    let others = cycles.filter(|(landing, _)| contested.iter().all(|jump| jump.to != landing.pattern));
+    others.map(|(landing, cycle)| RivalLoop { landing, dissipated_energy: loss(cycle) }).collect()
 }
 
 fn run_on_road(

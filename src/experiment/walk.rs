@@ -68,8 +68,8 @@ struct Jumping {
     kick: f64,
     /// Energy of the state before, carried to the u0 of the jump.
     energy_before: f64,
-    /// Where other kicks lead.
-    rivals: Vec<Share>,
+    /// Where kicks lead, if that is contested.
+    landings: Vec<Share>,
 }
 
 /// A body on its way along u0.

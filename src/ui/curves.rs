@@ -208,7 +208,7 @@ mod tests {
             released_energy: 0.1,
             release_error: 0.0,
             cause: Cause::FlatLimit,
-            rivals: Vec::new(),
+            landings: Vec::new(),
         };
         curve.jump(&jump, &LAW);
         curve.push(&state(Branch::Approach, 7.0, 0.4), &LAW);

@@ -167,7 +167,7 @@ impl Bench {
             released_energy: 0.1234,
             release_error: 0.0,
             cause: Cause::FlatLimit,
-            rivals: Vec::new(),
+            landings: Vec::new(),
         };
         let run = self.state().run;
         self.say(Event::Jump { run, jump });

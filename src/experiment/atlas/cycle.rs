@@ -186,7 +186,7 @@ impl Journey {
             released_energy,
             release_error,
             cause,
-            rivals: atlas.shares_beside(self.place, direction == Direction::Retraction),
+            landings: atlas.contested(self.place, direction == Direction::Retraction),
         };
         self.place = next;
         Ok(Some(jump))

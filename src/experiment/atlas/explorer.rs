@@ -60,12 +60,7 @@ impl Explorer {
     pub fn new(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
         let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
-        Self {
-            preconditioner: Preconditioner::new(&system, constant),
-            ws: system.workspace(),
-            system,
-            cancel: Cancel::default(),
-        }
+        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, cancel: Cancel::default() }
     }
 
     /// Its mechanics.

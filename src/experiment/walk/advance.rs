@@ -115,8 +115,8 @@ impl Walk {
         let shares = shares(&landings);
         let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
         let barrier = Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft };
-        let rivals = shares.into_iter().skip(1).collect();
-        self.release_towards(barrier, false, rivals)
+        let contested = if shares.len() > 1 { shares } else { Vec::new() };
+        self.release_towards(barrier, false, contested)
     }
 
     /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
@@ -309,7 +309,7 @@ impl Walk {
                 released_energy: released,
                 release_error: (du * (self.state.stress - stress)).abs() / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
-                rivals: Vec::new(),
+                landings: Vec::new(),
             }));
         }
         self.accept(observe);

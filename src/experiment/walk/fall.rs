@@ -63,7 +63,12 @@ impl Walk {
         if !jumped {
             return Some(self.take(state, observe));
         }
-        self.arrive(state, Leaving { stress: stress_before, released, cause: Cause::Fold, rivals: Vec::new() }, RELEASED, observe);
+        self.arrive(
+            state,
+            Leaving { stress: stress_before, released, cause: Cause::Fold, landings: Vec::new() },
+            RELEASED,
+            observe,
+        );
         Some(Progress::Working)
     }
 }

@@ -36,8 +36,8 @@ pub(super) struct Leaving {
     pub(super) released: f64,
     /// What gave way.
     pub(super) cause: Cause,
-    /// Where other kicks lead.
-    pub(super) rivals: Vec<Share>,
+    /// Where kicks lead, if that is contested.
+    pub(super) landings: Vec<Share>,
 }
 
 impl Walk {
@@ -46,14 +46,14 @@ impl Walk {
         self.release_towards(barrier, choose, Vec::new())
     }
 
-    /// The same where other kicks lead elsewhere.
-    pub(super) fn release_towards(&mut self, barrier: Barrier, choose: bool, rivals: Vec<Share>) -> Progress {
+    /// The same where kicks lead to several places.
+    pub(super) fn release_towards(&mut self, barrier: Barrier, choose: bool, landings: Vec<Share>) -> Progress {
         let (_, energy_before) = self.carried_to(barrier.at);
         let kick = if barrier.cause == Cause::FlatLimit { FLAT_KICK } else { KICK };
         let z = self.kicked(&self.state.field.clone(), barrier.at, &barrier.soft_mode, kick, choose);
         let Barrier { at, cause, soft_mode, .. } = barrier;
         let release = Release::new(z, at).with_tolerance(self.system.precision().tolerance());
-        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, rivals });
+        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, landings });
         Progress::Working
     }
 
@@ -226,8 +226,8 @@ impl Walk {
                 landed.mean_displacement
             ));
         }
-        let Jumping { cause, rivals, .. } = jumping;
-        self.arrive(landed, Leaving { stress: stress_before, released, cause, rivals }, EVENT, observe);
+        let Jumping { cause, landings, .. } = jumping;
+        self.arrive(landed, Leaving { stress: stress_before, released, cause, landings }, EVENT, observe);
         Progress::Working
     }
 
@@ -236,7 +236,7 @@ impl Walk {
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
-        Leaving { stress: stress_before, released, cause, rivals }: Leaving,
+        Leaving { stress: stress_before, released, cause, landings }: Leaving,
         event: f64,
         observe: &mut dyn FnMut(Happening),
     ) {
@@ -274,7 +274,7 @@ impl Walk {
             released_energy,
             release_error,
             cause,
-            rivals,
+            landings,
         }));
         self.accept(observe);
     }

@@ -76,7 +76,7 @@ impl Walk {
             released_energy: 0.0,
             release_error: (a.energy + work - b.energy).abs() / law.surface_energy,
             cause: Cause::Transition,
-            rivals: Vec::new(),
+            landings: Vec::new(),
         }));
     }
 

@@ -59,7 +59,7 @@ fn invented_loop() -> LoopRecord {
                     released_energy: 0.1,
                     release_error: 1e-5,
                     cause: Cause::Fold,
-                    rivals: Vec::new(),
+                    landings: Vec::new(),
                 });
             }
             let first = usize::from(branch == Branch::Retraction && k == 0);
