@@ -1,6 +1,6 @@
 //! How often the stated error holds: random loops on flat ground against an independent walk on a mesh half as fine again.
 //!
-//! Prints one row a loop, then the table of the README. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares and
+//! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares and
 //! lines, every road, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump or has one too many counts as outside.
 
 use rand::seq::IndexedRandom;
@@ -121,7 +121,9 @@ fn main() {
         (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| _ = scope.spawn(work))
     });
     let trials = trials.into_inner().expect("no thread panicked");
-    println!("\n| road | loops | inside | met the target | median predicted / measured |\n|---|---|---|---|---|");
+    println!(
+        "\n| road | loops | inside | nothing promised | met the target | median predicted / measured |\n|---|---|---|---|---|---|"
+    );
     for road in ["atlas", "quarter", "whole", "line"] {
         row(road, trials.iter().filter(|trial| trial.road == road).collect());
     }
@@ -129,10 +131,12 @@ fn main() {
 }
 
 fn row(road: &str, trials: Vec<&Trial>) {
-    let inside = trials.iter().filter(|t| t.measured <= t.predicted).count();
+    // A bar of 1 says that a finer mesh has other jumps.
+    let refused = trials.iter().filter(|t| t.predicted >= 1.0).count();
+    let inside = trials.iter().filter(|t| t.measured <= t.predicted && t.predicted < 1.0).count();
     let met = trials.iter().filter(|t| t.measured <= t.target).count();
     let mut ratios: Vec<f64> = trials.iter().map(|t| t.predicted / t.measured).filter(|ratio| ratio.is_finite()).collect();
     ratios.sort_by(f64::total_cmp);
     let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
-    println!("| {road} | {} | {inside} | {met} | {median:.1} |", trials.len());
+    println!("| {road} | {} | {inside} | {refused} | {met} | {median:.1} |", trials.len());
 }

@@ -4,7 +4,7 @@
 //! matter of luck. Here the velocity always points along the force.
 
 use super::method::{Problem, Slides};
-use super::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, descend};
+use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::preconditioner::Preconditioner;
@@ -22,10 +22,10 @@ const CREEP: f64 = 0.2;
 const STEEPEST: usize = 12;
 /// Newton steps then, each within a trust region of the longest step, so that they follow the valley.
 const DESCENT: usize = 4;
-/// Energy, in gamma, that such a descent must release: less is what a pattern between mesh points gives by sliding, and that is slow.
+/// Energy, in gamma, that such a descent must release: what slides from between mesh points gives less.
 const LEAST_GAIN: f64 = 1e-10;
-/// The smallest trust region, over the longest step.
-const LEAST_TRUST: f64 = 1e-6;
+/// Newton steps of a pattern that is let slide.
+const SLIDING: usize = 40;
 
 /// A release under way.
 #[derive(Clone, Debug)]
@@ -46,8 +46,8 @@ pub struct Release {
     /// Length of the last step (root mean square), and steps since Newton's method was tried.
     moved: f64,
     since_newton: usize,
-    /// Newton's trust region over the longest step: smaller after a descent that found nothing lower.
-    trust: f64,
+    /// How many are given to the steepest way.
+    patience: usize,
     limits: NewtonLimits,
 }
 
@@ -80,7 +80,7 @@ impl Release {
             shrink: 1.0,
             moved: 0.0,
             since_newton: 0,
-            trust: 1.0,
+            patience: STEEPEST,
             limits: NewtonLimits { steps: DESCENT, ..NewtonLimits::default() },
         }
     }
@@ -126,32 +126,46 @@ impl Release {
                 continue;
             }
             (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
-            let cap = STEP_MAX * system.law().range;
             self.since_newton += 1;
-            if self.since_newton >= STEEPEST && self.moved < CREEP * cap {
-                self.since_newton = 0;
+            if self.since_newton >= self.patience && self.moved < CREEP * STEP_MAX * system.law().range {
                 preconditioner.refresh(system, ws);
-                let problem = Problem { system, preconditioner, slides };
-                let state = descend(&problem, self.z.clone(), self.u0, self.trust * cap, self.limits, ws, cancel);
-                match state.end {
-                    NewtonEnd::Converged => return Slice::Settled(state),
-                    NewtonEnd::Cancelled => return Slice::Cancelled,
-                    // Lower, if not there yet: go on from where it got to.
-                    _ => {
-                        let least = system.precision().rounding().max(LEAST_GAIN) * system.law().surface_energy;
-                        let found = state.at.energy < self.energy - least;
-                        self.trust = if found { 1.0 } else { (0.25_f64.powi(DESCENT as i32) * self.trust).max(LEAST_TRUST) };
-                        // What slides is pulled by the mesh alone, and Newton steps leave that out: at rest, if it is on a mesh point.
-                        self.z = if found || slides == Slides::Never { state.z } else { centred(system, &state.z) };
-                        self.energy = f64::INFINITY;
-                        self.velocity.fill(0.0);
-                        continue;
-                    }
+                if let Some(slice) = self.newton(&Problem { system, preconditioner, slides }, ws, cancel) {
+                    return slice;
                 }
+                continue;
             }
             self.step(system, preconditioner, ws);
         }
         Slice::Moving
+    }
+
+    /// A few Newton steps where the steepest way creeps; `None` if they do not settle it: then from where they got to.
+    ///
+    /// What slides is left out at first. Where nothing else is left to gain, and the mesh still pulls, it is let slide.
+    fn newton(&mut self, problem: &Problem<'_>, ws: &mut Workspace, cancel: &Cancel) -> Option<Slice> {
+        let law = problem.system.law();
+        let least = problem.system.precision().rounding().max(LEAST_GAIN) * law.surface_energy;
+        let cap = STEP_MAX * law.range;
+        self.since_newton = 0;
+        let mut state = descend(problem, self.z.clone(), self.u0, cap, self.limits, ws, cancel);
+        let stalled = state.end == NewtonEnd::Stalled && !(state.at.energy < self.energy - least);
+        if stalled && problem.slides != Slides::Never {
+            let (held, limits) = (Problem { slides: Slides::Never, ..*problem }, NewtonLimits { steps: SLIDING, ..self.limits });
+            state = descend(&held, state.z, self.u0, cap, limits, ws, cancel);
+        }
+        match state.end {
+            NewtonEnd::Converged => return Some(Slice::Settled(state)),
+            NewtonEnd::Cancelled => return Some(Slice::Cancelled),
+            _ => {}
+        }
+        if stalled {
+            self.patience *= 2;
+        } else {
+            self.patience = STEEPEST;
+            self.velocity.fill(0.0);
+        }
+        self.z = state.z;
+        None
     }
 
     fn step(&mut self, system: &System, preconditioner: &Preconditioner, ws: &Workspace) {

@@ -36,7 +36,7 @@ const NODES: usize = 60;
 /// Largest deviation from the prediction in units of the predicted change: beyond it another branch was found.
 const STRAY: f64 = 0.6;
 
-/// Follows the branch of `first` towards growing u0 if `up`. Nodes in order, without `first`; the last is the end. A node `behind`
+/// Follows the branch of `first`, whose `breaking` is known over all waves, towards growing u0 if `up`. Nodes in order, without `first`; the last is the end. A node `behind`
 /// the first one, if there is one, tells where the branch comes from.
 ///
 /// # Errors
@@ -173,9 +173,11 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
     sector.sharpen(&mut b);
     let offset = b.breaking - of_block;
     let mut a = loop {
-        let mut last = nodes.last().unwrap_or(first).clone();
+        // The first one is known over all waves, and stable.
+        let Some(last) = nodes.last() else { break first.clone() };
+        let mut last = last.clone();
         last.breaking += offset;
-        if last.breaking.abs() < 0.5 * offset.abs() && !nodes.is_empty() {
+        if last.breaking.abs() < 0.5 * offset.abs() {
             // Too near to call by the correction.
             last = sector.node(last.u0, last.z.clone(), Some(&last), SHARP)?;
             sector.sharpen(&mut last);
