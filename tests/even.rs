@@ -90,7 +90,7 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         assert_eq!(block.negative(), values.iter().filter(|v| **v < 0.0).count(), "{class:?}");
         let least = values.iter().copied().min_by(f64::total_cmp).unwrap();
         let (softest, _) = block.softest(None);
-        // The error goes with the square of a residual of a hundredth.
+        // The error goes with the square of a residual of two thousandths.
         assert!((softest - least).abs() < 1e-3 * least.abs(), "{class:?}: {softest} {least}");
 
         // Where it is positive and complete, preconditioning with it undoes the Hessian.

@@ -132,7 +132,7 @@ impl Atlas {
                 break;
             }
             let rest = match place {
-                Place::Flat => self.from_flat(up, u0 + beyond * onwards),
+                Place::Flat => self.off_flat(up, u0 + beyond * onwards),
                 Place::On(i) => {
                     let (z, mode) = self.kick(i, up)?;
                     self.explorer.release(&z, &mode, u0 + beyond * onwards)
@@ -167,8 +167,8 @@ impl Atlas {
     }
 
     /// Where most mixtures of the soft modes lead from a limit of the flat state; all are remembered.
-    fn from_flat(&mut self, up: bool, u0: f64) -> Rest {
-        let rests = self.explorer.from_flat(u0);
+    fn off_flat(&mut self, up: bool, u0: f64) -> Rest {
+        let rests = self.explorer.off_flat(u0);
         let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
         let first = |share: &Share| rests.iter().find(|rest| rest.pattern() == share.pattern).cloned().unwrap_or(Rest::Other);
         let found: Vec<Rest> = shares.iter().map(first).collect();

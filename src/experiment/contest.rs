@@ -10,8 +10,8 @@ use std::f64::consts::FRAC_PI_4;
 /// seen.
 pub const MIXTURES: usize = 7;
 
-/// Root mean square kick at a limit of the flat state, in ranges. While amplitudes are small all mixtures but the purest turn into the
-/// same: of nine tenths of a range a third of random laws lands in two places, of a third of that hardly any.
+/// Root mean square kick at a limit of the flat state, in ranges. While amplitudes are small nearly all mixtures turn into the same: of
+/// two laws that were contested with a tenth of a range none is with this.
 pub const KICK: f64 = 0.03;
 
 /// A pattern and the share of the mixtures that lead to it, 0 to 1.

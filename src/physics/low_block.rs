@@ -66,7 +66,7 @@ pub struct LowBlock {
 const SOFTEST: usize = 60;
 /// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the floor of the pivots. The error of the
 /// eigenvalue goes with the square of the residual.
-const RESIDUAL: f64 = 1e-2;
+const RESIDUAL: f64 = 2e-3;
 const NEAR_ZERO: f64 = 1e-4;
 
 impl LowBlock {

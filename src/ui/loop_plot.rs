@@ -6,7 +6,7 @@ use super::inspect;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::plan::promise;
-use crate::experiment::record::Branch;
+use crate::experiment::record::{Branch, JumpRecord};
 use crate::paper::ticks::{self, label};
 use egui::emath::Rangef;
 use egui::{AsIdSalt, Color32, Response, RichText, Role, Stroke, Ui, WidgetInfo, vec2};
@@ -162,7 +162,8 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
             (None, None) => "dissipated energy not available".to_owned(),
         };
         let open = ledger.open.as_ref().map(|open| format!("{}; {}", open.reason, open.remedy));
-        return (words, open.or_else(|| ledger.warning()));
+        let contested = state.record.jumps.iter().find(|jump| !jump.landings.is_empty()).map(JumpRecord::cause_words);
+        return (words, open.or_else(|| ledger.warning()).or(contested));
     }
     let words = match state.live.as_ref().map(|live| &live.state.found) {
         Some(Ok(live)) => format!(

@@ -74,7 +74,7 @@ impl Explorer {
     }
 
     /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first waves along x and y.
-    pub fn from_flat(&mut self, u0: f64) -> Vec<Rest> {
+    pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
         let (flat, ny) = (vec![0.0; self.system.dimension()], self.system.shape().0);
         let from = |mixture: usize| {
             let mut mode = flat.clone();

@@ -129,7 +129,7 @@ impl Walk {
         let law = *self.system.law();
         let mut explorer = Explorer::new(grid.length, grid.nx, law);
         explorer.cancel = cancel.clone();
-        let landings = explorer.from_flat(u0).iter().map(Rest::pattern).collect();
+        let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
         self.looked += explorer.transforms();
         landings
     }
