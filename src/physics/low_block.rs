@@ -63,7 +63,7 @@ pub struct LowBlock {
 }
 
 /// Most steps towards the softest mode of a block.
-const SOFTEST: usize = 60;
+const SOFTEST: usize = 300;
 /// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the floor of the pivots. The error of the
 /// eigenvalue goes with the square of the residual.
 const RESIDUAL: f64 = 2e-3;
