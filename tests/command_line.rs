@@ -301,3 +301,17 @@ fn ctrl_c_in_mid_run_writes_what_was_computed_and_says_so() {
     assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
     assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
 }
+
+#[test]
+fn a_target_that_is_not_met_is_said_with_the_mesh_that_comes_closer() {
+    let home = folder();
+    let lines = [("points = 64", "points = 40"), ("target = 0.01", "target = 1e-5"), ("step = 0.02", "step = 0.2")];
+    let told = errors(&run_with("fig2", &lines, home.path(), &[]));
+    assert!(
+        told.contains("accuracy.target = 0.00001 is not met (expected error 0.") && told.contains("cell.points = 64"),
+        "{told}"
+    );
+    let summary = summary(home.path());
+    assert!(summary["predicted_error"].as_f64().is_some_and(|error| error > 1e-5 && error < 1e-2));
+    assert!(summary["warnings"][0].as_str().is_some_and(|warning| told.contains(warning)));
+}

@@ -1,10 +1,11 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
+use crate::experiment::error_bar::reference;
 use crate::experiment::ledger::Ledger;
-use crate::experiment::plan::{Plan, Road};
+use crate::experiment::plan::{Plan, Road, promise};
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome, RivalLoop};
-use crate::experiment::scene::{Model, Scene, Turn};
+use crate::experiment::scene::{Model, Points, Scene, Turn};
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
@@ -70,7 +71,7 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
         released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
         loop_integral: of(|ledger| Some(ledger.loop_integral).filter(|_| ledger.open.is_none())),
         ledger_mismatch: of(Ledger::mismatch),
-        warnings: warnings(model, run, ledger.as_ref()),
+        warnings: warnings(scene, model, run, ledger.as_ref()),
         contested: run.rivals.iter().map(contested).collect(),
         counts: counts(run),
         stiffness_min_least: Number(-largest(|s| -s.stiffness_min).0),
@@ -82,13 +83,23 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
     }
 }
 
-fn warnings(model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
+fn warnings(scene: &Scene, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
     let contested = run.record.jumps.iter().filter(|jump| !jump.landings.is_empty()).map(|jump| {
         let losses: Vec<String> = run.rivals.iter().filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?))).collect();
         let or = if losses.is_empty() { "is not known".to_owned() } else { format!("is {} gamma", losses.join(" or ")) };
         format!("u0 = {}: {}; the loss of the other landing {or}", jump.mean_displacement, jump.cause_words())
     });
-    model.warning().into_iter().chain(ledger.and_then(Ledger::warning)).chain(contested).collect()
+    let missed = run.error_bar.filter(|error| *error > scene.accuracy).map(|error| {
+        let points = reference(scene, model).cell.points;
+        let finer = match points {
+            Points::Line(n) => format!("[{n}, 1]"),
+            Points::Square(n) => n.to_string(),
+            Points::Auto => "\"auto\"".to_owned(),
+        };
+        let (bar, target) = (promise(Some(error)), scene.accuracy);
+        format!("accuracy.target = {target} is not met ({bar}); cell.points = {finer} comes closer")
+    });
+    model.warning().into_iter().chain(ledger.and_then(Ledger::warning)).chain(contested).chain(missed).collect()
 }
 
 fn contested(rival: &RivalLoop) -> Contested {
