@@ -62,8 +62,7 @@ pub struct Atlas {
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
     landings: Vec<[Option<Place>; 2]>,
     /// Where it may land from the lower and the upper limit of the flat state, most often first.
-    contested: [Vec<Rest>; 2],
-    shares: [Vec<Share>; 2],
+    from_limits: [Vec<(Share, Rest)>; 2],
 }
 
 impl Atlas {
@@ -79,8 +78,7 @@ impl Atlas {
             cancel: Cancel::default(),
             branches: Vec::new(),
             landings: vec![[None; 2]],
-            contested: Default::default(),
-            shares: Default::default(),
+            from_limits: Default::default(),
         }
     }
 
@@ -170,10 +168,13 @@ impl Atlas {
     fn off_flat(&mut self, up: bool, u0: f64) -> Rest {
         let rests = self.explorer.off_flat(u0);
         let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
-        let first = |share: &Share| rests.iter().find(|rest| rest.pattern() == share.pattern).cloned().unwrap_or(Rest::Other);
-        let found: Vec<Rest> = shares.iter().map(first).collect();
-        let most = found[0].clone();
-        (self.contested[usize::from(up)], self.shares[usize::from(up)]) = (found, shares);
+        let first = |share: Share| {
+            let rest = rests.iter().find(|rest| rest.pattern() == share.pattern).cloned().expect("it was counted");
+            (share, rest)
+        };
+        let found: Vec<_> = shares.into_iter().map(first).collect();
+        let most = found[0].1.clone();
+        self.from_limits[usize::from(up)] = found;
         most
     }
 
@@ -183,10 +184,8 @@ impl Atlas {
         let mut cycles = Vec::new();
         for up in [false, true] {
             let side = usize::from(up);
-            for (rest, share) in self.contested[side].clone().into_iter().zip(self.shares[side].clone()) {
-                if self.shares[side].len() == 1 {
-                    continue;
-                }
+            let all = self.from_limits[side].clone();
+            for (share, rest) in if all.len() > 1 { all } else { Vec::new() } {
                 let usual = self.landings[0][usize::from(up)];
                 let (u0, energy) = self.end_point(Place::Flat, up);
                 let cycle = self.settle(u0, energy, rest).and_then(|place| {
@@ -202,8 +201,8 @@ impl Atlas {
 
     /// Where a limit of the flat state leads, if that is contested.
     fn contested(&self, place: Place, up: bool) -> Vec<Share> {
-        let shares = &self.shares[usize::from(up)];
-        if place == Place::Flat && shares.len() > 1 { shares.clone() } else { Vec::new() }
+        let all = &self.from_limits[usize::from(up)];
+        if place == Place::Flat && all.len() > 1 { all.iter().map(|(share, _)| *share).collect() } else { Vec::new() }
     }
 
     /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for releases.

@@ -76,8 +76,8 @@ pub fn reference(scene: &Scene, model: &Model) -> Scene {
 pub fn measured_error(jumps: &[JumpRecord], reference: &[JumpRecord]) -> f64 {
     let loss = |jumps: &[JumpRecord]| jumps.iter().map(|jump| jump.released_energy).sum::<f64>();
     let least = 1e-3 * loss(reference);
-    let large = |jumps: &'_ [JumpRecord]| jumps.iter().filter(|jump| jump.released_energy > least).cloned().collect::<Vec<_>>();
-    let (mine, right) = (large(jumps), large(reference));
+    let [mine, right]: [Vec<_>; 2] =
+        [jumps, reference].map(|jumps| jumps.iter().filter(|jump| jump.released_energy > least).collect());
     // Not by the names of the patterns: on which side of a growing dimple's change into a bulge a jump lies may depend on the mesh.
     if !mine.iter().map(|jump| jump.branch).eq(right.iter().map(|jump| jump.branch)) {
         return 1.0;
