@@ -1,9 +1,11 @@
 //! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
 
+use ndarray::Array2;
 use tackscope::experiment::plan::Reduction;
-use tackscope::experiment::record::JumpRecord;
+use tackscope::experiment::record::{Cause, JumpRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
+use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::solver::method::MethodKind;
@@ -105,4 +107,93 @@ fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     let (whole, quarter) = (looped(&scene, Reduction::Whole), looped(&scene, Reduction::Quarter));
     assert!(!whole.record.jumps.is_empty());
     assert_same(&whole, &quarter, 5e-3, 0.3, "48 points");
+}
+
+/// The next jump on the way from where `walk` stands to `target`.
+fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
+    walk.set_target(target);
+    let mut found = None;
+    while found.is_none() {
+        let progress = walk.step(&Cancel::default(), &mut |happening| {
+            if let Happening::Jump(jump) = happening {
+                found = Some(jump);
+            }
+        });
+        assert!(found.is_some() || progress == Progress::Working, "{progress:?}");
+    }
+    found.unwrap()
+}
+
+/// A walk that has been to `places` in turn.
+fn standing_at(scene: &Scene, places: &[f64]) -> Walk {
+    let mut walk = Walk::new(scene, MethodKind::NewtonKrylov).unwrap();
+    for &place in places {
+        walk.set_target(place);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        assert_eq!(walk.displacement(), place);
+    }
+    walk
+}
+
+#[test]
+fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
+    let mut scene = presets::resolve("fig2").unwrap();
+    (scene.cell.points, scene.drive.step) = (Points::Square(40), 0.1);
+    let (down, up) = (scene.depth(), scene.drive.start);
+    // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each 0.02 to 0.04 ranges before its end.
+    let broken = |cause| cause == Cause::SymmetryBreaking;
+    for (places, target, breaks) in [
+        (&[2.94][..], down, true),
+        (&[1.37], down, true),
+        (&[0.62], down, false),
+        (&[down, 2.19], up, true),
+        (&[down, 3.81], up, true),
+        (&[down, 3.95], up, false),
+    ] {
+        let there = standing_at(&scene, places);
+        let with_step = |step: f64| {
+            let mut scene = scene.clone();
+            scene.drive.step = step;
+            let (state, record) = (there.state().clone(), there.record().clone());
+            next_jump(Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap(), target)
+        };
+        let usual = with_step(0.05);
+        assert_eq!(broken(usual.cause), breaks, "{usual:?}");
+        for step in [7e-3, 1e-3, 1e-4] {
+            let found = with_step(step);
+            let off = (found.mean_displacement - usual.mean_displacement).abs();
+            assert!(off < 2e-5, "step {step}: {off} ranges from {usual:?}");
+            assert_eq!((found.from, found.to, found.cause), (usual.from, usual.to, usual.cause), "step {step}");
+        }
+    }
+}
+
+#[test]
+fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
+    // Four crests: the ground comes back after half a cell along x or y, and is its own mirror image; the contact has fewer symmetries.
+    let mut scene = wavy();
+    scene.indenter = Indenter::Wave { amplitude: 0.4, periods: [2, 2] };
+    let (there, n) = (standing_at(&scene, &[-0.2]), 32);
+    let (system, mut ws) = (there.system(), there.system().workspace());
+    let field = system.field(&there.state().field, &mut ws).clone();
+    let broken = (0..n).map(|i| (field[[0, i]] - field[[0, (i + 16) % n]]).abs()).fold(0.0, f64::max);
+    assert!(broken > 0.1, "{broken}");
+    let jumps: Vec<JumpRecord> = [(0, 0, false), (16, 0, false), (0, 0, true), (16, 16, true)]
+        .into_iter()
+        .map(|(along_x, along_y, mirrored)| {
+            let moved = Array2::from_shape_fn((n, n), |(j, i)| {
+                let i = if mirrored { n - i } else { i };
+                field[[(j + along_y) % n, (i + along_x) % n]]
+            });
+            let mut state = there.state().clone();
+            state.field = system.amplitudes(&moved, &mut ws);
+            let walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, there.record().clone()).unwrap();
+            next_jump(walk, scene.depth())
+        })
+        .collect();
+    for jump in &jumps[1..] {
+        let off = (jump.mean_displacement - jumps[0].mean_displacement).abs() / 0.3;
+        assert!(off < 1e-5, "{off} ranges: {jump:?} for {:?}", jumps[0]);
+        assert!((jump.released_energy / jumps[0].released_energy - 1.0).abs() < 1e-4, "{jump:?} for {:?}", jumps[0]);
+    }
 }

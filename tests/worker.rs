@@ -36,7 +36,7 @@ fn wished(run: u64, scene: Scene, wish: Wish) -> Command {
 fn drain(session: &mut Session, commands: Vec<Command>) -> Vec<Output> {
     let mut out = Vec::new();
     for command in commands {
-        session.command(command, &mut |o| out.push(o));
+        session.command(command, &Cancel::default(), &mut |o| out.push(o));
     }
     let now = Instant::now();
     while session.wait(now + Duration::from_secs(3600)).is_some() {
@@ -65,9 +65,9 @@ fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
 fn slow_motion_takes_four_times_as_long_and_full_speed_does_not_wait() {
     let mut session = Session::default();
     drain(&mut session, vec![set_scene(1, fig2(32))]);
-    session.command(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Approach }, &mut |_| ());
+    session.command(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Approach }, &Cancel::default(), &mut |_| ());
     let mut pause = |speed| {
-        session.command(Command::SetSpeed { speed }, &mut |_| ());
+        session.command(Command::SetSpeed { speed }, &Cancel::default(), &mut |_| ());
         let now = Instant::now();
         session.step(now, &Cancel::default(), &mut |_| ());
         session.wait(now).expect("it is under way")

@@ -63,7 +63,8 @@ impl StateRecord {
     pub fn fault(&self) -> Option<(String, String)> {
         let finite = self.stress.is_finite() && self.energy.is_finite();
         let what = match self.stop {
-            Stop::NotConverged | Stop::Cancelled => "did not converge".to_owned(),
+            Stop::NotConverged => "did not converge".to_owned(),
+            Stop::Cancelled => "was not reached before the stop".to_owned(),
             _ if !finite => "has no finite stress and energy".to_owned(),
             Stop::Unstable => format!("is unstable (stiffness_min = {:.3} E*/L)", self.stiffness_min),
             Stop::Stable | Stop::ReadOff => return None,

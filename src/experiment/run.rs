@@ -207,13 +207,17 @@ pub fn run_in_precision(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    let walk = Walk::in_precision(scene, method.build(scene.seed), reduction, precision)?;
+    let walk = Walk::begun(scene, method.build(scene.seed), reduction, precision, cancel)?;
     Ok(run_walk(walk, scene, method, cancel, observe))
 }
 
 /// The same with a walk of this `method` that stands at the start of the drive of `scene`.
 pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
     let mut drive = Drive::new(walk, scene);
+    if cancel.requested() {
+        drive.run.outcome = Outcome::Cancelled;
+        return drive.run;
+    }
     if let Some((what, remedy)) = drive.walk.record().fault() {
         drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason: format!("{what}; {remedy}") };
         return drive.run;
@@ -227,7 +231,7 @@ pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, 
                 drive.run.outcome = Outcome::Cancelled;
                 break;
             }
-            Progress::Stuck(reason) => match drive.walk.widen(scene, method) {
+            Progress::Stuck(reason) => match drive.walk.widen(scene, method, cancel) {
                 Some(widened) => drive.go_on_with(widened, &reason),
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;

@@ -42,7 +42,6 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug)]
 struct Barrier {
     at: f64,
-    cause: Cause,
     /// The negative eigenvalue found there (E* per length), if an equilibrium was.
     stiffness: Option<f64>,
     /// The mode that went soft, if it was seen.
@@ -136,18 +135,19 @@ impl Walk {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn with_method(scene: &Scene, method: Box<dyn Method>, reduction: Reduction) -> Result<Self, SceneError> {
-        Self::in_precision(scene, method, reduction, Precision::Double)
+        Self::begun(scene, method, reduction, Precision::Double, &Cancel::default())
     }
 
-    /// The same with other numbers.
+    /// The same with other numbers, and a token that ends the search for the first state: the walk then stands on none.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn in_precision(
+    pub fn begun(
         scene: &Scene,
         method: Box<dyn Method>,
         reduction: Reduction,
         precision: Precision,
+        cancel: &Cancel,
     ) -> Result<Self, SceneError> {
         let model = scene.model()?;
         let even = reduction == Reduction::Quarter;
@@ -216,7 +216,7 @@ impl Walk {
             system,
             model,
         };
-        walk.rest_at_start();
+        walk.rest_at_start(cancel);
         Ok(walk)
     }
 
@@ -346,26 +346,29 @@ impl Walk {
         }
     }
 
-    fn rest_at_start(&mut self) {
+    fn rest_at_start(&mut self, cancel: &Cancel) {
         match self.flat {
             Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
-            None => self.solve_here(),
+            None => self.solve_here(cancel),
         }
         self.accept(&mut |_| {});
     }
 
     /// Solves at the present u0 from the present field, and measures what was found.
-    fn solve_here(&mut self) {
+    fn solve_here(&mut self, cancel: &Cancel) {
         let (u0, z) = (self.state.mean_displacement, self.state.field.clone());
         let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&self.system) };
-        let cancel = Cancel::default();
-        let found = solve(&problem(&self.system, &self.preconditioner, self.slides), z, u0, limits, &mut self.ws, &cancel);
+        let found = solve(&problem(&self.system, &self.preconditioner, self.slides), z, u0, limits, &mut self.ws, cancel);
         self.state.residual = found.residual;
         (self.state.energy, self.state.stress) = (found.at.energy, found.at.stress);
         self.state.field = found.z;
-        self.state.stop = if found.end == NewtonEnd::Converged { Stop::Stable } else { Stop::NotConverged };
+        self.state.stop = match found.end {
+            NewtonEnd::Converged => Stop::Stable,
+            NewtonEnd::Cancelled => Stop::Cancelled,
+            _ => Stop::NotConverged,
+        };
         let (stiffness, mode) =
-            self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, &cancel);
+            self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, cancel);
         self.state.measured(stiffness, mode);
         self.history = History::starting(u0, self.state.field.clone());
     }

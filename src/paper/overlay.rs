@@ -1,6 +1,7 @@
 //! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of zero range, or JKR's tip.
 
 use crate::experiment::scene::Model;
+use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
@@ -30,10 +31,10 @@ pub struct TheoryLine {
 }
 
 impl ZeroRange {
-    /// Computes the curves; the first time takes some tenths of a second.
-    pub fn compute() -> Self {
+    /// Computes the curves; the first time takes some tenths of a second. `None` if cancelled.
+    pub fn compute(cancel: &Cancel) -> Option<Self> {
         // Each from 0 (not included) to its end; stable parts only.
-        let up_to = |end: f64| (1..=POINTS).map(move |i| end * i as f64 / POINTS as f64);
+        let up_to = |end: f64| (1..=POINTS).map(move |i| end * i as f64 / POINTS as f64).take_while(|_| !cancel.requested());
         let ridge_end = ridge::critical().displacement;
         let ridge = up_to(ridge_end).filter_map(|u| ridge::pressure(u.min(ridge_end)).map(|p| [u, p])).collect();
         let circle = |pattern: &circular::Pattern| {
@@ -41,7 +42,7 @@ impl ZeroRange {
             up_to(end).filter_map(|u| pattern.at(u.min(end), Part::Stable).map(|state| [u, state.pressure])).collect()
         };
         let curves = vec![("ridge", ridge), ("dimple", circle(circular::dimple())), ("bulge", circle(circular::bulge()))];
-        Self { curves }
+        (!cancel.requested()).then_some(Self { curves })
     }
 
     /// The curves for a scene, together with its flat state between two mean displacements; for a tip in a square cell those of JKR,
@@ -115,7 +116,7 @@ mod tests {
     #[test]
     fn a_tip_has_the_branch_of_jkr_alone_and_in_its_cell_up_to_their_ends() {
         let model = scenes::tip(64, 0.5).model().expect("a model");
-        let lines = ZeroRange::compute().lines(&model, -0.0145, 0.02);
+        let lines = ZeroRange::compute(&Cancel::default()).unwrap().lines(&model, -0.0145, 0.02);
         assert_eq!(lines.iter().map(|line| line.name).collect::<Vec<_>>(), ["JKR", "JKR, periodic"]);
         let gamma = scenes::TIP_SURFACE_ENERGY;
         let pull = |line: &TheoryLine| line.points.iter().map(|p| p[1]).fold(0.0, f64::max) / (1.5 * std::f64::consts::PI * gamma);
@@ -133,7 +134,7 @@ mod tests {
     fn the_lines_are_theory_in_the_units_of_the_scene() {
         let scene = scenes::flat("", 1024.0, Points::Square(64), 6.0, 0.2, 0.02);
         let model = scene.model().expect("a model");
-        let lines = ZeroRange::compute().lines(&model, 0.2, 6.0);
+        let lines = ZeroRange::compute(&Cancel::default()).unwrap().lines(&model, 0.2, 6.0);
         assert_eq!(lines.iter().map(|line| line.name).collect::<Vec<_>>(), ["flat", "ridge", "dimple", "bulge"]);
         // The ridge flattens at u_c~ = 0.665607924 with p_c~ = -0.354996680: here sqrt(gamma L) = sqrt(153.6), p = p~ gamma/u0.
         let end = lines[1].points.last().expect("points");
@@ -147,6 +148,6 @@ mod tests {
         let top = lines[0].points.iter().map(|p| p[1]).fold(0.0, f64::max);
         assert!((top - 0.075).abs() < 1e-4, "{top}");
         let line = scenes::flat("", 1024.0, Points::Line(64), 6.0, 0.2, 0.02).model().expect("a model");
-        assert_eq!(ZeroRange::compute().lines(&line, 0.2, 6.0).len(), 2);
+        assert_eq!(ZeroRange::compute(&Cancel::default()).unwrap().lines(&line, 0.2, 6.0).len(), 2);
     }
 }

@@ -17,9 +17,15 @@ impl History {
         Self { states: vec![(u0, z)] }
     }
 
-    /// Adds a state; one at the same u0 is replaced.
-    pub fn push(&mut self, u0: f64, z: Vec<f64>) {
+    /// Adds a state; one at the same u0 is replaced, and so is the newest where it lies closer than `apart` (length) to the one before
+    /// it: extrapolation from states close together amplifies what tolerance leaves open in them.
+    pub fn push(&mut self, u0: f64, z: Vec<f64>, apart: f64) {
         self.states.retain(|(u, _)| *u != u0);
+        if let [.., (before, _), (newest, _)] = self.states[..]
+            && (newest - before).abs() < apart
+        {
+            self.states.pop();
+        }
         if self.states.len() == 4 {
             self.states.remove(0);
         }

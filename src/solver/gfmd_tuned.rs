@@ -102,7 +102,7 @@ impl Method for GfmdTuned {
             project_out(&mut g, &slides);
             if !near && problem.slides != Slides::Never && norm(&g) <= 0.1 * goal {
                 // All that is left is the mesh's pull on a pattern between its points.
-                z = centred(system, &z);
+                z = centred(system, &z, [false; 2]);
                 velocity.fill(0.0);
                 continue;
             }

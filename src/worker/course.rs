@@ -6,6 +6,8 @@ use crate::experiment::plan::{Reduction, Road, Wish, plan};
 use crate::experiment::record::StateRecord;
 use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::walk::{Walk, Widened};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::precision::Precision;
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::MethodKind;
 use std::sync::Arc;
@@ -42,8 +44,9 @@ impl Course {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn walk(&self) -> Result<Walk, SceneError> {
-        Walk::reduced(&self.scene, self.method, self.choice.reduction)
+    pub fn walk(&self, cancel: &Cancel) -> Result<Walk, SceneError> {
+        let method = self.method.build(self.scene.seed);
+        Walk::begun(&self.scene, method, self.choice.reduction, Precision::Double, cancel)
     }
 
     /// A walk that stands on an earlier state.
@@ -55,8 +58,8 @@ impl Course {
     }
 
     /// Goes over to the whole cell, for the reason given. `None` if it was the whole cell already.
-    pub fn widen(&mut self, walk: &mut Walk, because: String) -> Option<Widened> {
-        let widened = walk.widen(&self.scene, self.method)?;
+    pub fn widen(&mut self, walk: &mut Walk, because: String, cancel: &Cancel) -> Option<Widened> {
+        let widened = walk.widen(&self.scene, self.method, cancel)?;
         self.choice.reduction = Reduction::Whole;
         self.choice.because = Some(because);
         Some(widened)

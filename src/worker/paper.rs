@@ -43,7 +43,7 @@ fn compute(page: Page, tell: &(dyn Fn(PaperNews) + Sync), cancel: &Cancel) -> Re
         Page::Errata => errata(&mut task).map(|list| PaperNews::Errata(Arc::new(list))),
         Page::Theory => {
             task.tell(0.0, "curves of zero range")?;
-            Ok(PaperNews::Theory(Arc::new(ZeroRange::compute())))
+            ZeroRange::compute(cancel).map(|theory| PaperNews::Theory(Arc::new(theory))).ok_or(Stopped::Cancelled)
         }
     }
 }

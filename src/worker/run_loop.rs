@@ -158,7 +158,7 @@ fn run(inbox: &Receiver<Command>, post: &Post, cancel: &Cancel) {
             Ok(Command::Quit) | Err(()) => return,
             Ok(command) => {
                 cancel.clear();
-                guarded(&mut session, post, |session, sink| session.command(command, sink));
+                guarded(&mut session, post, |session, sink| session.command(command, cancel, sink));
             }
         }
     }
@@ -228,10 +228,10 @@ mod tests {
             Command::SetScene { run: 3, scene, method, wish: Wish::Plan },
             Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 },
         ];
-        for command in commands {
-            guarded(&mut session, &post, |session, sink| session.command(command, sink));
-        }
         let cancel = Cancel::default();
+        for command in commands {
+            guarded(&mut session, &post, |session, sink| session.command(command, &cancel, sink));
+        }
         for _ in 0..4 {
             work(&mut session, &post, &cancel);
         }
@@ -243,7 +243,7 @@ mod tests {
             "{told:?}"
         );
         guarded(&mut session, &post, |session, sink| {
-            session.command(Command::SetTarget { run: 3, motion: 2, mean_displacement: 4.19 }, sink)
+            session.command(Command::SetTarget { run: 3, motion: 2, mean_displacement: 4.19 }, &cancel, sink)
         });
         work(&mut session, &post, &cancel);
         let next =

@@ -69,7 +69,7 @@ impl Session {
     }
 
     /// Takes a command; those of another run, and motions older than the newest, are stale and dropped.
-    pub fn command(&mut self, command: Command, sink: &mut dyn FnMut(Output)) {
+    pub fn command(&mut self, command: Command, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
         if let Command::SetTarget { run, motion, .. } | Command::Sweep { run, motion, .. } | Command::Stop { run, motion } = command
         {
             if run != self.run || motion < self.motion {
@@ -79,14 +79,14 @@ impl Session {
         }
         match command {
             Command::SetScene { run, scene, method, wish } => match Course::new(scene, method, wish) {
-                Ok(course) => self.begin(run, course, sink),
+                Ok(course) => self.begin(run, course, cancel, sink),
                 Err(error) => self.refuse(run, error, sink),
             },
             Command::SetTarget { mean_displacement, .. } => {
                 self.sweep = None;
                 self.go(mean_displacement);
             }
-            Command::Sweep { sweep, .. } => self.start_sweep(sweep, sink),
+            Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
             Command::Pause { paused } => {
                 self.paused = paused;
                 self.look_into_the_well();
@@ -138,7 +138,7 @@ impl Session {
             }
         }
         self.not_before = Some(now + pace);
-        self.follow_up(progress, now, sink);
+        self.follow_up(progress, now, cancel, sink);
         if self.busy && self.watched && self.well_after.is_none_or(|t| now >= t) {
             let began = Instant::now();
             self.well = self.walk.as_mut().and_then(Walk::energy_well);
@@ -174,15 +174,15 @@ impl Session {
         if let Some(course) = &self.course {
             self.walk = match good {
                 Some((state, record)) => course.resume(state, record).ok(),
-                None => course.walk().ok(),
+                None => course.walk(&Cancel::default()).ok(),
             };
         }
         run
     }
 
-    fn begin(&mut self, run: RunId, course: Course, sink: &mut dyn FnMut(Output)) {
+    fn begin(&mut self, run: RunId, course: Course, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
         *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
-        match course.walk() {
+        match course.walk(cancel) {
             Ok(mut walk) => {
                 let system = walk.system();
                 let flat_limits = if system.is_flat() { flat::limits(system.law(), system.grid().length) } else { None };
@@ -219,7 +219,7 @@ impl Session {
         }
     }
 
-    fn start_sweep(&mut self, sweep: Sweep, sink: &mut dyn FnMut(Output)) {
+    fn start_sweep(&mut self, sweep: Sweep, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
         let Some(course) = &self.course else { return };
         let start = course.scene.drive.start;
         match sweep {
@@ -227,7 +227,7 @@ impl Session {
             Sweep::Retract => (self.sweep, self.paused) = (Some(Leg::Retract { closes: false }), false),
             Sweep::Loop => {
                 // A loop is only closed if it begins at the start of the drive, with the scene's own seed.
-                self.walk = course.walk().ok();
+                self.walk = course.walk(cancel).ok();
                 self.record = LoopRecord::default();
                 sink(Output::Event(Event::LoopStarted { run: self.run }));
                 if let Some(walk) = &mut self.walk {
@@ -254,7 +254,7 @@ impl Session {
     }
 
     /// What comes after a step: nothing, the next leg, or rest.
-    fn follow_up(&mut self, progress: Progress, now: Instant, sink: &mut dyn FnMut(Output)) {
+    fn follow_up(&mut self, progress: Progress, now: Instant, cancel: &Cancel, sink: &mut dyn FnMut(Output)) {
         let (Some(course), Some(walk)) = (&mut self.course, &mut self.walk) else { return };
         let scene = course.scene.clone();
         let state = walk.record();
@@ -277,7 +277,7 @@ impl Session {
             },
             Progress::Stuck(message) => {
                 let spent = walk.counts().transforms;
-                if let Some(widened) = course.widen(walk, message.clone()) {
+                if let Some(widened) = course.widen(walk, message.clone(), cancel) {
                     sink(Output::Event(Event::Remodelled { run: self.run, choice: course.choice.clone() }));
                     return self.go_on_with(widened, spent, sink);
                 }

@@ -148,7 +148,7 @@ fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
     bench.click("Overlay theory");
     assert_eq!(asked(&bench), [Some(Page::Theory)]);
     assert!(bench.state().overlay().is_empty());
-    tell(&mut bench, Page::Theory, PaperNews::Theory(Arc::new(ZeroRange::compute())));
+    tell(&mut bench, Page::Theory, PaperNews::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())));
     let lines = bench.state().overlay();
     assert_eq!(lines.iter().map(|line| line.0).collect::<Vec<_>>(), ["flat", "ridge", "dimple", "bulge"]);
     // sigma_max is the largest of the flat state; the ridge of Fig. 2 flattens at 0.665608 sqrt(0.15 * 256) rho.

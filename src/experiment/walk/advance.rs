@@ -32,6 +32,9 @@ const PASSED: f64 = 1e-3;
 /// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
 const AT_END: f64 = 1e-3;
 
+/// Least distance, in ranges, of the states from which the next is extrapolated.
+pub(super) const SPACED: f64 = 3e-3;
+
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
 
@@ -114,9 +117,9 @@ impl Walk {
         }
         let shares = shares(&landings);
         let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
-        let barrier = Barrier { at: unstable, cause: Cause::FlatLimit, stiffness: None, soft_mode: soft };
+        let barrier = Barrier { at: unstable, stiffness: None, soft_mode: soft };
         let contested = if shares.len() > 1 { shares } else { Vec::new() };
-        self.release_towards(barrier, false, contested)
+        self.release_because(Cause::FlatLimit, barrier, contested)
     }
 
     /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
@@ -170,14 +173,17 @@ impl Walk {
         let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
-            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone()), true),
-            // Newton failed there from afar. From this close its failure means a fold.
-            Some(barrier) => barrier.at,
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
+            // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
+            Some(barrier) => {
+                self.history = History::starting(here, self.state.field.clone());
+                barrier.at
+            }
             None => self.next_displacement(),
         };
         let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
-        let mut barrier = Barrier { at: next, cause: Cause::Fold, stiffness: None, soft_mode: Vec::new() };
+        let mut barrier = Barrier { at: next, stiffness: None, soft_mode: Vec::new() };
         match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
@@ -200,7 +206,7 @@ impl Walk {
                     stiffness.value.is_nan() && known.stiffness.is_some() && (known.at - here).abs() < AT_END * self.model.law.range
                 });
                 if at_end {
-                    (barrier.cause, barrier.stiffness, barrier.soft_mode) = (Cause::SymmetryBreaking, Some(0.0), state.soft_mode);
+                    (barrier.stiffness, barrier.soft_mode) = (Some(0.0), state.soft_mode);
                 } else if state.stop != Stop::Unstable || !locates {
                     let faded = locates && reached.is_none() && self.faded(&state);
                     if !faded {
@@ -209,9 +215,7 @@ impl Walk {
                         return progress;
                     }
                 } else {
-                    barrier.cause = Cause::SymmetryBreaking;
-                    barrier.stiffness = Some(stiffness.value);
-                    barrier.soft_mode = state.soft_mode;
+                    (barrier.stiffness, barrier.soft_mode) = (Some(stiffness.value), state.soft_mode);
                 }
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
@@ -228,7 +232,7 @@ impl Walk {
             if barrier.stiffness.is_none() {
                 barrier.soft_mode = self.state.soft_mode.clone();
             }
-            return self.release(self.located(barrier), true);
+            return self.release(self.located(barrier));
         }
         self.barrier = Some(barrier);
         self.watch_bracket();
@@ -290,7 +294,7 @@ impl Walk {
         self.state = state;
         self.reconsider(du);
         if smooth {
-            self.history.push(self.state.mean_displacement, self.state.field.clone());
+            self.history.push(self.state.mean_displacement, self.state.field.clone(), SPACED * self.model.law.range);
         } else {
             self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
         }

@@ -3,6 +3,7 @@
 use super::Walk;
 use crate::experiment::plan::Reduction;
 use crate::experiment::scene::Scene;
+use crate::numerics::cancel::Cancel;
 use crate::solver::Stop;
 use crate::solver::method::MethodKind;
 
@@ -18,12 +19,12 @@ impl Walk {
     /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if that is not near an equilibrium of the
     /// whole cell (a tip's apex lies on a point there and between points here), from the start of the drive. A jump under way begins
     /// anew from the state before it. `None` if this is the whole cell already, or a surface that is to be held mirror-symmetric.
-    pub fn widen(&mut self, scene: &Scene, method: MethodKind) -> Option<Widened> {
+    pub fn widen(&mut self, scene: &Scene, method: MethodKind, cancel: &Cancel) -> Option<Widened> {
         self.guard.as_ref()?;
         let precision = self.system.precision();
-        let afresh = || Self::in_precision(scene, method.build(scene.seed), Reduction::Whole, precision).ok();
+        let afresh = || Self::begun(scene, method.build(scene.seed), Reduction::Whole, precision, cancel).ok();
         let mut walk = afresh()?;
-        let stays = self.stand(&mut walk);
+        let stays = self.stand(&mut walk, cancel);
         if !stays {
             walk = afresh()?;
         }
@@ -32,7 +33,7 @@ impl Walk {
     }
 
     /// Puts `whole` on the present state; false where that is near no equilibrium of it.
-    fn stand(&mut self, whole: &mut Self) -> bool {
+    fn stand(&mut self, whole: &mut Self, cancel: &Cancel) -> bool {
         let u0 = self.state.mean_displacement;
         whole.direction = self.direction;
         match self.flat {
@@ -41,7 +42,7 @@ impl Walk {
                 let displacement = self.system.unfolded(self.system.field(&self.state.field, &mut self.ws));
                 whole.state.mean_displacement = u0;
                 whole.state.field = whole.system.amplitudes(&displacement, &mut whole.ws);
-                whole.solve_here();
+                whole.solve_here(cancel);
                 if !matches!(whole.state.stop, Stop::Stable | Stop::Unstable) {
                     return false;
                 }

@@ -1,0 +1,132 @@
+//! Soft modes planted in a gap field, all but degenerate with those that are followed: is the smallest eigenvalue still found and proved?
+//!
+//! The stiffness of a state is nothing but gamma'' at its gap, so that any field will do. Near the upper limit of the flat state the four
+//! longest waves of a uniform gap are the softest modes, and degenerate; half as long a wave of the gap along x or y, of an amplitude of
+//! choice, makes one of them softer and its companion harder.
+
+use nalgebra::DMatrix;
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use std::f64::consts::{PI, TAU};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Morse, Shape};
+use tackscope::physics::preconditioner::Preconditioner;
+use tackscope::physics::system::{System, Workspace};
+use tackscope::solver::method::Slides;
+use tackscope::solver::stability::Tracker;
+
+const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+const LENGTH: f64 = 256.0;
+
+/// The gap `uniform` + a cos(2 q1 x) + b cos(2 q1 y).
+struct Planted {
+    system: System,
+    preconditioner: Preconditioner,
+    ws: Workspace,
+    z: Vec<f64>,
+}
+
+impl Planted {
+    fn new(points: usize, uniform: f64, [a, b]: [f64; 2]) -> Self {
+        let system = System::new(Grid::square(LENGTH, points), LAW, &Indenter::Flat);
+        let mut ws = system.workspace();
+        let half = |k: usize| (2.0 * TAU * k as f64 / points as f64).cos();
+        let z = system.amplitudes(&Array2::from_shape_fn((points, points), |(j, i)| a * half(i) + b * half(j)), &mut ws);
+        system.evaluate(&z, uniform, &mut vec![0.0; z.len()], &mut ws);
+        let mut preconditioner = Preconditioner::new(&system, 0.25 * LAW.at(0.0).stiffness);
+        preconditioner.refresh(&system, &mut ws);
+        Self { system, preconditioner, ws, z }
+    }
+
+    fn check(&mut self, tracker: &mut Tracker) -> (f64, f64) {
+        let Self { system, preconditioner, ws, z } = self;
+        let (found, _) = tracker.check(system, z, Slides::Never, preconditioner, ws, &Cancel::default());
+        (found.value * LENGTH, found.error * LENGTH)
+    }
+
+    /// The eigenvalues, ascending, from the matrix over the fields of one point each.
+    fn dense(&mut self) -> Vec<f64> {
+        let points = self.system.grid().nx;
+        let n = points * points;
+        let unit =
+            |k: usize| Array2::from_shape_fn((points, points), |(j, i)| if j * points + i == k { points as f64 } else { 0.0 });
+        let basis: Vec<Vec<f64>> = (0..n).map(|k| self.system.amplitudes(&unit(k), &mut self.ws)).collect();
+        let mut image = vec![0.0; self.z.len()];
+        let mut a = DMatrix::zeros(n, n);
+        for (k, v) in basis.iter().enumerate() {
+            self.system.hessian(v, &mut image, &mut self.ws);
+            for (l, w) in basis.iter().enumerate() {
+                a[(l, k)] = LENGTH * w.iter().zip(&image).map(|(w, h)| w * h).sum::<f64>();
+            }
+        }
+        // The uniform field, which no amplitude moves, out of the way.
+        a.add_scalar_mut(1e3 / n as f64);
+        let mut values = a.symmetric_eigen().eigenvalues.as_slice().to_vec();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+}
+
+/// The uniform gap above the upper limit of the flat state at which the longest waves have this stiffness (E*/L).
+fn uniform(stiffness: f64) -> f64 {
+    let (mut low, mut high) = (2.0, 6.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let softest = PI + LAW.at(middle).stiffness * LENGTH;
+        *(if softest < stiffness { &mut low } else { &mut high }) = middle;
+    }
+    high
+}
+
+/// Holds what a tracker says that goes through these waves of the gap, over a uniform gap where the longest waves have `stiffness` (E*/L),
+/// against the matrix, which says where the states are stable.
+fn assert_found(points: usize, stiffness: f64, seed: u64, waves: &[[f64; 2]]) -> Vec<bool> {
+    let mut tracker = Tracker::new(Pcg64::seed_from_u64(seed));
+    let mut stable = Vec::new();
+    for waves in waves {
+        let mut planted = Planted::new(points, uniform(stiffness), *waves);
+        let ((value, error), dense) = (planted.check(&mut tracker), planted.dense());
+        let (rounding, least) = (1e-9, dense[0]);
+        assert_eq!(value >= 0.0, least >= 0.0, "{waves:?}: {value} for {least}");
+        // Of an unstable state some eigenvalue is stated, and not the smallest.
+        let nearest =
+            if value < 0.0 { dense.iter().map(|d| (d - value).abs()).fold(f64::INFINITY, f64::min) } else { value - least };
+        assert!(-rounding <= nearest && nearest <= error + rounding, "{waves:?}: {value} +- {error}, {:?}", &dense[..4]);
+        stable.push(least >= 0.0);
+    }
+    stable
+}
+
+#[test]
+fn a_mode_all_but_degenerate_with_those_that_are_followed_is_not_missed() {
+    for seed in 0..4 {
+        for apart in [1e-2, 1e-4, 1e-6] {
+            let a = 0.02;
+            // Softest along x; along y by `apart`; its companion along x; all four alike.
+            assert_found(16, 0.1, seed, &[[a, 0.0], [a, a + apart], [-a - 2.0 * apart, a + apart], [apart, 0.0], [0.0, 0.0]]);
+        }
+    }
+}
+
+#[test]
+fn a_mode_that_goes_below_zero_beside_those_that_are_followed_makes_the_state_unstable() {
+    for seed in 0..4 {
+        for below in [1e-2, 1e-3, 1e-4] {
+            // A wave of this amplitude takes from its mode what is left of the others.
+            let a = below / 1.4;
+            let waves = [[0.5 * a, 0.0], [0.5 * a, 1.5 * a], [-0.5 * a, 0.0], [-0.5 * a, -3.0 * a]];
+            assert_eq!(assert_found(16, below, seed, &waves), [true, false, true, false]);
+        }
+    }
+}
+
+#[test]
+fn a_stiffness_of_a_hundred_millionth_is_proved_to_be_positive() {
+    // Amplitudes that belong to no real field, where they have no stiffness at all, grow out of the rounding into such a proof.
+    for seed in 0..8 {
+        assert_found(24, 1e-8, seed, &[[0.0, 0.0]]);
+    }
+}
