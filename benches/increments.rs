@@ -97,7 +97,8 @@ struct Row {
 fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, StateRecord)) -> Row {
     let state = Equilibrium { field: carried(&state.field, n), soft_mode: Vec::new(), ..state.clone() };
     let start = state.mean_displacement;
-    let walk = Walk::in_precision(&scene(n), MethodKind::NewtonKrylov.build(1), Reduction::Whole, precision).expect("valid");
+    let walk =
+        Walk::begun(&scene(n), MethodKind::NewtonKrylov.build(1), Reduction::Whole, precision, &Cancel::default()).expect("valid");
     let mut walk = walk.standing_on(state, record.clone());
     // Up towards the dimple's limit.
     let place = |increments: usize| start + STEP * increments as f64;

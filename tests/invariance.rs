@@ -188,7 +188,7 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
             let mut state = there.state().clone();
             state.field = system.amplitudes(&moved, &mut ws);
             let walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, there.record().clone()).unwrap();
-            next_jump(walk, scene.depth())
+            next_jump(walk, scene.drive.start)
         })
         .collect();
     for jump in &jumps[1..] {
