@@ -184,6 +184,9 @@ fn an_open_loop_says_so_and_gives_no_loss_and_an_unstable_start_is_not_driven() 
         assert_eq!(told[key], "not available", "{key}");
     }
     assert!(fs::read_to_string(home.path().join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
+    let open = run_with("fig2", &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")], home.path(), &["--verify"]);
+    assert!(errors(&open).contains("nothing to verify"), "{}", errors(&open));
+    assert_eq!(summary(home.path())["measured_error"], "not available");
     let unstable = run_with("fig2", &[("start = 4.2", "start = 2.5")], home.path(), &[]);
     assert_eq!(unstable.status.code(), Some(3));
     assert!(errors(&unstable).contains("the first state is unstable"), "{}", errors(&unstable));

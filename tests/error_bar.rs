@@ -1,35 +1,21 @@
 //! The error bar of a finished loop, and what it rests on: ends of branches that are where a dense matrix has them.
 
+mod flat_ground;
+
+use flat_ground::scene;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use tackscope::experiment::atlas::{Atlas, End};
 use tackscope::experiment::error_bar::measured_error;
 use tackscope::experiment::plan::{Reduction, Wish, chart, plan};
 use tackscope::experiment::run::{run_planned, run_reduced};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::experiment::scene::{Cell, Points, Scene, Turn};
 use tackscope::experiment::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
 use tackscope::solver::method::MethodKind::NewtonKrylov;
-
-fn scene(shape: Shape, periods: f64, points: Points) -> Scene {
-    let law = Law { shape, surface_energy: 0.15, range: 1.0 };
-    let length = periods * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
-    Scene {
-        title: String::new(),
-        source: String::new(),
-        cell: Cell { length, points },
-        law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(law.range) },
-        indenter: Indenter::Flat,
-        drive: Drive { start: 2.2 * high + 1.0, turn: Turn::At(0.5 * (low + law.equilibrium_gap())), step: 0.2 },
-        accuracy: 0.01,
-        seed: 3,
-    }
-}
 
 #[test]
 fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {

@@ -210,7 +210,7 @@ fn file(number: u64, seeds: &[String]) -> (String, Vec<&'static str>) {
     }
     let mut more = Vec::new();
     if rng.random_bool(0.25) {
-        more.extend(["--model", ["plan", "quarter", "whole"][rng.random_range(0..3)]]);
+        more.extend(["--model", ["plan", "atlas", "quarter", "whole"][rng.random_range(0..4)]]);
     }
     if rng.random_bool(0.1) {
         more.extend(["--method", ["newton", "gfmd", "fire", "lbfgs"][rng.random_range(0..4)]]);

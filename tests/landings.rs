@@ -1,31 +1,18 @@
 //! Where a surface lands when its branch ends: the same place for every seed, on every road, or several that are said.
 
+mod flat_ground;
+
 use tackscope::experiment::plan::{Reduction, Wish, plan};
 use tackscope::experiment::record::Cause;
 use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
-use tackscope::physics::law::{Law, Mie, Morse, Shape};
+use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
 use tackscope::solver::method::MethodKind::NewtonKrylov;
 
-/// L = `periods` L_c on n x n points, from beyond all jumps to below the lower limit of the flat state.
-fn scene(shape: Shape, periods: f64, n: usize, seed: u64) -> Scene {
-    let law = Law { shape, surface_energy: 0.15, range: 1.0 };
-    let length = periods * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
-    Scene {
-        title: String::new(),
-        source: String::new(),
-        cell: Cell { length, points: Points::Square(n) },
-        law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(law.range) },
-        indenter: Indenter::Flat,
-        drive: Drive { start: 2.2 * high + 1.0, turn: Turn::At(0.5 * (low + law.equilibrium_gap())), step: 0.25 },
-        accuracy: 0.01,
-        seed,
-    }
+fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
+    Scene { seed, ..flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n)) }
 }
 
 fn quarter(scene: &Scene) -> LoopRun {
@@ -47,24 +34,24 @@ fn visited(run: &LoopRun) -> Vec<Pattern> {
 fn every_seed_and_both_roads_pass_the_same_patterns() {
     // With inertia in the release seeds parted at the flat limit of the first and at the end of the ridge of the second.
     for (shape, periods, n) in [(Mie { m: 9.37, n: 2.61 }, 3.0, 56), (Mie { m: 3.703, n: 2.46 }, 2.2, 40)] {
-        let expected = visited(&planned(&scene(Shape::Mie(shape), periods, n, 1)));
+        let expected = visited(&planned(&scene(shape, periods, n, 1)));
         assert_eq!(expected.len(), 8, "{expected:?}");
         for seed in 1..=10 {
-            assert_eq!(visited(&quarter(&scene(Shape::Mie(shape), periods, n, seed))), expected, "{shape:?}, seed {seed}");
+            assert_eq!(visited(&quarter(&scene(shape, periods, n, seed))), expected, "{shape:?}, seed {seed}");
         }
     }
 }
 
 #[test]
 fn fig_2_is_not_contested() {
-    let run = planned(&scene(Shape::Morse(Morse), 3.0, 48, 1));
+    let run = planned(&flat_ground::scene(Shape::Morse(Morse), 3.0, Points::Square(48)));
     assert!(run.record.jumps.iter().all(|jump| jump.landings.is_empty()) && run.rivals.is_empty());
     assert_eq!(run.record.jumps[0].cause_words(), "flat limit");
 }
 
 #[test]
 fn a_contested_landing_is_said_with_its_shares_and_the_loss_of_the_other() {
-    let scene = scene(Shape::Mie(Mie { m: 9.4735, n: 3.7287 }), 4.009, 72, 100);
+    let scene = scene(Mie { m: 9.4735, n: 3.7287 }, 4.009, 72, 100);
     let run = planned(&scene);
     let jump = &run.record.jumps[0];
     assert!(jump.landings.len() == 2 && jump.cause == Cause::FlatLimit, "{jump:?}");
@@ -82,7 +69,7 @@ fn a_contested_landing_is_said_with_its_shares_and_the_loss_of_the_other() {
 #[test]
 fn a_dimple_that_ends_beyond_the_flat_limit_jumps_and_does_not_fade() {
     // A step as long as this has gone from the dimple to the flat state unseen; it releases little.
-    let scene = scene(Shape::Mie(Mie { m: 6.0125, n: 2.6546 }), 1.671, 24, 22);
+    let scene = scene(Mie { m: 6.0125, n: 2.6546 }, 1.671, 24, 22);
     let (walk, atlas) = (quarter(&scene), planned(&scene));
     assert_eq!(visited(&walk), visited(&atlas));
     let last = |run: &LoopRun| run.record.jumps.iter().find(|jump| jump.to == Pattern::Flat).cloned().unwrap();

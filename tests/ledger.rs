@@ -1,11 +1,13 @@
 //! The ledger of loops: the loss is the sum of releases and within its error; the integral is its check; a loop that does not close has none.
 
+mod flat_ground;
+
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::experiment::plan::{Reduction, Wish, plan};
 use tackscope::experiment::record::{Branch, Cause, JumpRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::experiment::scene::{Drive, Points, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
@@ -26,22 +28,11 @@ fn planned(scene: &Scene) -> LoopRun {
     run
 }
 
-/// A line cell of 64 points and `ratio` L_c on flat ground, driven from beyond every jump to below the lower limit.
+/// A line cell of 64 points and `ratio` L_c, its law and its length.
 fn line(shape: Shape, ratio: f64) -> (Scene, Law, f64) {
-    let law = Law { shape, surface_energy: 0.15, range: 1.0 };
-    let length = ratio * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
-    let rest = law.equilibrium_gap();
-    let scene = Scene {
-        title: "line".to_owned(),
-        source: String::new(),
-        cell: Cell { length, points: Points::Line(64) },
-        law: LawChoice { shape, surface_energy: 0.15, range: Range::Length(1.0) },
-        indenter: Indenter::Flat,
-        drive: Drive { start: 2.2 * high + 1.0, turn: Turn::At(rest + 0.3 * (low - rest)), step: 0.02 },
-        accuracy: 0.01,
-        seed: 1,
-    };
+    let mut scene = flat_ground::scene(shape, ratio, Points::Line(64));
+    scene.drive.step = 0.02;
+    let (law, length) = (scene.model().unwrap().law, scene.cell.length);
     (scene, law, length)
 }
 

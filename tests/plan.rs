@@ -1,35 +1,23 @@
 //! What the plan promises, held against finer computations over random scenes.
 
+mod flat_ground;
+
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
 use tackscope::experiment::error_bar::{measured_error, reference};
 use tackscope::experiment::plan::{Reduction, Road, Wish, chart, next_fast, plan, refusal};
 use tackscope::experiment::run::{run_planned, run_reduced};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
-use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::theory::flat;
+use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::solver::method::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
-/// A scene on flat ground with L = `ratio` L_c, its drive from beyond every jump to below the lowest limit of the flat state.
-fn scene(shape: Shape, ratio: f64, accuracy: f64) -> Scene {
-    let law = Law { shape, surface_energy: 0.15, range: 1.0 };
-    let length = ratio * flat::critical_length(&law);
-    let (low, high) = flat::limits(&law, length).unwrap();
-    let floor = law.equilibrium_gap();
-    Scene {
-        title: "random".to_owned(),
-        source: String::new(),
-        cell: Cell { length, points: Points::Auto },
-        law: LawChoice { shape, surface_energy: 0.15, range: Range::Length(1.0) },
-        indenter: Indenter::Flat,
-        drive: Drive { start: 2.2 * high + 1.0, turn: Turn::At(floor + 0.3 * (low - floor)), step: 0.1 },
-        accuracy,
-        seed: 1,
-    }
+/// A scene with this target, which also decides its mesh.
+fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
+    Scene { accuracy, ..flat_ground::scene(shape, periods, Points::Auto) }
 }
 
 /// Of 48 random scenes, L/L_c from 1.2 to 20, every law, targets from 10 % to 0.01 %: measured against a mesh half as fine again.

@@ -297,3 +297,14 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
     let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
     assert!((work - released).abs() < 1e-2 * work, "{work} {released}");
 }
+
+#[test]
+fn after_landing_flat_the_walk_goes_on_in_the_steps_of_the_scene() {
+    let mut scene = preset("fig2");
+    (scene.cell.points, scene.drive.step) = (Points::Square(24), 0.1);
+    let run = newton(&scene);
+    let landed = run.record.jumps.iter().rev().find(|jump| jump.to == Flat).unwrap().mean_displacement;
+    let after = run.record.states.iter().filter(|s| s.branch == Branch::Retraction && s.mean_displacement > landed);
+    let expected = ((scene.drive.start - landed) / scene.drive.step).ceil() as usize;
+    assert_eq!(after.count(), expected);
+}

@@ -4,6 +4,7 @@
 use super::atlas::{Atlas, Chart, Cycle, Place, Unmapped};
 use super::plan;
 use super::record::{Branch, JumpRecord, StateRecord};
+use super::run::{RivalLoop, rivals};
 use super::scene::{Model, Scene, Turn};
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
@@ -85,6 +86,8 @@ pub struct LiveLoop {
     pub jumps: Vec<JumpRecord>,
     /// Sum of the released energies, in units of gamma.
     pub dissipated_energy: f64,
+    /// The loops of other landings, if it is contested where the surface lands; looked at when the hand rests.
+    pub rivals: Vec<RivalLoop>,
     /// Expected relative error of that and of the jumps' u0; 1 where nothing is promised.
     pub predicted_error: f64,
     /// Points along a side of the mesh it was computed on.
@@ -117,7 +120,7 @@ impl LiveLoops {
             let cycle = atlas.cycle(start, turn).ok()?;
             (places(&cycle) == order).then_some((atlas, cycle))
         });
-        let (atlas, cycle) = match adapted {
+        let (mut atlas, cycle) = match adapted {
             Some(found) => found,
             None => {
                 let mut atlas = Atlas::new(chart);
@@ -126,7 +129,10 @@ impl LiveLoops {
                 (atlas, cycle)
             }
         };
-        let found = LiveLoop::read(&atlas, &cycle, start, turn);
+        let mut found = LiveLoop::read(&atlas, &cycle, start, turn);
+        if fineness == Fineness::Fine {
+            found.rivals = rivals(&mut atlas, &found.jumps, start, turn);
+        }
         self.last = Some((atlas, places(&cycle)));
         Ok(found)
     }
@@ -176,6 +182,7 @@ impl LiveLoop {
             legs: Vec::new(),
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
+            rivals: Vec::new(),
             predicted_error: plan::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
             points: square,
         };

@@ -151,14 +151,16 @@ pub struct JumpRecord {
 }
 
 impl JumpRecord {
-    /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 %, bulge 43 %".
+    /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 % / bulge 43 %".
     pub fn cause_words(&self) -> String {
-        if self.landings.is_empty() {
-            return self.cause.to_string();
-        }
+        self.contested_words().map_or_else(|| self.cause.to_string(), |words| format!("{}; {words}", self.cause))
+    }
+
+    /// Where it may land, if that is contested: "contested: ridge 57 % / bulge 43 %".
+    pub fn contested_words(&self) -> Option<String> {
         let say = |share: &Share| format!("{} {:.0} %", share.pattern, 100.0 * share.share);
         let all: Vec<String> = self.landings.iter().map(say).collect();
-        format!("{}; contested: {}", self.cause, all.join(" / "))
+        (!all.is_empty()).then(|| format!("contested: {}", all.join(" / ")))
     }
 }
 

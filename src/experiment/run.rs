@@ -140,17 +140,22 @@ pub fn run_planned(
 /// The loops of other landings of a contested one.
 fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
     let Turn::At(turn) = scene.drive.turn else { return Vec::new() };
-    let contested: Vec<_> = run.record.jumps.iter().filter(|jump| !jump.landings.is_empty()).collect();
-    if contested.is_empty() {
+    if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
         return Vec::new();
     }
     let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
     atlas.obey(cancel);
     // Its landings are known once it has been round.
     let _ = atlas.cycle(scene.drive.start, turn);
+    rivals(&mut atlas, &run.record.jumps, scene.drive.start, turn)
+}
+
+/// The loops from `start` to `turn` and back that `atlas` knows beside the one with these `jumps`.
+pub(super) fn rivals(atlas: &mut Atlas, jumps: &[JumpRecord], start: f64, turn: f64) -> Vec<RivalLoop> {
+    let contested: Vec<_> = jumps.iter().filter(|jump| !jump.landings.is_empty()).collect();
     let loss = |cycle: Result<Cycle, Unmapped>| cycle.ok().map(|cycle| cycle.dissipated_energy);
-    let cycles = atlas.contested_cycles(scene.drive.start, turn).into_iter();
-    let others = cycles.filter(|(landing, _)| contested.iter().all(|jump| jump.to != landing.pattern));
+    let others = atlas.contested_cycles(start, turn).into_iter();
+    let others = others.filter(|(landing, _)| contested.iter().all(|jump| jump.to != landing.pattern));
     others.map(|(landing, cycle)| RivalLoop { landing, dissipated_energy: loss(cycle) }).collect()
 }
 

@@ -140,8 +140,8 @@ pub struct SceneError {
     pub allowed: String,
 }
 
-/// Most steps from the start to the turn.
-const STEPS_MAX: f64 = 1e6;
+/// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second.
+const STEPS_MAX: f64 = 2e5;
 
 /// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
 const STEP_SHARE: f64 = 1e-10;
@@ -243,7 +243,7 @@ impl Scene {
         if let Turn::ZeroLoad = self.drive.turn
             && range / self.drive.step > STEPS_MAX
         {
-            return Err(refuse("drive.step", number(self.drive.step), "at least a millionth of law.range"));
+            return Err(refuse("drive.step", number(self.drive.step), "at least a 200,000th of law.range"));
         }
         Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
     }
@@ -350,7 +350,7 @@ impl Scene {
                 ));
             }
             if (start - turn) / step > STEPS_MAX {
-                return Err(refuse("drive.step", number(step), "at least a millionth of drive.start - drive.turn"));
+                return Err(refuse("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
             }
             if turn <= 0.0 && matches!(self.law.shape, Shape::Mie(_)) && self.indenter == Indenter::Flat {
                 return Err(refuse("drive.turn", number(turn), "above 0: the Mie law is infinite at zero gap"));

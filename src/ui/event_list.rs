@@ -3,11 +3,27 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::record::Branch;
+use crate::experiment::record::{Branch, Cause};
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.
 const ROWS: usize = 200;
+
+/// What gave way, for someone who meets the word for the first time.
+fn why(cause: Cause) -> &'static str {
+    match cause {
+        Cause::FlatLimit => {
+            "The flat surface could not stay flat: with depth the pull grew faster there than the longest wave of the cell resists."
+        }
+        Cause::Fold => "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind.",
+        Cause::SymmetryBreaking => {
+            "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of another symmetry grows."
+        }
+        Cause::Mesh => "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such jump.",
+        Cause::Transition => "One pattern passes into the other by and by: nothing jumps, and nothing is lost.",
+        Cause::PatternChange => "The pattern was another one at the next u₀. This method does not ask where and why it changed.",
+    }
+}
 
 /// Sum and table.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
@@ -33,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         if marked == Some(row) { Some(colour) } else { (row % 2 == 1).then_some(faint) }
     };
     ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-        egui::Grid::new("events").with_row_color(rows).num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
+        egui::Grid::new("events").with_row_color(rows).num_columns(5).min_col_width(0.0).spacing([10.0, 3.0]).show(ui, |ui| {
             for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
                 ui.label(RichText::new(title).small().weak());
             }
@@ -50,7 +66,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
                 }
                 ui.label(format!("{} → {}", jump.from, jump.to)).on_hover_text(state.say_jump(jump));
                 ui.label(format!("{:.4}", jump.released_energy));
-                ui.label(RichText::new(jump.cause_words()).small());
+                // A narrow list is cut at its right: first what is unusual.
+                let cause =
+                    jump.contested_words().map_or_else(|| jump.cause.to_string(), |words| format!("{words}; {}", jump.cause));
+                ui.label(RichText::new(cause).small()).on_hover_text(why(jump.cause));
                 ui.end_row();
             }
         });

@@ -154,7 +154,9 @@ fn entry(ui: &mut Ui, colour: Color32, mark: &str, word: &str) -> Response {
 fn dissipated(state: &ViewState) -> (String, Option<String>) {
     if let Some(closed) = &state.closed_loop {
         let ledger = &closed.summary.ledger;
+        let contested = contested(&state.record.jumps);
         let words = match (ledger.dissipated_energy(), &ledger.open) {
+            (Some(loss), _) if contested.is_some() => format!("∮ dissipated {loss:.4}{} γ", or_else(state, loss)),
             (Some(loss), _) => {
                 format!("∮ dissipated {loss:.4} γ, {}", promise(ledger.stated_error(state.predicted_error())))
             }
@@ -162,19 +164,34 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
             (None, None) => "dissipated energy not available".to_owned(),
         };
         let open = ledger.open.as_ref().map(|open| format!("{}; {}", open.reason, open.remedy));
-        let contested = state.record.jumps.iter().find(|jump| !jump.landings.is_empty()).map(JumpRecord::cause_words);
         return (words, open.or_else(|| ledger.warning()).or(contested));
     }
-    let words = match state.live.as_ref().map(|live| &live.state.found) {
-        Some(Ok(live)) => format!(
-            "∮ live loop: {:.4} γ lost in {} jumps, {}",
-            live.dissipated_energy,
-            live.jumps.len(),
-            promise(Some(live.predicted_error))
-        ),
-        _ => "Play loop to see what one cycle dissipates.".to_owned(),
+    let Some(Ok(live)) = state.live.as_ref().map(|live| &live.state.found) else {
+        return ("Play loop to see what one cycle dissipates.".to_owned(), None);
     };
-    (words, None)
+    let loss = live.dissipated_energy;
+    if let Some(contested) = contested(&live.jumps) {
+        return (format!("∮ live loop: {loss:.4}{} γ", or_else(state, loss)), Some(contested));
+    }
+    (format!("∮ live loop: {loss:.4} γ lost in {} jumps, {}", live.jumps.len(), promise(Some(live.predicted_error))), None)
+}
+
+/// Where a surface may land that has several places to land.
+fn contested(jumps: &[JumpRecord]) -> Option<String> {
+    jumps.iter().find_map(JumpRecord::contested_words)
+}
+
+/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it: " or 0.1292".
+fn or_else(state: &ViewState, loss: f64) -> String {
+    let Some(Ok(live)) = state.live.as_ref().map(|live| &live.state.found) else { return String::new() };
+    let mut known: Vec<f64> = live.rivals.iter().filter_map(|rival| rival.dissipated_energy).collect();
+    if known.is_empty() {
+        return String::new();
+    }
+    // The live loop may take the other of two; of both values the farther one is not this loop's.
+    known.push(live.dissipated_energy);
+    let other = known.into_iter().max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()));
+    other.map_or_else(String::new, |other| format!(" or {other:.4}"))
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, lines: &[TheoryLine], palette: &Palette) {

@@ -173,7 +173,7 @@ impl Walk {
         let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
-            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone()), cancel),
             // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
             Some(barrier) => {
                 self.history = History::starting(here, self.state.field.clone());
@@ -232,7 +232,7 @@ impl Walk {
             if barrier.stiffness.is_none() {
                 barrier.soft_mode = self.state.soft_mode.clone();
             }
-            return self.release(self.located(barrier));
+            return self.release(self.located(barrier), cancel);
         }
         self.barrier = Some(barrier);
         self.watch_bracket();

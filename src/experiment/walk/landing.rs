@@ -5,6 +5,7 @@ use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
 use crate::experiment::contest::{KICK as FLAT_KICK, Share};
 use crate::experiment::record::{Cause, JumpRecord};
 use crate::numerics::cancel::Cancel;
+use crate::numerics::krylov::{CgLimits, conjugate_gradients};
 use crate::numerics::vector::{add, dot, norm};
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
@@ -28,6 +29,8 @@ const SLICE: usize = 6;
 /// Share of a soft mode in what u0 pushes below which that is no push: of 60 ends on even and uneven ground folds have 0.01 and more,
 /// and broken symmetries, which mesh and tolerance leave inexact, up to 4e-5.
 const UNPUSHED: f64 = 1e-3;
+/// Stiffness of what u0 pushes, in units of q1, below which it gives way: at those folds it is 0.02 at most, elsewhere 0.18 and more.
+const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
 
@@ -45,8 +48,8 @@ pub(super) struct Leaving {
 
 impl Walk {
     /// Starts the release at the end of a patterned branch, to the side of its soft mode on which the energy falls.
-    pub(super) fn release(&mut self, barrier: Barrier) -> Progress {
-        let cause = self.cause(&barrier.soft_mode);
+    pub(super) fn release(&mut self, barrier: Barrier, cancel: &Cancel) -> Progress {
+        let cause = self.cause(&barrier.soft_mode, cancel);
         self.release_because(cause, barrier, Vec::new())
     }
 
@@ -66,17 +69,26 @@ impl Walk {
         Progress::Working
     }
 
-    /// What ends the present branch, of which `mode` goes soft. Where that is pushed along by u0 itself the branch turns back; where it
-    /// is not, by symmetry, the branch goes on and is unstable.
-    fn cause(&mut self, mode: &[f64]) -> Cause {
+    /// What ends the present branch, of which `mode` goes soft. Where u0 itself pushes the surface along a mode without stiffness the
+    /// branch turns back; where it does not, by symmetry, the branch goes on and is unstable.
+    fn cause(&mut self, mode: &[f64], cancel: &Cancel) -> Cause {
         if mode.is_empty() {
             return Cause::Fold;
         }
         let mut push = vec![0.0; mode.len()];
         self.system.evaluate(&self.state.field, self.state.mean_displacement, &mut push, &mut self.ws);
         self.system.stiffness_amplitudes(&mut push, &mut self.ws);
-        let share = dot(&push, mode).abs() / (norm(&push) * norm(mode));
-        if share < UNPUSHED { Cause::SymmetryBreaking } else { Cause::Fold }
+        if dot(&push, mode).abs() > UNPUSHED * norm(&push) * norm(mode) {
+            return Cause::Fold;
+        }
+        // A pattern that hardly anything holds in its place may slide more easily still than it folds: what the push does tells.
+        let Self { system, preconditioner, slides, ws, state, .. } = self;
+        let removed = sliding_basis(system, &state.field, *slides, ws);
+        let limits = CgLimits { tolerance: 0.03, products: NewtonLimits::default().products };
+        let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
+        let moved = conjugate_gradients(apply, &push, |r, out| preconditioner.apply(r, out), &removed, limits, cancel).x;
+        let stiffness = dot(&moved, &push) / dot(&moved, &moved);
+        if stiffness < SOFT * system.grid().q1() { Cause::Fold } else { Cause::SymmetryBreaking }
     }
 
     /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order, with the slope of the stress from
@@ -277,7 +289,9 @@ impl Walk {
         observe: &mut dyn FnMut(Happening),
     ) {
         let left = std::mem::replace(&mut self.state, landed);
-        (self.before, self.short) = (None, Some(FIRST * self.model.law.range).filter(|first| *first < self.step));
+        // The flat state is known everywhere.
+        let first = (!(self.flat.is_some() && self.state.is_uniform())).then_some(FIRST * self.model.law.range);
+        (self.before, self.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
         let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
         let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
