@@ -211,3 +211,11 @@ fn a_mesh_too_coarse_for_the_roughness_says_so_and_auto_chooses_one_that_is_not(
     let model = scene.model().unwrap();
     assert!(model.grid.nx >= 32 && model.warning().is_none(), "{model:?}");
 }
+
+#[test]
+fn the_search_for_the_first_state_obeys_a_stop() {
+    let cancel = Cancel::default();
+    cancel.request();
+    let run = run_loop(&preset("rough"), MethodKind::NewtonKrylov, &cancel, &mut |_| {}).unwrap();
+    assert_eq!((run.outcome, run.record.states[0].stop), (Outcome::Cancelled, Stop::Cancelled));
+}

@@ -5,7 +5,7 @@ use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, sliding_basis, solve};
 use super::{Stop, descent::Descent, gfmd::Gfmd, gfmd_tuned::GfmdTuned};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, project_out};
+use crate::numerics::vector::{add, dot, orthonormalise, project_out};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
@@ -168,7 +168,12 @@ impl Method for NewtonKrylov {
         let before = ws.transforms;
         let guess = predicted(problem, branch, from, u0, ws);
         let reach = reach(problem, from, &guess, u0);
-        let state = solve(problem, guess.clone(), u0, limits(problem.system, from), ws, cancel);
+        let limits = limits(problem, from);
+        let mut state = solve(problem, guess.clone(), u0, limits, ws, cancel);
+        if state.end == NewtonEnd::Stalled && problem.slides == Slides::UnlessPinned {
+            // The mesh pulls by more than the tolerance: to where it does not.
+            state = solve(&Problem { slides: Slides::Never, ..*problem }, state.z, u0, limits, ws, cancel);
+        }
         match state.end {
             NewtonEnd::Converged => {}
             // No sharper than usual, and still that.
@@ -192,9 +197,17 @@ impl Method for NewtonKrylov {
     }
 }
 
-/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode.
-fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
+/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode. Where that is
+/// the sliding of a pattern in the mesh's pull, it may stay open: what the pattern is does not depend on it.
+fn limits(problem: &Problem<'_>, from: &Equilibrium) -> NewtonLimits {
+    let system = problem.system;
     let usual = NewtonLimits::of(system);
+    if problem.slides == Slides::UnlessPinned && !from.soft_mode.is_empty() {
+        let slides = orthonormalise(system.sliding_modes(&from.field), 1e-6);
+        if slides.iter().map(|slide| dot(slide, &from.soft_mode).powi(2)).sum::<f64>() > 0.5 {
+            return usual;
+        }
+    }
     let softest = from.stiffness_min.map_or(f64::INFINITY, |stiffness| stiffness.value.abs());
     let decided = UNDECIDED * system.law().range * softest / system.law().traction_max();
     NewtonLimits { tolerance: decided.min(usual.tolerance).max(SHARPEST * usual.tolerance), ..usual }

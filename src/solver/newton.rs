@@ -92,12 +92,11 @@ pub fn solve(
         if force <= goal * scale * 0.5 || step == limits.steps || force > 3.0 * before {
             let residual = system.residual(&whole, ws);
             // A mesh that pulls at a sliding pattern does so at the usual tolerance; more can be asked of the rest.
-            let usual = residual <= system.precision().tolerance();
-            let rests = usual && !removed.is_empty() && system.residual(&g, ws) <= limits.tolerance;
-            if residual <= limits.tolerance || rests {
+            let pull_alone = !removed.is_empty() && system.residual(&g, ws) <= limits.tolerance;
+            if residual <= limits.tolerance || pull_alone && residual <= system.precision().tolerance() {
                 return end(NewtonEnd::Converged, residual, z);
             }
-            if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
+            if pull_alone || step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
                 return end(NewtonEnd::Stalled, residual, z);
             }
         }
