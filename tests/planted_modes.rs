@@ -4,7 +4,9 @@
 //! longest waves of a uniform gap are the softest modes, and degenerate; half as long a wave of the gap along x or y, of an amplitude of
 //! choice, makes one of them softer and its companion harder.
 
-use nalgebra::DMatrix;
+mod dense;
+
+use dense::Dense;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -47,24 +49,10 @@ impl Planted {
         (found.value * LENGTH, found.error * LENGTH)
     }
 
-    /// The eigenvalues, ascending, from the matrix over the fields of one point each.
-    fn dense(&mut self) -> Vec<f64> {
-        let points = self.system.grid().nx;
-        let n = points * points;
-        let unit =
-            |k: usize| Array2::from_shape_fn((points, points), |(j, i)| if j * points + i == k { points as f64 } else { 0.0 });
-        let basis: Vec<Vec<f64>> = (0..n).map(|k| self.system.amplitudes(&unit(k), &mut self.ws)).collect();
-        let mut image = vec![0.0; self.z.len()];
-        let mut a = DMatrix::zeros(n, n);
-        for (k, v) in basis.iter().enumerate() {
-            self.system.hessian(v, &mut image, &mut self.ws);
-            for (l, w) in basis.iter().enumerate() {
-                a[(l, k)] = LENGTH * w.iter().zip(&image).map(|(w, h)| w * h).sum::<f64>();
-            }
-        }
-        // The uniform field, which no amplitude moves, out of the way.
-        a.add_scalar_mut(1e3 / n as f64);
-        let mut values = a.symmetric_eigen().eigenvalues.as_slice().to_vec();
+    /// The eigenvalues (E*/L), ascending.
+    fn dense(&self) -> Vec<f64> {
+        let matrix = Dense::new(*self.system.grid()).at(&self.ws.gap, &self.ws.gap, &LAW, [false; 2], false);
+        let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().map(|value| value * LENGTH).collect();
         values.sort_by(f64::total_cmp);
         values
     }

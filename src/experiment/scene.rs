@@ -140,7 +140,8 @@ pub struct SceneError {
     pub allowed: String,
 }
 
-/// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second.
+/// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second
+/// where nothing else keeps the machine busy.
 const STEPS_MAX: f64 = 2e5;
 
 /// The least step as a share of |u0|: a smaller one is lost in the digits of u0.

@@ -5,7 +5,7 @@ use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, sliding_basis, solve};
 use super::{Stop, descent::Descent, gfmd::Gfmd, gfmd_tuned::GfmdTuned};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, dot, orthonormalise, project_out};
+use crate::numerics::vector::{add, dot, project_out};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
@@ -141,8 +141,8 @@ pub struct NewtonKrylov;
 /// Largest deviation from the prediction, in units of the predicted change: beyond it Newton has found some other branch.
 const STRAY: f64 = 0.6;
 /// How much of a state, in ranges, the residual may leave undecided along the softest mode. Close to where that loses its stiffness the
-/// usual residual leaves a hundredth and more, which reads as straying from the branch; with ten times as much Newton's method meets
-/// negative curvature before the end, and one end in six is found 4e-6 ranges early.
+/// usual residual leaves a hundredth and more, which reads as straying from the branch; with ten times as much Newton's method met
+/// negative curvature before the end, and in Fig. 2 (n = 48) one end in six was found 4e-6 ranges early.
 const UNDECIDED: f64 = 3e-5;
 /// The sharpest residual, as a share of the usual: below it patterns between mesh points labour on the mesh's own pull.
 const SHARPEST: f64 = 1e-4;
@@ -168,7 +168,7 @@ impl Method for NewtonKrylov {
         let before = ws.transforms;
         let guess = predicted(problem, branch, from, u0, ws);
         let reach = reach(problem, from, &guess, u0);
-        let limits = limits(problem, from);
+        let limits = limits(problem, from, ws);
         let mut state = solve(problem, guess.clone(), u0, limits, ws, cancel);
         if state.end == NewtonEnd::Stalled && problem.slides == Slides::UnlessPinned {
             // The mesh pulls by more than the tolerance: to where it does not.
@@ -199,11 +199,11 @@ impl Method for NewtonKrylov {
 
 /// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode. Where that is
 /// the sliding of a pattern in the mesh's pull, it may stay open: what the pattern is does not depend on it.
-fn limits(problem: &Problem<'_>, from: &Equilibrium) -> NewtonLimits {
+fn limits(problem: &Problem<'_>, from: &Equilibrium, ws: &mut Workspace) -> NewtonLimits {
     let system = problem.system;
     let usual = NewtonLimits::of(system);
     if problem.slides == Slides::UnlessPinned && !from.soft_mode.is_empty() {
-        let slides = orthonormalise(system.sliding_modes(&from.field), 1e-6);
+        let slides = sliding_basis(system, &from.field, Slides::Freely, ws);
         if slides.iter().map(|slide| dot(slide, &from.soft_mode).powi(2)).sum::<f64>() > 0.5 {
             return usual;
         }

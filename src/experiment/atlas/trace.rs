@@ -36,8 +36,8 @@ const NODES: usize = 60;
 /// Largest deviation from the prediction in units of the predicted change: beyond it another branch was found.
 const STRAY: f64 = 0.6;
 
-/// Follows the branch of `first`, whose `breaking` is known over all waves, towards growing u0 if `up`. Nodes in order, without `first`; the last is the end. A node `behind`
-/// the first one, if there is one, tells where the branch comes from.
+/// Follows the branch of `first`, whose `breaking` is known over all waves, towards growing u0 if `up`. Nodes in order, without `first`;
+/// the last is the end. A node `behind` the first one, if there is one, tells where the branch comes from.
 ///
 /// # Errors
 /// The branch was lost before an end was found.

@@ -33,7 +33,7 @@ const PASSED: f64 = 1e-3;
 const AT_END: f64 = 1e-3;
 
 /// Least distance, in ranges, of the states from which the next is extrapolated.
-pub(super) const SPACED: f64 = 3e-3;
+const SPACED: f64 = 3e-3;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
@@ -273,6 +273,11 @@ impl Walk {
         self.bracket = width;
     }
 
+    /// Takes the present state into the history of its branch.
+    pub(super) fn remember(&mut self) {
+        self.history.push(self.state.mean_displacement, self.state.field.clone(), SPACED * self.model.law.range);
+    }
+
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
     pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
         let (before, energy, stress) = (self.record.clone(), self.state.energy, self.state.stress);
@@ -294,7 +299,7 @@ impl Walk {
         self.state = state;
         self.reconsider(du);
         if smooth {
-            self.history.push(self.state.mean_displacement, self.state.field.clone(), SPACED * self.model.law.range);
+            self.remember();
         } else {
             self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
         }

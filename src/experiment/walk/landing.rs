@@ -1,6 +1,6 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
-use super::advance::{FIRST, SPACED};
+use super::advance::FIRST;
 use super::{Barrier, Happening, Jumping, Progress, Walk, problem};
 use crate::experiment::contest::{KICK as FLAT_KICK, Share};
 use crate::experiment::record::{Cause, JumpRecord};
@@ -194,8 +194,7 @@ impl Walk {
         steps: usize,
         cancel: &Cancel,
     ) -> Result<Equilibrium, Progress> {
-        let polished = self.centred(&settled.z, u0, cancel);
-        settled = polished.unwrap_or(settled);
+        settled = self.centred(&settled.z, u0, cancel).unwrap_or(settled);
         let mut gradient = vec![0.0; settled.z.len()];
         self.system.evaluate(&settled.z, u0, &mut gradient, &mut self.ws);
         self.forget_modes();
@@ -297,7 +296,7 @@ impl Walk {
         let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
         let to = if as_good_as_flat(&self.state) { Pattern::Flat } else { to };
         if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
-            self.history.push(self.state.mean_displacement, self.state.field.clone(), SPACED * self.model.law.range);
+            self.remember();
             return self.accept(observe);
         }
         let du = (self.state.mean_displacement - left.mean_displacement).abs();
