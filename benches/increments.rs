@@ -65,7 +65,7 @@ fn relaxed(name: &'static str, mut method: Box<dyn Method>, n: usize, states: &[
     let mut preconditioner = Preconditioner::new(&system, 0.25 * model.law.at(model.law.equilibrium_gap()).stiffness);
     let mut ws = system.workspace();
     let mut history = History::default();
-    states.iter().for_each(|state| history.push(state.mean_displacement, state.field.clone(), 0.0));
+    states.iter().for_each(|state| history.push(state.mean_displacement, state.field.clone()));
     let from = states.last().expect("a state");
     system.evaluate(&from.field, from.mean_displacement, &mut vec![0.0; system.dimension()], &mut ws);
     preconditioner.refresh(&system, &mut ws);

@@ -140,15 +140,16 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
     let mut scene = presets::resolve("fig2").unwrap();
     (scene.cell.points, scene.drive.step) = (Points::Square(40), 0.1);
     let (down, up) = (scene.depth(), scene.drive.start);
-    // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each 0.02 to 0.04 ranges before its end.
+    // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each some 0.2 ranges before its end: two thousand
+    // of the smallest steps.
     let broken = |cause| cause == Cause::SymmetryBreaking;
     for (places, target, breaks) in [
-        (&[2.94][..], down, true),
-        (&[1.37], down, true),
-        (&[0.62], down, false),
-        (&[down, 2.19], up, true),
-        (&[down, 3.81], up, true),
-        (&[down, 3.95], up, false),
+        (&[3.09][..], down, true),
+        (&[1.53], down, true),
+        (&[0.79], down, false),
+        (&[down, 2.03], up, true),
+        (&[down, 3.64], up, true),
+        (&[down, 3.86], up, false),
     ] {
         let there = standing_at(&scene, places);
         let with_step = |step: f64| {
@@ -165,6 +166,29 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
             assert!(off < 2e-5, "step {step}: {off} ranges from {usual:?}");
             assert_eq!((found.from, found.to, found.cause), (usual.from, usual.to, usual.cause), "step {step}");
         }
+    }
+}
+
+#[test]
+fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
+    let mut scene = presets::resolve("fig2").unwrap();
+    (scene.cell.points, scene.drive.step) = (Points::Square(48), 0.1);
+    let there = standing_at(&scene, &[3.09]);
+    scene.drive.step = 1e-4;
+    let (state, record) = (there.state().clone(), there.record().clone());
+    let mut walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap();
+    walk.set_target(2.99);
+    while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+    assert_eq!(walk.displacement(), 2.99);
+    let amplitudes = &walk.state().field;
+    let mut real = amplitudes.clone();
+    walk.system().make_real(&mut real);
+    let unreal = real.iter().zip(amplitudes).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(unreal < 1e-14, "{unreal}");
+    // Its longest waves along x and y tell where the bulge is: on a point of the mesh or between two.
+    for pair in [48, 1] {
+        let place = amplitudes[2 * pair + 1].atan2(amplitudes[2 * pair]) * 48.0 / std::f64::consts::PI;
+        assert!((place - place.round()).abs() < 1e-4, "{place} half spacings");
     }
 }
 

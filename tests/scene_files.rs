@@ -465,3 +465,22 @@ fn a_step_that_moves_nothing_is_refused() {
         &["drive.step", "digits"],
     );
 }
+
+#[test]
+fn a_drive_into_the_wall_of_a_mie_law_is_refused_on_any_ground() {
+    // Over whole waves a cosine has no mean, so that the mean of the ground lies an amplitude below each crest of its two waves.
+    for (indenter, level) in [
+        (Indenter::Flat, 0.0),
+        (Indenter::Wave { amplitude: 0.3, periods: [1, 0] }, -0.3),
+        (Indenter::Wave { amplitude: 0.3, periods: [1, 1] }, -0.6),
+    ] {
+        let mut scene = scene_file::parse(fig2(), NAME).unwrap();
+        scene.law.shape = Shape::Mie(Mie { m: 9.0, n: 3.0 });
+        scene.indenter = indenter;
+        scene.drive.turn = Turn::At(level + 0.01);
+        assert!(scene.model().is_ok(), "{indenter:?}: {}", scene.model().unwrap_err());
+        scene.drive.turn = Turn::At(level - 0.01);
+        let error = scene.model().unwrap_err();
+        assert!(error.key == "drive.turn" && error.allowed.starts_with("above "), "{error:?}");
+    }
+}

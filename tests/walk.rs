@@ -207,6 +207,19 @@ fn a_cancelled_loop_keeps_what_was_computed() {
 }
 
 #[test]
+fn a_walk_along_the_flat_state_obeys_a_stop_too() {
+    let mut scene = preset("fig2");
+    (scene.drive.start, scene.drive.turn, scene.drive.step) = (24.0, Turn::At(4.0), 2e-4);
+    let (cancel, mut seen) = (Cancel::default(), 0);
+    let run = run_loop(&scene, MethodKind::NewtonKrylov, &cancel, &mut |_| {
+        seen += 1;
+        cancel.request();
+    })
+    .unwrap();
+    assert_eq!((run.outcome, seen), (Outcome::Cancelled, 1));
+}
+
+#[test]
 fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_converged() {
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(32);

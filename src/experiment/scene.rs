@@ -241,6 +241,13 @@ impl Scene {
         {
             return Err(refuse("drive.turn", number(turn), "a gap at which the law is finite: so deep in its wall it overflows"));
         }
+        if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape)
+            && let Some(level) = self.indenter.height(&grid).and_then(|height| height.mean())
+            && turn <= level
+        {
+            let allowed = format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
+            return Err(refuse("drive.turn", number(turn), &allowed));
+        }
         if let Turn::ZeroLoad = self.drive.turn
             && range / self.drive.step > STEPS_MAX
         {

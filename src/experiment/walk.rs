@@ -335,6 +335,9 @@ impl Walk {
         if here == self.target {
             return Progress::Resting;
         }
+        if cancel.requested() {
+            return Progress::Cancelled;
+        }
         let direction = if self.target < here { Branch::Approach } else { Branch::Retraction };
         if direction != self.direction {
             self.direction = direction;

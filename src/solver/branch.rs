@@ -17,24 +17,19 @@ impl History {
         Self { states: vec![(u0, z)] }
     }
 
-    /// Adds a state; one at the same u0 is replaced, and so is the newest where it lies closer than `apart` (length) to the one before
-    /// it: extrapolation from states close together amplifies what tolerance leaves open in them.
-    pub fn push(&mut self, u0: f64, z: Vec<f64>, apart: f64) {
+    /// Adds a state; one at the same u0 is replaced.
+    pub fn push(&mut self, u0: f64, z: Vec<f64>) {
         self.states.retain(|(u, _)| *u != u0);
-        if let [.., (before, _), (newest, _)] = self.states[..]
-            && (newest - before).abs() < apart
-        {
-            self.states.pop();
-        }
         if self.states.len() == 4 {
             self.states.remove(0);
         }
         self.states.push((u0, z));
     }
 
-    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not amplify noise; empty history: `None`.
+    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not amplify noise; `None` where
+    /// not even a straight line through the last two may be trusted.
     pub fn predict(&self, u0: f64) -> Option<Vec<f64>> {
-        (1..=self.states.len()).rev().find_map(|count| {
+        (2..=self.states.len()).rev().find_map(|count| {
             let points = &self.states[self.states.len() - count..];
             let weights: Vec<f64> = (0..count)
                 .map(|i| {

@@ -2,10 +2,9 @@
 
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
-use super::newton::{NewtonEnd, NewtonLimits, sliding_basis, solve};
+use super::newton::{NewtonEnd, NewtonLimits, held, sliding_basis, solve};
 use super::{Stop, descent::Descent, gfmd::Gfmd, gfmd_tuned::GfmdTuned};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, dot, project_out};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
@@ -168,12 +167,7 @@ impl Method for NewtonKrylov {
         let before = ws.transforms;
         let guess = predicted(problem, branch, from, u0, ws);
         let reach = reach(problem, from, &guess, u0);
-        let limits = limits(problem, from, ws);
-        let mut state = solve(problem, guess.clone(), u0, limits, ws, cancel);
-        if state.end == NewtonEnd::Stalled && problem.slides == Slides::UnlessPinned {
-            // The mesh pulls by more than the tolerance: to where it does not.
-            state = solve(&Problem { slides: Slides::Never, ..*problem }, state.z, u0, limits, ws, cancel);
-        }
+        let state = solve(problem, guess.clone(), u0, limits(problem.system, from), ws, cancel);
         match state.end {
             NewtonEnd::Converged => {}
             // No sharper than usual, and still that.
@@ -197,17 +191,9 @@ impl Method for NewtonKrylov {
     }
 }
 
-/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode. Where that is
-/// the sliding of a pattern in the mesh's pull, it may stay open: what the pattern is does not depend on it.
-fn limits(problem: &Problem<'_>, from: &Equilibrium, ws: &mut Workspace) -> NewtonLimits {
-    let system = problem.system;
+/// What to ask for next to the state `from`: a residual that leaves less than [`UNDECIDED`] open along its softest mode.
+fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
     let usual = NewtonLimits::of(system);
-    if problem.slides == Slides::UnlessPinned && !from.soft_mode.is_empty() {
-        let slides = sliding_basis(system, &from.field, Slides::Freely, ws);
-        if slides.iter().map(|slide| dot(slide, &from.soft_mode).powi(2)).sum::<f64>() > 0.5 {
-            return usual;
-        }
-    }
     let softest = from.stiffness_min.map_or(f64::INFINITY, |stiffness| stiffness.value.abs());
     let decided = UNDECIDED * system.law().range * softest / system.law().traction_max();
     NewtonLimits { tolerance: decided.min(usual.tolerance).max(SHARPEST * usual.tolerance), ..usual }
@@ -215,14 +201,12 @@ fn limits(problem: &Problem<'_>, from: &Equilibrium, ws: &mut Workspace) -> Newt
 
 /// The branch's extrapolation to `u0`; where it has none, the state it stands on.
 pub(crate) fn predicted(problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace) -> Vec<f64> {
-    let mut guess = branch.predict(u0).unwrap_or_else(|| from.field.clone());
-    if problem.slides == Slides::Freely {
-        // Nothing holds a pattern in place but its symmetry about a mesh point: extrapolated round-off would make it drift off.
-        add(&mut guess, -1.0, &from.field);
-        project_out(&mut guess, &sliding_basis(problem.system, &from.field, problem.slides, ws));
-        add(&mut guess, 1.0, &from.field);
-    }
-    guess
+    let Some(mut guess) = branch.predict(u0) else { return from.field.clone() };
+    // Nothing corrects what no real field has: extrapolated again and again it would grow.
+    problem.system.make_real(&mut guess);
+    // Nothing but symmetry holds a pattern in its place: extrapolated round-off would make it drift off.
+    let slides = !sliding_basis(problem.system, &from.field, problem.slides, ws).is_empty();
+    if slides { held(problem.system, &guess) } else { guess }
 }
 
 /// How far (root mean square, length) from its prediction a state may be and still continue the branch.

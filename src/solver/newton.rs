@@ -62,8 +62,7 @@ pub struct NewtonState {
 
 /// Solves for equilibrium at `u0` from the guess `z`. Leaves the workspace evaluated at the result.
 ///
-/// Where patterns slide freely those directions are left out of the steps, and out of the residual where a sharper one than usual is asked
-/// for.
+/// Where patterns slide freely those directions are left out of the steps (not out of the residual).
 pub fn solve(
     problem: &Problem<'_>,
     mut z: Vec<f64>,
@@ -78,28 +77,25 @@ pub fn solve(
     let goal = limits.tolerance.max(system.precision().floor());
     let mut g = vec![0.0; z.len()];
     let mut at = system.evaluate(&z, u0, &mut g, ws);
+    let mut force = norm(&g);
     let mut before = f64::INFINITY;
     for step in 0..=limits.steps {
         let end = |end, residual, z| NewtonState { z, at, residual, steps: step, end };
-        if !norm(&g).is_finite() || !at.energy.is_finite() {
+        if !force.is_finite() || !at.energy.is_finite() {
             return end(NewtonEnd::Stalled, f64::NAN, z);
         }
-        let whole = g.clone();
-        let removed = sliding_basis(system, &z, slides, ws);
-        project_out(&mut g, &removed);
-        let force = norm(&g);
         // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
         if force <= goal * scale * 0.5 || step == limits.steps || force > 3.0 * before {
-            let residual = system.residual(&whole, ws);
-            // A mesh that pulls at a sliding pattern does so at the usual tolerance; more can be asked of the rest.
-            let pull_alone = !removed.is_empty() && system.residual(&g, ws) <= limits.tolerance;
-            if residual <= limits.tolerance || pull_alone && residual <= system.precision().tolerance() {
+            let residual = system.residual(&g, ws);
+            if residual <= limits.tolerance {
                 return end(NewtonEnd::Converged, residual, z);
             }
-            if pull_alone || step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
+            if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
                 return end(NewtonEnd::Stalled, residual, z);
             }
         }
+        let removed = sliding_basis(system, &z, slides, ws);
+        project_out(&mut g, &removed);
         let forcing = (0.15 * goal * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
         let CgSolution { x: dz, end: cg_end, .. } = conjugate_gradients(
@@ -122,7 +118,8 @@ pub fn solve(
             let mut trial = z.clone();
             add(&mut trial, -length, &dz);
             at = system.evaluate(&trial, u0, &mut g, ws);
-            if at.energy.is_finite() && norm(&g).is_finite() || length < 0.02 {
+            force = norm(&g);
+            if at.energy.is_finite() && force.is_finite() || length < 0.02 {
                 z = trial;
                 break;
             }
@@ -218,18 +215,27 @@ pub fn sliding_basis(system: &System, z: &[f64], slides: Slides, ws: &mut Worksp
 /// `z` moved by less than a mesh spacing so that the pattern's centre lies, along each axis, on a mesh point or `between` two. There the
 /// mesh's own weak pinning vanishes by symmetry; elsewhere it would keep the residual from converging.
 pub fn centred(system: &System, z: &[f64], between: [bool; 2]) -> Vec<f64> {
+    let half = between.map(|between| if between { 0.5 } else { 0.0 });
+    placed(system, z, |axis, x0| (x0 - half[axis]).round() + half[axis])
+}
+
+/// `z` moved to the nearest such place of all.
+pub(super) fn held(system: &System, z: &[f64]) -> Vec<f64> {
+    placed(system, z, |_, x0| 0.5 * (2.0 * x0).round())
+}
+
+/// `z` moved along each axis from where its centre lies (mesh spacings) to where that is wanted.
+fn placed(system: &System, z: &[f64], wanted: impl Fn(usize, f64) -> f64) -> Vec<f64> {
     let grid = system.grid();
-    let shift = |pair: usize, between: bool| {
+    let slides = system.slides_along();
+    let shift = |axis: usize, pair: usize| {
         let (re, im) = (z[2 * pair], z[2 * pair + 1]);
-        if re.hypot(im) < 1e-3 * norm(z) {
+        if !slides[axis] || re.hypot(im) < 1e-3 * norm(z) {
             return 0.0;
         }
         // u_q ~ e^{-i q x0}: the pattern's centre (or anti-centre) is x0.
-        let x0 = -im.atan2(re) / grid.q1();
-        let half = if between { 0.5 } else { 0.0 };
-        ((x0 / grid.spacing() - half).round() + half) * grid.spacing() - x0
+        let x0 = -im.atan2(re) / grid.q1() / grid.spacing();
+        (wanted(axis, x0) - x0) * grid.spacing()
     };
-    let (along_x, along_y) = (grid.ny, 1);
-    let [dx, dy] = system.slides_along();
-    system.moved(z, if dx { shift(along_x, between[0]) } else { 0.0 }, if dy { shift(along_y, between[1]) } else { 0.0 })
+    system.moved(z, shift(0, grid.ny), shift(1, 1))
 }

@@ -165,8 +165,10 @@ impl App {
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
         Panel::left("controls").default_size(260.0).size_range(236.0..=360.0).show(ui, |ui| controls::show(ui, state, actions));
         let rest = width - 270.0;
-        let right =
-            Panel::right("curve").default_size((0.42 * rest).clamp(250.0, 560.0)).size_range(230.0..=(0.55 * rest).max(240.0));
+        // A width drawn by hand is kept for windows of about that size: one from a small window would cut the lists of a large one.
+        let right = Panel::right(("curve", (width / 200.0) as u32))
+            .default_size((0.42 * rest).clamp(250.0, 560.0))
+            .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
             let whole = ui.available_height();
             let share = if state.view.tab == Tab::Paper {

@@ -168,7 +168,7 @@ pub fn ridge() -> &'static [Equilibrium] {
 pub fn history(states: &[Equilibrium]) -> History {
     let mut history = History::default();
     for state in states {
-        history.push(state.mean_displacement, state.field.clone(), 0.0);
+        history.push(state.mean_displacement, state.field.clone());
     }
     history
 }

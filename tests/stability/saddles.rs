@@ -57,7 +57,7 @@ fn a_dimple_that_methods_without_noise_keep_beyond_2_23_is_labelled_unstable() {
         let mut state = dimple().last().unwrap().clone();
         for u0 in [2.22, 2.24, 2.26, 2.28] {
             state = bench.follow(&mut method, &branch, &state, u0).unwrap();
-            branch.push(u0, state.field.clone(), 0.0);
+            branch.push(u0, state.field.clone());
             assert!(state.residual <= 1e-6 && bench.pattern(&state) == Pattern::Dimple);
             bench.label(&mut state);
             assert_eq!(state.stop, if u0 < 2.228 { Stop::Stable } else { Stop::Unstable }, "{method:?} at {u0}");

@@ -19,6 +19,8 @@ use ndarray::Axis;
 
 /// Width, in ranges, to which the end of a branch is bracketed. Eigenvalues at both sides tell where in between it is.
 const LOCATED: f64 = 1e-5;
+/// The same over the least residual: closer to its end the softest mode is undecided, and a dimple that breaks up may read as a ridge.
+const DECIDED: f64 = 100.0;
 
 /// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; on uneven ground a
 /// branch may be unstable for a tenth of a range alone, and a step across that goes unseen.
@@ -31,9 +33,6 @@ const PASSED: f64 = 1e-3;
 
 /// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
 const AT_END: f64 = 1e-3;
-
-/// Least distance, in ranges, of the states from which the next is extrapolated.
-const SPACED: f64 = 3e-3;
 
 /// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
@@ -56,10 +55,12 @@ impl Walk {
     /// How far a method that locates may go without missing a jump (length). Where gamma'' falls nowhere below that of the upper limit of
     /// the flat state, nothing can jump.
     fn longest(&self) -> f64 {
-        let (law, uniform) = (self.system.law(), self.flat.is_some() && self.state.is_uniform());
-        let Some((_, upper)) = flat::limits(law, self.model.grid.length).filter(|_| self.method.locates() && !uniform) else {
+        let uniform = self.flat.is_some() && self.state.is_uniform();
+        if uniform || !self.method.locates() {
             return f64::INFINITY;
-        };
+        }
+        let law = self.system.law();
+        let Some((_, upper)) = flat::limits(law, self.model.grid.length) else { return f64::INFINITY };
         let free = self.ws.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
         free.max(0.0) + law.range * if self.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
     }
@@ -81,6 +82,11 @@ impl Walk {
         (0.0..1.0).contains(&share).then_some(share)
     }
 
+    /// Width of a bracket that is narrow enough (length).
+    fn located_within(&self) -> f64 {
+        LOCATED.max(DECIDED * self.system.precision().floor()) * self.model.law.range
+    }
+
     /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
     fn located(&self, barrier: Barrier) -> Barrier {
         let here = self.state.mean_displacement;
@@ -94,7 +100,7 @@ impl Walk {
         let here = self.state.mean_displacement;
         let width = barrier.at - here;
         let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
-        let fine = LOCATED * self.model.law.range / width.abs();
+        let fine = self.located_within() / width.abs();
         // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
         let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
         if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
@@ -168,7 +174,7 @@ impl Walk {
     }
 
     pub(super) fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let located = LOCATED * self.model.law.range;
+        let located = self.located_within();
         let here = self.state.mean_displacement;
         let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
         let next = match &reached {
@@ -261,7 +267,7 @@ impl Walk {
         };
         let left = barrier.at - self.state.mean_displacement;
         let expected = self.expected_fold().is_some_and(|fold| (fold - self.state.mean_displacement) / left < 1.5);
-        if barrier.stiffness.is_none() && !expected && left.abs() > LOCATED * self.model.law.range {
+        if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
             self.barrier = None;
             self.short = Some(du.abs());
         }
@@ -275,7 +281,7 @@ impl Walk {
 
     /// Takes the present state into the history of its branch.
     pub(super) fn remember(&mut self) {
-        self.history.push(self.state.mean_displacement, self.state.field.clone(), SPACED * self.model.law.range);
+        self.history.push(self.state.mean_displacement, self.state.field.clone());
     }
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
