@@ -3,7 +3,7 @@
 //! A soft elastic body is lowered onto a sticky rigid surface and pulled off again. Its surface jumps on the way, and the area
 //! between the two curves of stress against mean displacement is energy that no slowness can save.
 //!
-//! The rooms form floors, and arrows point down only (`tests/floors.rs` holds the walls):
+//! The rooms form floors, and arrows point down only (`tests/program/floors.rs` holds the walls):
 //! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`worker`], [`storage`], [`paper`] < [`cli`], `ui`.
 //!
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.

@@ -43,6 +43,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     // As many numbers as stand clear of each other.
     let count = f64::from((height - 30.0) / 28.0).min(8.0);
     let response = fixed("loop")
+        // Its own, so that the axes outlast the panel around it, which is another one in a window of another width.
+        .id(egui::Id::unique("stress against u0"))
         .height(height)
         .x_axis_label("u₀ / ρ")
         .y_axis_label("stress / σₘₐₓ")

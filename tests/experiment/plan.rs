@@ -1,7 +1,5 @@
 //! What the plan promises, held against finer computations over random scenes.
 
-mod flat_ground;
-
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
@@ -17,7 +15,7 @@ use tackscope::storage::{presets, scene_file};
 
 /// A scene with this target, which also decides its mesh.
 fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
-    Scene { accuracy, ..flat_ground::scene(shape, periods, Points::Auto) }
+    Scene { accuracy, ..crate::flat_ground::scene(shape, periods, Points::Auto) }
 }
 
 /// Of 48 random scenes, L/L_c from 1.2 to 20, every law, targets from 10 % to 0.01 %: measured against a mesh half as fine again.

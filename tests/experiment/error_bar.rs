@@ -1,8 +1,6 @@
 //! The error bar of a finished loop, and what it rests on: ends of branches that are where a dense matrix has them.
 
-mod flat_ground;
-
-use flat_ground::scene;
+use crate::flat_ground::scene;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use tackscope::experiment::atlas::{Atlas, End};

@@ -4,9 +4,7 @@
 //! longest waves of a uniform gap are the softest modes, and degenerate; half as long a wave of the gap along x or y, of an amplitude of
 //! choice, makes one of them softer and its companion harder.
 
-mod dense;
-
-use dense::Dense;
+use crate::dense::Dense;
 use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

@@ -1,7 +1,5 @@
 //! The ledger of loops: the loss is the sum of releases and within its error; the integral is its check; a loop that does not close has none.
 
-mod flat_ground;
-
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::experiment::plan::{Reduction, Wish, plan};
@@ -30,7 +28,7 @@ fn planned(scene: &Scene) -> LoopRun {
 
 /// A line cell of 64 points and `ratio` L_c, its law and its length.
 fn line(shape: Shape, ratio: f64) -> (Scene, Law, f64) {
-    let mut scene = flat_ground::scene(shape, ratio, Points::Line(64));
+    let mut scene = crate::flat_ground::scene(shape, ratio, Points::Line(64));
     scene.drive.step = 0.02;
     let (law, length) = (scene.model().unwrap().law, scene.cell.length);
     (scene, law, length)

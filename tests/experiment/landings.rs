@@ -1,7 +1,5 @@
 //! Where a surface lands when its branch ends: the same place for every seed, on every road, or several that are said.
 
-mod flat_ground;
-
 use tackscope::experiment::plan::{Reduction, Wish, plan};
 use tackscope::experiment::record::Cause;
 use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
@@ -12,7 +10,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::solver::method::MethodKind::NewtonKrylov;
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
-    Scene { seed, ..flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n)) }
+    Scene { seed, ..crate::flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n)) }
 }
 
 fn quarter(scene: &Scene) -> LoopRun {
@@ -44,7 +42,7 @@ fn every_seed_and_both_roads_pass_the_same_patterns() {
 
 #[test]
 fn fig_2_is_not_contested() {
-    let run = planned(&flat_ground::scene(Shape::Morse(Morse), 3.0, Points::Square(48)));
+    let run = planned(&crate::flat_ground::scene(Shape::Morse(Morse), 3.0, Points::Square(48)));
     assert!(run.record.jumps.iter().all(|jump| jump.landings.is_empty()) && run.rivals.is_empty());
     assert_eq!(run.record.jumps[0].cause_words(), "flat limit");
 }

@@ -1,9 +1,7 @@
 //! Requests from outside to end: what is computed is written, whoever asks and however often.
 #![cfg(unix)]
 
-mod binary;
-
-use binary::{Running, folder, summary, tackscope};
+use crate::binary::{Running, folder, summary, tackscope};
 use std::fs;
 use std::thread::sleep;
 use std::time::Duration;

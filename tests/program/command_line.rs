@@ -1,8 +1,6 @@
 //! The real binary, as a user or a script meets it: files, sentences and exit codes.
 
-mod binary;
-
-use binary::{errors, folder, run, summary, tackscope};
+use crate::binary::{errors, folder, run, summary, tackscope};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

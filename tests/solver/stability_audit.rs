@@ -1,13 +1,11 @@
 //! Every recorded state of random scenes against a dense matrix: is the smallest eigenvalue where the record says it is?
 //!
 //! The matrix is assembled in real space from sums of cosines and the gap alone: no transform, mode or vector of the solver is in it.
-//! That A - t is positive definite or not is told by Cholesky's factorisation. `TACKSCOPE_AUDIT=2000 cargo test --test stability_audit
+//! That A - t is positive definite or not is told by Cholesky's factorisation. `TACKSCOPE_AUDIT=2000 cargo test --test solver audit
 //! -- --nocapture` looks at 2000 scenes on up to 48 x 48 points and prints the table of `assets/guide/stability.md`; without it a few
 //! small ones are looked at.
 
-mod dense;
-
-use dense::Dense;
+use crate::dense::Dense;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;

@@ -3,9 +3,7 @@
 //! `TACKSCOPE_KILLS` says how often it is tried (20 if not given); the table is printed with `--nocapture`.
 #![cfg(unix)]
 
-mod binary;
-
-use binary::{Running, fig2_with, folder};
+use crate::binary::{Running, fig2_with, folder};
 use rand::{Rng, SeedableRng};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

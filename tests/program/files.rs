@@ -1,9 +1,7 @@
 //! What the program does to files, folders and streams that are not as it would like them.
 #![cfg(unix)]
 
-mod binary;
-
-use binary::{Running, errors, fig2_with, folder, run, summary, tackscope};
+use crate::binary::{Running, errors, fig2_with, folder, run, summary, tackscope};
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;

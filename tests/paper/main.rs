@@ -1,0 +1,5 @@
+//! Every figure of the paper, and what is found in it.
+
+mod figures;
+mod findings;
+mod line_figures;

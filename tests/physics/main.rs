@@ -1,0 +1,14 @@
+//! Closed forms, laws, grounds and mechanics: what is known without solving for a loop.
+
+mod asymptotes;
+mod boundary_elements;
+mod even;
+mod griffith;
+mod hertz;
+mod jkr;
+mod laws;
+mod mechanics;
+mod mesh_rule;
+mod numerics;
+mod patterns;
+mod theory;

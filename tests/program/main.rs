@@ -1,0 +1,10 @@
+//! The program as it is started: files, commands, signals, hostile input; and the order of its rooms.
+
+mod binary;
+mod command_line;
+mod files;
+mod floors;
+mod hostile_scenes;
+mod kills;
+mod scene_files;
+mod signals;

@@ -1,0 +1,15 @@
+//! One equilibrium and its stability; and what is known to go wrong, each case provoked in a method that has it, and seen to be caught
+//! and named.
+
+mod common;
+mod dense;
+mod jumps;
+mod mesh;
+mod methods;
+mod numbers;
+mod planted_modes;
+mod precision;
+mod saddles;
+mod stability_audit;
+mod steps;
+mod tracker;
