@@ -235,18 +235,19 @@ impl Scene {
             let allowed = format!("a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}");
             return Err(refuse("law.range", number(range), &allowed));
         }
+        if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape) {
+            let level = self.indenter.height(&grid).and_then(|height| height.mean()).unwrap_or(0.0);
+            if turn <= level {
+                let allowed =
+                    format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
+                return Err(refuse("drive.turn", number(turn), &allowed));
+            }
+        }
         if let Turn::At(turn) = self.drive.turn
             && self.indenter == Indenter::Flat
             && !law.at(turn).energy.is_finite()
         {
             return Err(refuse("drive.turn", number(turn), "a gap at which the law is finite: so deep in its wall it overflows"));
-        }
-        if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape)
-            && let Some(level) = self.indenter.height(&grid).and_then(|height| height.mean())
-            && turn <= level
-        {
-            let allowed = format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
-            return Err(refuse("drive.turn", number(turn), &allowed));
         }
         if let Turn::ZeroLoad = self.drive.turn
             && range / self.drive.step > STEPS_MAX
@@ -359,9 +360,6 @@ impl Scene {
             }
             if (start - turn) / step > STEPS_MAX {
                 return Err(refuse("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
-            }
-            if turn <= 0.0 && matches!(self.law.shape, Shape::Mie(_)) && self.indenter == Indenter::Flat {
-                return Err(refuse("drive.turn", number(turn), "above 0: the Mie law is infinite at zero gap"));
             }
         } else if self.indenter == Indenter::Flat {
             return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));

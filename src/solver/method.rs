@@ -140,8 +140,7 @@ pub struct NewtonKrylov;
 /// Largest deviation from the prediction, in units of the predicted change: beyond it Newton has found some other branch.
 const STRAY: f64 = 0.6;
 /// How much of a state, in ranges, the residual may leave undecided along the softest mode. Close to where that loses its stiffness the
-/// usual residual leaves a hundredth and more, which reads as straying from the branch; with ten times as much Newton's method met
-/// negative curvature before the end, and in Fig. 2 (n = 48) one end in six was found 4e-6 ranges early.
+/// usual residual leaves a hundredth and more, which reads as straying from the branch.
 const UNDECIDED: f64 = 3e-5;
 /// The sharpest residual, as a share of the usual: below it patterns between mesh points labour on the mesh's own pull.
 const SHARPEST: f64 = 1e-4;

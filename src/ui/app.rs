@@ -167,7 +167,7 @@ impl App {
         let rest = width - 270.0;
         // A width drawn by hand is kept for windows of about that size: one from a small window would cut the lists of a large one.
         let right = Panel::right(("curve", (width / 200.0) as u32))
-            .default_size((0.42 * rest).clamp(250.0, 560.0))
+            .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
             let whole = ui.available_height();
