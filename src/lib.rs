@@ -4,7 +4,7 @@
 //! between the two curves of stress against mean displacement is energy that no slowness can save.
 //!
 //! The rooms form floors, and arrows point down only (`tests/program/floors.rs` holds the walls):
-//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`worker`], [`storage`], [`paper`] < [`cli`], `ui`.
+//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`plot`] < [`paper`] < [`worker`], [`storage`] < [`cli`], `ui`.
 //!
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.
 #![forbid(unsafe_code)]
@@ -17,6 +17,7 @@ pub mod experiment;
 pub mod numerics;
 pub mod paper;
 pub mod physics;
+pub mod plot;
 pub mod solver;
 pub mod storage;
 #[cfg(feature = "gui")]

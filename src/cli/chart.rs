@@ -3,8 +3,9 @@
 use super::progress::Teller;
 use super::{BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say, told_replaced, unwritten, warn};
 use crate::experiment::chart::{Chart, Effort, News, Verdict, run};
+use crate::plot::chart_panel::page;
 use crate::storage::folder::Folder;
-use crate::storage::{Failure, chart as paper, presets, scene_file};
+use crate::storage::{Failure, chart as table, drawing, presets, scene_file};
 
 /// What is written, the file that says that all is there last.
 const FILES: [&str; 4] = ["chart.csv", "chart.svg", "chart.png", "chart.json"];
@@ -27,11 +28,12 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let chart = run(&scene, effort, &cancel, &mut |news| tell(&mut teller, &news)).map_err(refused)?;
     teller.finish();
     let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
+    let page = page(&chart, &scene.title);
     let written = [
-        paper::write_chart_csv(&csv, &chart),
-        paper::write_chart_svg(&svg, &chart, &scene.title),
-        paper::write_chart_png(&png, &chart, &scene.title),
-        paper::write_chart_json(&json, &arguments.scene, &scene, &chart),
+        table::write_chart_csv(&csv, &chart),
+        drawing::write_page_svg(&svg, &page),
+        drawing::write_page_png(&png, &page),
+        table::write_chart_json(&json, &arguments.scene, &scene, &chart),
     ];
     let failures: Vec<Failure> = written.into_iter().filter_map(Result::err).collect();
     let code = exit_code(&chart, &arguments.out);

@@ -11,7 +11,7 @@ use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
-use crate::storage::{Failure, figure as paint};
+use crate::storage::{Failure, drawing as paint};
 use crate::worker::crew::{self, News};
 use std::path::Path;
 
@@ -173,8 +173,8 @@ fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("{}.{end}", stem(figure.number)));
     let written = [
         paint::write_figure_csv(&name("csv"), figure),
-        paint::write_figure_svg(&name("svg"), figure),
-        paint::write_figure_png(&name("png"), figure),
+        paint::write_page_svg(&name("svg"), &figure.page()),
+        paint::write_page_png(&name("png"), &figure.page()),
     ];
     written.into_iter().filter_map(Result::err).collect()
 }

@@ -3,7 +3,7 @@
 use super::tell;
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::run::Report;
-use crate::paper::ticks::digits;
+use crate::plot::ticks::digits;
 use crate::storage::line;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;

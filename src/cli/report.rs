@@ -7,10 +7,11 @@ use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome, RivalLoop};
 use crate::experiment::scene::{Model, Points, Scene, Turn};
 use crate::physics::pattern::Pattern;
+use crate::plot::loop_panel;
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
-use crate::storage::{Failure, export, picture, scene_file};
+use crate::storage::{Failure, drawing, export, picture, scene_file};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -218,13 +219,13 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
 /// Writes tables and pictures of a walk; returns what could not be written.
 pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Vec<Failure> {
     let error = stated_error(model, plan, run);
+    let page = loop_panel::page(&run.record, model, &scene.title, error);
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
     let mut written = vec![
         export::write_loop_csv(&states, &run.record.states),
         export::write_events_csv(&jumps, &run.record.jumps),
-        picture::write_loop_svg(&svg, &run.record, &model.law, &scene.title, error),
-        picture::write_loop_png(&png, &run.record, &model.law, &scene.title, error)
-            .and_then(|()| picture::attach_scene(&png, scene)),
+        drawing::write_page_svg(&svg, &page),
+        drawing::write_page_png(&png, &page).and_then(|()| picture::attach_scene(&png, scene)),
     ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
     for (i, landing) in run.landings.iter().enumerate() {

@@ -111,10 +111,15 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
-    let arrow = |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, dashed: false };
-    let left_arrow =
-        |from: f64, to: f64| Arrow { tail: [0.8 * left, from], head: [0.8 * left, to], colour: Colour::Ink, dashed: false };
-    let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned() };
+    let arrow =
+        |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, direction: Branch::Approach };
+    let left_arrow = |from: f64, to: f64| Arrow {
+        tail: [0.8 * left, from],
+        head: [0.8 * left, to],
+        colour: Colour::Ink,
+        direction: Branch::Approach,
+    };
+    let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned(), ..Label::default() };
     let area = |colour, spans| Area { name: String::new(), colour, spans };
     Panel {
         x: Axis::linear("x").from_to(left, right),

@@ -3,6 +3,7 @@
 use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
+use crate::experiment::record::Branch;
 use crate::experiment::scene::Points;
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
@@ -75,13 +76,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         tolerance: Some(0.0),
     });
     let worst = findings.iter().map(|f| (f.found - f.expected).abs()).fold(0.0, f64::max);
-    let symbols = |name: &str, colour, points| Series {
-        name: name.to_owned(),
-        role: Role::Simulation,
-        symbol: Some(Symbol::Circle),
-        colour,
-        points,
-    };
+    let symbols = |name: &str, colour, points| Series::symbols(name, Symbol::Circle, colour, points);
     let [upper, lower] = lines(&law);
     let panel = Panel {
         x: Axis::logarithmic("L/L_c"),
@@ -89,8 +84,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         series: vec![
             upper,
             lower,
-            symbols("approach, noise grows", Colour::Ink, approach),
-            symbols("retraction, noise grows", Colour::Red, retraction),
+            symbols("approach, noise grows", Colour::of(Branch::Approach), approach),
+            symbols("retraction, noise grows", Colour::of(Branch::Retraction), retraction),
         ],
         ..Panel::default()
     };
@@ -113,14 +108,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 fn lines(law: &Law) -> [Series; 2] {
     let critical = flat::critical_length(law);
     let ratios: Vec<f64> = (0..=400).map(|i| 10f64.powf(3.0 * (i as f64 / 400.0).powi(2))).collect();
-    let line = |name: &str, colour, pick: fn((f64, f64)) -> f64| Series {
-        name: name.to_owned(),
-        role: Role::Theory,
-        symbol: None,
-        colour,
-        points: ratios.iter().filter_map(|&r| flat::limits(law, r * critical).map(|limits| [r, pick(limits)])).collect(),
+    let line = |name: &str, direction, pick: fn((f64, f64)) -> f64| {
+        let points = ratios.iter().filter_map(|&r| flat::limits(law, r * critical).map(|limits| [r, pick(limits)]));
+        Series::line(name, Role::Theory, Colour::of(direction), points.collect())
     };
-    [line("approach, Eq. 8", Colour::Ink, |l| l.1), line("retraction, Eq. 8", Colour::Red, |l| l.0)]
+    [line("approach, Eq. 8", Branch::Approach, |l| l.1), line("retraction, Eq. 8", Branch::Retraction, |l| l.0)]
 }
 
 /// A flat surface over flat ground, to be shaken.

@@ -46,15 +46,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         middle.push(deviation);
         findings.extend(judged(name, units.reduce(1.0), deviation, ends(&run, &units)));
         arrows.extend(jumps(&run, length, colour));
-        let symbols = |name: String, symbol, points| Series {
-            name,
-            role: Role::Simulation,
-            symbol: Some(symbol),
-            colour,
-            points: thinned(points, 0.015),
-        };
-        series.push(symbols(format!("{name}, approach"), down, approach));
-        series.push(symbols(format!("{name}, retraction"), up, retraction));
+        series.push(Series::symbols(&format!("{name}, approach"), down, colour, thinned(approach, 0.015)));
+        series.push(Series::symbols(&format!("{name}, retraction"), up, colour, thinned(retraction, 0.015)));
     }
     findings.extend(printed());
     let panel = Panel {
@@ -155,7 +148,7 @@ fn jumps(run: &LoopRun, length: f64, colour: Colour) -> Vec<Arrow> {
     let arrow = |jump: &crate::experiment::record::JumpRecord| {
         let u0 = jump.mean_displacement;
         let at = |stress| [units.reduce(u0), units.pressure(stress, u0)];
-        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour, dashed: jump.branch == Branch::Retraction }
+        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.branch }
     };
     run.record.jumps.iter().map(arrow).collect()
 }

@@ -109,12 +109,9 @@ fn exact(displacement: f64) -> Option<[f64; 2]> {
 /// The path of one direction, jumps as vertical lines.
 fn path(run: &LoopRun, branch: Branch) -> Series {
     let units = units(LENGTH);
-    let (name, colour) = match branch {
-        Branch::Approach => ("approach", Colour::Blue),
-        Branch::Retraction => ("retraction", Colour::Red),
-    };
-    let states = run.record.states.iter().filter(|s| s.branch == branch);
-    Series { name: name.to_owned(), colour, points: states.map(|s| reduced(&units, s)).collect(), ..Series::default() }
+    let points = run.record.states.iter().filter(|s| s.branch == branch).map(|s| reduced(&units, s)).collect();
+    let line = Series::line(&branch.to_string(), Role::Simulation, Colour::of(branch), points);
+    Series { direction: Some(branch), ..line }
 }
 
 /// Jumps that the continuum does not have.

@@ -81,12 +81,9 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let exact = sizes.map(|size| pattern.state(size)).map(|s| [s.displacement, s.pressure]).collect();
     let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
     let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
-    let symbols = |branch: &Branch, symbol, colour| Series {
-        name: format!("ρ̃ = {:.4}", branch.range),
-        role: Role::Simulation,
-        symbol: Some(symbol),
-        colour,
-        points: branch.points.iter().step_by(POINTS / 25).copied().collect(),
+    let symbols = |branch: &Branch, symbol, colour| {
+        let points = branch.points.iter().step_by(POINTS / 25).copied().collect();
+        Series::symbols(&format!("ρ̃ = {:.4}", branch.range), symbol, colour, points)
     };
     let panel = Panel {
         x: Axis::linear("reduced displacement ũ₀").from_to(0.0, 0.5),

@@ -128,7 +128,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         }
         let name = format!("{}, line cells", shape.word());
         let points = losses.iter().map(|loss| [loss.ratio, loss.released]).collect();
-        series.push(Series { name, role: Role::Simulation, symbol: Some(symbol), colour, points });
+        series.push(Series::symbols(&name, symbol, colour, points));
     }
     findings.push(Finding {
         quantity: "γ_hys/γ without range".to_owned(),
@@ -179,12 +179,10 @@ fn lines() -> Vec<Series> {
     }];
     for (shape, whole, leading) in [(MORSE_LAW, Colour::Red, Colour::Orange), (COSINE_LAW, Colour::Blue, Colour::Teal)] {
         let law = law(shape);
-        let line = |name: &str, role, colour, value: &dyn Fn(f64) -> Option<f64>| Series {
-            name: format!("{}, {name}", shape.word()),
-            role,
-            symbol: None,
-            colour,
-            points: ratios.iter().filter_map(|&r| value(cell(&law, r)).map(|y| [r, y])).filter(|p| p[1] >= 0.0).collect(),
+        let line = |name: &str, role, colour, value: &dyn Fn(f64) -> Option<f64>| {
+            let points = ratios.iter().filter_map(|&r| value(cell(&law, r)).map(|y| [r, y]));
+            let points = points.filter(|p| p[1] >= 0.0).collect();
+            Series::line(&format!("{}, {name}", shape.word()), role, colour, points)
         };
         let order = |zero: f64| {
             move |length: f64| {

@@ -92,18 +92,12 @@ fn differences(plain: &Tip, others: &[Tip]) -> Vec<Finding> {
 
 fn panel(title: &str, y: &str, reference: f64, tips: &[Tip], pick: fn(&Tip) -> f64) -> Panel {
     let radius = TIP.end_of_displacement().radius;
-    let line = |name: &str, colour, value: f64| Series {
-        name: name.to_owned(),
-        role: Role::Theory,
-        colour,
-        points: [0.02, 1.0].map(|x| [x, value]).to_vec(),
-        symbol: None,
-    };
+    let line = |name: &str, colour, value: f64| Series::line(name, Role::Theory, colour, [0.02, 1.0].map(|x| [x, value]).to_vec());
     let mut series = vec![line("JKR", Colour::Ink, 1.0), line("JKR, periodic", Colour::Grey, reference)];
     for (mu, (colour, symbol)) in [0.5, 0.7, 1.0, 1.5, 2.0].into_iter().zip(MARKS) {
         let mine = tips.iter().filter(|tip| tip.mu_rho == mu);
         let points = mine.map(|tip| [1.0 / (tip.points as f64 * radius), pick(tip)]).collect();
-        series.push(Series { name: format!("mu_rho = {mu}"), role: Role::Simulation, colour, symbol: Some(symbol), points });
+        series.push(Series::symbols(&format!("mu_rho = {mu}"), symbol, colour, points));
     }
     Panel { title: title.to_owned(), x: Axis::logarithmic("Δa/a_c"), y: Axis::linear(y), series, ..Panel::default() }
 }

@@ -4,6 +4,7 @@ use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
 use crate::experiment::measured_law::{Fit, MeasuredLaw, Row, fit};
+use crate::experiment::record::Branch;
 use crate::experiment::record::LoopRecord;
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
@@ -100,16 +101,13 @@ fn panel(surfaces: &[Surface]) -> Panel {
     let best = |surface: &Surface| surface.fits.iter().find_map(|fit| fit.as_ref().ok().map(|fit| fit.law));
     let unit = best(first).map_or(first.law.strongest().1, |law| law.strongest().1);
     let rows = || first.law.rows.iter().step_by(2);
-    let symbols = |name: &str, symbol, colour, stress: fn(&Row) -> f64| Series {
-        name: name.to_owned(),
-        role: Role::Simulation,
-        symbol: Some(symbol),
-        colour,
-        points: rows().map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit]).collect(),
+    let symbols = |direction: Branch, symbol, stress: fn(&Row) -> f64| {
+        let points = rows().map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit]).collect();
+        Series::symbols(&direction.to_string(), symbol, Colour::of(direction), points)
     };
     let mut series = vec![
-        symbols("approach", Symbol::Circle, Colour::Red, |row| row.approach),
-        symbols("retraction", Symbol::Cross, Colour::Blue, |row| row.retraction),
+        symbols(Branch::Approach, Symbol::Circle, |row| row.approach),
+        symbols(Branch::Retraction, Symbol::Cross, |row| row.retraction),
     ];
     let low = first.law.rows.last().map_or(0.0, |row| row.gap);
     for surface in surfaces {
@@ -121,7 +119,7 @@ fn panel(surfaces: &[Surface]) -> Panel {
             true => ("fit by two exponentials".to_owned(), Role::Theory, Colour::Ink),
             false => (format!("fit, surface {}", surface.seed), Role::Guide, Colour::Grey),
         };
-        series.push(Series { name, role, symbol: None, colour, points });
+        series.push(Series::line(&name, role, colour, points));
     }
     Panel {
         x: Axis::linear("mean gap u_g/h_std").from_to(0.0, 5.0),

@@ -1,6 +1,6 @@
 //! A loop on flat ground as the paper draws it in Figs 2 and 3: pressure over the largest traction against u0/rho, with gap maps.
 
-use super::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Panel, Role, Series};
+use super::figure::{Axis, Colour, Content, Finding, Inset, Panel, Role, Series};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::{self, Wish};
 use crate::experiment::record::{Branch, Cause, LoopRecord};
@@ -11,13 +11,13 @@ use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::pattern::centre::{rolled, shift_to_middle};
 use crate::physics::theory::flat;
+use crate::plot::curve::Curve;
+use crate::plot::loop_panel;
 use crate::solver::method::MethodKind;
 use ndarray::Array2;
 
-/// Points of the flat state's curve and of the edges of the areas.
+/// Points of the flat state's curve.
 const POINTS: usize = 600;
-/// Curves closer than this share of the largest traction enclose no area worth drawing.
-const CLOSE: f64 = 2e-3;
 
 /// The closed loop of `scene` as planned.
 pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(LoopRun, Model), Stopped> {
@@ -34,85 +34,41 @@ pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(Loo
     Ok((completed(run, scene)?, model))
 }
 
-/// The diagram of a loop.
+/// The diagram of a loop as the paper draws it: pressure instead of stress, and gap maps.
 pub(super) fn panel(run: &LoopRun, law: &Law) -> Panel {
-    let span = run.record.states.iter().map(|s| s.mean_displacement / law.range);
-    let (low, high) = span.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
-    let points = |branch| curve(&run.record, branch, law);
+    let curve = Curve::of(&run.record, law);
+    let ends = curve.points().map(|p| p[0]);
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
     let flat_curve = (0..=POINTS).map(|i| low + (high - low) * i as f64 / POINTS as f64);
-    let flat_curve = flat_curve.map(|u| [u, -law.at(u * law.range).traction / law.traction_max()]);
+    let flat_curve = flat_curve.map(|u| [u, law.at(u * law.range).traction / law.traction_max()]);
+    let flat = Series::line("flat surface", Role::Guide, Colour::FLAT, flat_curve.collect());
+    let loop_ = Panel {
+        areas: loop_panel::loss(&curve),
+        series: std::iter::once(flat).chain(loop_panel::branches(&curve)).collect(),
+        arrows: loop_panel::jumps(&run.record.jumps, law),
+        ..Panel::default()
+    };
     Panel {
         x: Axis::linear("mean displacement u₀/ρ").from_to(0.0, high),
         // Room for the maps below.
         y: Axis::linear("mean pressure p/σ_max").from_to(-1.6, 0.1),
-        areas: areas(&points(Branch::Approach), &points(Branch::Retraction)),
-        series: vec![
-            Series::line("flat surface", Role::Guide, Colour::Grey, flat_curve.collect()),
-            Series::line("approach", Role::Simulation, Colour::Blue, points(Branch::Approach)),
-            Series::line("retraction", Role::Simulation, Colour::Red, points(Branch::Retraction)),
-        ],
-        arrows: arrows(&run.record, law),
         insets: maps(&run.landings, law),
-        ..Panel::default()
+        ..upside_down(loop_)
     }
 }
 
-/// The states of one branch by growing u0, broken at the jumps.
-fn curve(record: &LoopRecord, branch: Branch, law: &Law) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    let mut pattern = None;
-    for state in record.states.iter().filter(|s| s.branch == branch) {
-        if pattern.is_some_and(|before| before != state.pattern) {
-            points.push([f64::NAN; 2]);
-        }
-        pattern = Some(state.pattern);
-        points.push([state.mean_displacement / law.range, -state.stress_over_max]);
+/// The diagram with -y for y.
+fn upside_down(mut panel: Panel) -> Panel {
+    for point in panel.series.iter_mut().flat_map(|series| &mut series.points) {
+        point[1] = -point[1];
     }
-    if branch == Branch::Approach {
-        points.reverse();
+    for span in panel.areas.iter_mut().flat_map(|area| &mut area.spans) {
+        *span = [span[0], -span[2], -span[1]];
     }
-    points
-}
-
-/// The value of a broken curve at `x`; `None` outside and in gaps wider than a hair.
-fn value(curve: &[[f64; 2]], x: f64) -> Option<f64> {
-    let known = |pair: &[[f64; 2]]| pair[0][0] <= x && x <= pair[1][0] && pair[1][0] > pair[0][0];
-    curve.windows(2).find(|pair| known(pair)).map(|pair| {
-        let t = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
-        pair[0][1] + t * (pair[1][1] - pair[0][1])
-    })
-}
-
-/// The areas between the two curves: what is lost.
-fn areas(approach: &[[f64; 2]], retraction: &[[f64; 2]]) -> Vec<Area> {
-    let ends = approach.iter().map(|p| p[0]).filter(|u| u.is_finite());
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
-    let mut areas: Vec<Area> = Vec::new();
-    let mut open = false;
-    for i in 0..=POINTS {
-        let u = low + (high - low) * i as f64 / POINTS as f64;
-        // Next to a jump a curve may have a hole a hair wide: the area goes on.
-        let (Some(a), Some(b)) = (value(approach, u), value(retraction, u)) else { continue };
-        let apart = (a - b).abs() > CLOSE;
-        if apart && !open {
-            let name = if areas.is_empty() { "lost energy" } else { "" };
-            areas.push(Area { name: name.to_owned(), colour: Colour::Gold, spans: Vec::new() });
-        }
-        open = apart;
-        if apart && let Some(area) = areas.last_mut() {
-            area.spans.push([u, a.min(b), a.max(b)]);
-        }
+    for arrow in &mut panel.arrows {
+        (arrow.tail[1], arrow.head[1]) = (-arrow.tail[1], -arrow.head[1]);
     }
-    areas
-}
-
-fn arrows(record: &LoopRecord, law: &Law) -> Vec<Arrow> {
-    let arrow = |jump: &crate::experiment::record::JumpRecord| {
-        let at = |stress: f64| [jump.mean_displacement / law.range, -stress / law.traction_max()];
-        let dashed = jump.branch == Branch::Retraction;
-        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour: Colour::Red, dashed }
-    };
-    record.jumps.iter().map(arrow).collect()
+    panel
 }
 
 /// The paper's letter for a pattern of the approach.

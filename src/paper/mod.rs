@@ -1,11 +1,10 @@
-//! Floor 4: every figure and table of the paper as a value, computed live beside its theory, with what the print got wrong.
+//! Floor 5: every figure and table of the paper as a value, computed live beside its theory, with what the print got wrong.
 //!
 //! Each figure is one file and one line in [`GALLERY`]. Nothing is drawn here: `storage` writes a [`Figure`] as CSV, SVG and PNG, the
 //! window shows it as plots. Axes and normalisation are the paper's; the stress is turned into its pressure p = -stress where the paper
-//! plots p. May use `experiment` and below; no drawing, files, or threads.
+//! plots p. May use `plot` and below; no drawing, files, or threads.
 
 pub mod errata;
-pub mod extent;
 pub mod figure;
 mod figure_01;
 mod figure_02;
@@ -28,9 +27,7 @@ mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;
-pub mod ticks;
 pub mod tips;
-pub mod typeset;
 mod walked;
 
 pub use figure::{Figure, Table};

@@ -1,14 +1,9 @@
-//! The chart of speed against accuracy as files: `chart.csv`, `chart.json`, `chart.svg`, `chart.png`.
+//! The chart of speed against accuracy as data: `chart.csv` and `chart.json`.
 
 mod json;
-mod legend;
-mod marks;
-mod plot;
 mod table;
 #[cfg(test)]
-mod tests;
-mod words;
+pub(super) mod tests;
 
 pub use json::write_chart_json;
-pub use plot::{write_chart_png, write_chart_svg};
 pub use table::{CHART_COLUMNS, write_chart_csv};

@@ -1,10 +1,10 @@
 //! The report: every figure with its words and findings, the tables, the errata, as one HTML page that needs nothing else.
 
-use super::figure::{escaped, figure_svg};
+use super::drawing::{escaped, page_svg};
 use super::{Failure, files};
 use crate::paper::errata::Erratum;
 use crate::paper::figure::{Figure, Finding, Table};
-use crate::paper::typeset::{Script, number, runs};
+use crate::plot::typeset::{Script, number, runs};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn figure(out: &mut String, figure: &Figure, look_for: &str) {
     let number = figure.number;
     let _ = writeln!(out, "<section class=\"figure\" id=\"figure-{number}\">\n<h2>Fig. {number}: {}</h2>", set(&figure.title));
     let _ = writeln!(out, "<p class=\"look\">{}</p>", set(look_for));
-    let _ = writeln!(out, "<figure>\n{}</figure>", figure_svg(figure));
+    let _ = writeln!(out, "<figure>\n{}</figure>", page_svg(&figure.page()));
     paragraph(out, &figure.words);
     findings(out, &figure.findings);
     out.push_str("</section>\n");

@@ -3,6 +3,7 @@
 use super::scene_edit::Follows;
 use crate::experiment::plan::Wish;
 use crate::experiment::scene::Scene;
+use crate::plot::chart_panel::Cost;
 use crate::solver::method::MethodKind;
 use crate::worker::protocol::{Page, Speed, Sweep};
 use std::path::PathBuf;
@@ -193,16 +194,6 @@ pub enum Measurement {
     FullChart,
 }
 
-/// What a loop costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum CostOf {
-    /// Processor seconds.
-    #[default]
-    Time,
-    /// Fourier transforms.
-    Transforms,
-}
-
 /// Stability of what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StabilityOf {
@@ -229,7 +220,7 @@ pub struct ViewOptions {
     /// Which stability.
     pub stability: StabilityOf,
     /// Which cost the chart shows.
-    pub cost: CostOf,
+    pub cost: Cost,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
 }
@@ -243,7 +234,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             tab: Tab::default(),
             stability: StabilityOf::default(),
-            cost: CostOf::default(),
+            cost: Cost::default(),
             speed: Speed::default(),
         }
     }

@@ -7,7 +7,8 @@ use super::handle::SolverHandle;
 use super::view_state::{Failure, ViewState};
 use super::{controls, gap_map, keys, loop_plot, paper, profile, status_bar, tabs, toolbar};
 use crate::experiment::scene::Scene;
-use crate::storage::{self, export, picture, presets, scene_file};
+use crate::plot::loop_panel;
+use crate::storage::{self, drawing, export, picture, presets, scene_file};
 use crate::worker::job::{Fate, Job};
 use crate::worker::protocol::Command;
 use egui::containers::PanelState;
@@ -24,7 +25,6 @@ pub struct App {
     state: ViewState,
     solver: Box<dyn SolverHandle>,
     map: MapCache,
-    axes_seen: u64,
     dialogs: Dialogs,
     announced: (String, f64),
     /// The file that is being opened.
@@ -56,7 +56,6 @@ impl App {
             state,
             solver: Box::new(solver),
             map: MapCache::default(),
-            axes_seen: 0,
             dialogs: Dialogs::new(chooser),
             announced: (String::new(), f64::NEG_INFINITY),
             opening: None,
@@ -179,7 +178,7 @@ impl App {
                 0.62
             };
             let height = (share * whole).max(if state.view.tab == Tab::Paper { 215.0 } else { 230.0 });
-            loop_plot::show(ui, state, actions, height, &mut self.axes_seen);
+            loop_plot::show(ui, state, actions, height);
             ui.separator();
             tabs::show(ui, state, actions, &self.announced.0);
         });
@@ -285,10 +284,10 @@ impl App {
             FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
             FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
             FileTask::ExportLoopPng => {
-                let law = &state.model.law;
-                let error = state.record.ledger(law.surface_energy).stated_error(state.predicted_error());
-                picture::write_loop_png(path, &state.record, law, &state.scene.title, error)
-                    .and_then(|()| picture::attach_scene(path, &state.scene))
+                let ledger = state.record.ledger(state.model.law.surface_energy);
+                let error = ledger.stated_error(state.predicted_error());
+                let page = loop_panel::page(&state.record, &state.model, &state.scene.title, error);
+                drawing::write_page_png(path, &page).and_then(|()| picture::attach_scene(path, &state.scene))
             }
             FileTask::ExportGapPng => match &state.frame {
                 Some(frame) => picture::write_gap_png(path, &frame.gap).and_then(|()| picture::attach_scene(path, &state.scene)),

@@ -1,6 +1,6 @@
 //! The energy well: the energy along the softest mode, with the state as a ball in it.
 
-use super::loop_plot::{line, small, ticks};
+use super::diagram::{grid, line, small};
 use super::theme;
 use super::view_state::ViewState;
 use crate::experiment::walk::EnergyWell;
@@ -33,11 +33,9 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
     let energies: Vec<[f64; 2]> = well.offsets.iter().zip(&well.energies).map(|(a, e)| [a / rho, e / gamma]).collect();
     let parabola: Vec<[f64; 2]> = well.offsets.iter().map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma]).collect();
     let top = state.well_scale;
-    let grid = ui.visuals().text_color().gamma_multiply(0.45);
     let shown = small(ui, "well", "offset along the soft mode / ρ", "energy / γ")
-        .grid_color(grid)
-        .x_grid_spacer(|input| ticks(input, 8.0))
-        .y_grid_spacer(|input| ticks(input, 5.0))
+        .x_grid_spacer(|input| grid(input, 8.0))
+        .y_grid_spacer(|input| grid(input, 5.0))
         .label_formatter(|at| {
             let p = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
@@ -46,11 +44,11 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([-reach, -0.5 * top], [reach, top]));
-            plot.line(line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()).allow_hover(false));
+            plot.line(line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()));
             plot.line(line("energy", &energies, palette.approach, 2.2));
         });
     let foot = shown.transform.position_from_point(&PlotPoint::new(0.0, 0.0));
-    let fill = if jumping { palette.ghost } else { palette.retraction };
+    let fill = if jumping { palette.flat } else { palette.retraction };
     let painter = ui.painter().with_clip_rect(shown.response.rect);
     painter.circle(foot - vec2(0.0, BALL + 1.0), BALL, fill, Stroke::new(1.5, palette.now));
     shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Energy well: {words}")));

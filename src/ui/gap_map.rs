@@ -5,9 +5,9 @@ use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
-use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
+use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
     Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,

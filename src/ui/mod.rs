@@ -1,4 +1,4 @@
-//! Floor 5: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
+//! Floor 7: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
 //!
 //! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s; only [`app`] acts on them.
 //! The state is plain data that is built and updated without egui. The solver is behind [`handle::SolverHandle`]: its thread
@@ -8,7 +8,6 @@
 
 pub mod action;
 pub mod app;
-pub mod curves;
 pub mod handle;
 pub mod history;
 pub mod scene_edit;
@@ -18,10 +17,12 @@ pub mod view_state;
 mod accuracy;
 mod commands;
 mod controls;
+mod diagram;
 mod dialogs;
 mod display;
 mod energy_well;
 mod event_list;
+mod figure_plot;
 mod gap_map;
 mod gap_picture;
 mod ground;
@@ -32,7 +33,6 @@ mod loop_plot;
 mod mu_rho_slider;
 mod number_text;
 mod paper;
-mod paper_plot;
 mod profile;
 mod saved_state;
 mod stability;

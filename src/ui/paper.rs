@@ -1,14 +1,14 @@
 //! The paper, figure by figure: diagrams, what to look for, numbers held against numbers, and what the print got wrong.
 
 use super::action::Action;
-use super::paper_plot;
+use super::figure_plot;
 use super::theme::{self, Palette};
 use super::typeset::set;
 use super::view_state::ViewState;
 use crate::paper::errata::Erratum;
 use crate::paper::figure::Finding;
-use crate::paper::typeset::number;
 use crate::paper::{Figure, GALLERY};
+use crate::plot::typeset::number;
 use crate::worker::protocol::Page;
 use egui::{Context, ProgressBar, RichText, Role, ScrollArea, Ui, WidgetInfo};
 
@@ -74,7 +74,7 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     match paper.page {
         Page::Figure(number) => {
             if let Some(figure) = paper.figures.get(&number) {
-                paper_plot::figure(ui, figure);
+                figure_plot::figure(ui, figure);
                 words(ui, figure);
             }
         }

@@ -5,8 +5,8 @@ use super::gap_picture::GapPicture;
 use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
-use crate::paper::ticks;
 use crate::physics::indenter::Indenter;
+use crate::plot::ticks;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
 /// Draws the profile over the width and height given.

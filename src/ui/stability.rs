@@ -1,14 +1,16 @@
 //! How stable the surface is: its smallest eigenvalue along the path, and where the next jump is expected.
 
 use super::action::{Action, StabilityOf, ViewOptions};
-use super::curves::{eigenvalue_at, eigenvalue_scale};
-use super::loop_plot::{curve, line, small, ticks};
+use super::diagram::{self, grid, line, small};
 use super::theme::{self, Palette};
 use super::time_steps;
 use super::view_state::ViewState;
 use crate::experiment::forecast::{Forecast, forecast};
 use crate::experiment::record::Branch;
-use crate::paper::ticks::label;
+use crate::plot::loop_panel::branches;
+use crate::plot::panel::Panel;
+use crate::plot::style::Ground;
+use crate::plot::ticks::label;
 use egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{
     FilledArea, GridInput, GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi, Points, Text,
@@ -16,6 +18,19 @@ use egui_plot::{
 
 /// Lower end of the axis (E*/L): a strip of the unstable side is always in sight.
 const LOWEST: f64 = -0.4;
+
+/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic one.
+const LINEAR: f64 = 0.1;
+
+/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft pattern and a pressed one are seen.
+pub fn eigenvalue_scale(eigenvalue: f64) -> f64 {
+    (eigenvalue / LINEAR).asinh()
+}
+
+/// The eigenvalue at a place of that axis.
+pub fn eigenvalue_at(place: f64) -> f64 {
+    LINEAR * place.sinh()
+}
 
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -36,15 +51,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 fn eigenvalue(ui: &mut Ui, state: &ViewState) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let ground = theme::ground(ui);
     let ahead = forecast(&state.record, &state.model);
     let words = foreseen(state, ahead.as_ref());
     ui.label(RichText::new(&words).strong());
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
     let response = small(ui, "eigenvalue", "u₀ / ρ", "eigenvalue, E*/L")
-        .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
-        .x_grid_spacer(|input| ticks(input, 7.0))
+        .x_grid_spacer(|input| grid(input, 7.0))
         .y_grid_spacer(decades)
         .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
         .label_formatter(|at| {
@@ -55,7 +69,7 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
-            draw(plot, state, ahead.as_ref(), &palette);
+            draw(plot, state, ahead.as_ref(), ground);
         })
         .response;
     response.widget_info(|| {
@@ -85,7 +99,8 @@ fn decade(eigenvalue: f64) -> String {
     label(eigenvalue, eigenvalue.abs())
 }
 
-fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, palette: &Palette) {
+fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, ground: Ground) {
+    let palette = &theme::palette(ground == Ground::Dark);
     let (low, high) = (plot.plot_bounds().min(), plot.plot_bounds().max());
     let (left, right) = (low[0], high[0]);
     let below = FilledArea::new("unstable", &[left, right], &[low[1]; 2], &[0.0; 2]);
@@ -97,7 +112,8 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, pale
     if let Some(ahead) = ahead {
         bracket(plot, state, ahead, palette);
     }
-    curve(plot, &state.stiffness, palette);
+    let panel = Panel { series: branches(&state.stiffness).into(), ..Panel::default() };
+    diagram::draw(plot, &panel, ground);
     let corner = PlotPoint::new(right - 0.01 * (right - left), high[1] - 0.02 * (high[1] - low[1]));
     let value = Text::new("value", corner, RichText::new(present(state)).small());
     plot.text(value.color(palette.now).anchor(egui::Align2::RIGHT_TOP).allow_hover(false));

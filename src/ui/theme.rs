@@ -1,11 +1,14 @@
 //! Fonts, light and dark visuals, and the few colours with a meaning.
 
+use crate::experiment::record::Branch;
+use crate::plot::panel::Colour;
+use crate::plot::style::Ground;
 use egui::{Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals};
 use std::sync::Arc;
 
 const DEJAVU: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
-/// Colours with a meaning. Colour never speaks alone: branches differ in markers too, stability in words and dashes.
+/// Colours with a meaning outside of diagrams; those of diagrams are [`crate::plot::style`]'s, here too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
     /// u0 decreases.
@@ -16,12 +19,8 @@ pub struct Palette {
     pub flat: Color32,
     /// Jumps.
     pub jump: Color32,
-    /// Earlier loops.
-    pub ghost: Color32,
     /// The live loop.
     pub live: Color32,
-    /// Dissipated area.
-    pub shade: Color32,
     /// Failures and the zone where the mesh lies.
     pub warn: Color32,
     /// Stable, done.
@@ -34,39 +33,33 @@ pub struct Palette {
     pub now: Color32,
 }
 
+/// The ground of the present theme.
+pub fn ground(ui: &egui::Ui) -> Ground {
+    if ui.visuals().dark_mode { Ground::Dark } else { Ground::Light }
+}
+
 /// The colours of the present theme.
 pub fn palette(dark: bool) -> Palette {
-    let c = Color32::from_rgb;
-    if dark {
-        Palette {
-            approach: c(96, 176, 255),
-            retraction: c(255, 166, 77),
-            flat: c(150, 156, 166),
-            jump: c(244, 120, 176),
-            ghost: c(92, 99, 110),
-            live: c(86, 196, 170),
-            shade: Color32::from_rgba_unmultiplied(244, 200, 120, 34),
-            warn: c(255, 140, 112),
-            good: c(110, 205, 150),
-            elastomer: c(70, 112, 148),
-            indenter: c(108, 104, 98),
-            now: c(255, 255, 255),
-        }
-    } else {
-        Palette {
-            approach: c(22, 96, 180),
-            retraction: c(200, 92, 0),
-            flat: c(110, 116, 126),
-            jump: c(176, 28, 104),
-            ghost: c(188, 194, 202),
-            live: c(0, 128, 108),
-            shade: Color32::from_rgba_unmultiplied(220, 150, 30, 46),
-            warn: c(178, 48, 20),
-            good: c(20, 124, 70),
-            elastomer: c(138, 178, 212),
-            indenter: c(150, 145, 136),
-            now: c(16, 18, 22),
-        }
+    let ground = if dark { Ground::Dark } else { Ground::Light };
+    let of = |colour: Colour| {
+        let [red, green, blue] = colour.on(ground);
+        Color32::from_rgb(red, green, blue)
+    };
+    let pick = |light: [u8; 3], bright: [u8; 3]| {
+        let [red, green, blue] = if dark { bright } else { light };
+        Color32::from_rgb(red, green, blue)
+    };
+    Palette {
+        approach: of(Colour::of(Branch::Approach)),
+        retraction: of(Colour::of(Branch::Retraction)),
+        flat: of(Colour::FLAT),
+        jump: of(Colour::JUMP),
+        live: of(Colour::LIVE),
+        warn: pick([178, 48, 20], [255, 140, 112]),
+        good: of(Colour::Green),
+        elastomer: pick([138, 178, 212], [70, 112, 148]),
+        indenter: pick([150, 145, 136], [108, 104, 98]),
+        now: of(Colour::Ink),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts them.
 
 use super::action::{Action, Measurement};
-use super::loop_plot::{line, small, ticks};
+use super::diagram::{grid, line, small};
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::experiment::time_step_map::TimeStepMap;
@@ -33,10 +33,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     };
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let ends = (map.time_steps[0].log10() - 0.06, map.time_steps[map.time_steps.len() - 1].log10() + 0.06);
-    let grid = ui.visuals().text_color().gamma_multiply(0.45);
     let response = small(ui, "time steps", "u₀ / ρ", "time step")
-        .grid_color(grid)
-        .x_grid_spacer(|input| ticks(input, 7.0))
+        .x_grid_spacer(|input| grid(input, 7.0))
         .y_grid_spacer(|_| MARKS.map(|step| GridMark { value: step.log10(), step_size: 1.0 }).to_vec())
         .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
         .label_formatter(|at| {

@@ -3,7 +3,7 @@
 use super::action::{Action, FileTask, ViewOptions};
 use super::controls::named;
 use super::view_state::ViewState;
-use crate::paper::typeset::plain;
+use crate::plot::typeset::plain;
 use crate::storage::presets;
 use crate::worker::protocol::{Speed, Sweep};
 use egui::{Align, ComboBox, Layout, Ui, vec2};

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::paper::ticks;
+use crate::plot::ticks;
 use egui::{Align2, Id, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Accessible name of the slider.

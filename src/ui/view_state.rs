@@ -15,7 +15,6 @@ pub use paper::PaperState;
 pub use select::Selection;
 
 use super::action::{Measurement, Tab, ViewOptions};
-use super::curves::{self, Curve, Shade};
 use super::history::History;
 use super::scene_edit::{self, Follows};
 use crate::experiment::plan::Wish;
@@ -23,6 +22,9 @@ use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
+use crate::plot::curve::Curve;
+use crate::plot::loop_panel::flat_state;
+use crate::plot::panel::{Area, Series};
 use crate::solver::method::MethodKind;
 use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
 use std::collections::VecDeque;
@@ -46,7 +48,7 @@ pub struct ClosedLoop {
     /// Its numbers.
     pub summary: LoopSummary,
     /// Its area.
-    pub shade: Shade,
+    pub loss: Vec<Area>,
 }
 
 /// The state of the window.
@@ -90,7 +92,7 @@ pub struct ViewState {
     pub record: LoopRecord,
     /// The curve of `record`.
     pub curve: Curve,
-    /// The smallest eigenvalue (E*/L) along `record`, as [`curves::eigenvalue_scale`] draws it.
+    /// The smallest eigenvalue (E*/L) along `record`, as the stability tab draws it.
     pub stiffness: Curve,
     /// The newest energy well.
     pub well: Option<Arc<EnergyWell>>,
@@ -115,7 +117,7 @@ pub struct ViewState {
     /// The last closed loop.
     pub closed_loop: Option<ClosedLoop>,
     /// The flat state's curve.
-    pub flat_state: Vec<(bool, Vec<[f64; 2]>)>,
+    pub flat_state: Vec<Series>,
     /// What went wrong.
     pub failure: Option<Failure>,
     /// What went right ("written ...").
@@ -126,8 +128,6 @@ pub struct ViewState {
     pub view: ViewOptions,
     /// Plot fitted to the data instead of the scene: (lower left, upper right).
     pub fit: Option<([f64; 2], [f64; 2])>,
-    /// Counts changes of the plot's axes.
-    pub axes_version: u64,
     /// Undo and redo.
     pub history: History,
     /// The newest motion asked for; a rest that ends an older one is stale.
@@ -150,7 +150,7 @@ impl ViewState {
         let limits = scene_edit::limits(&scene, &model);
         Ok(Self {
             run: 0,
-            flat_state: curves::flat_state(&scene, &model),
+            flat_state: flat_state(&model, limits.into()),
             scene: Arc::new(scene),
             model,
             method: MethodKind::default(),
@@ -186,7 +186,6 @@ impl ViewState {
             hint: true,
             view: ViewOptions::default(),
             fit: None,
-            axes_version: 1,
             history: History::default(),
             motion: 0,
             scene_pending: true,
@@ -237,12 +236,11 @@ impl ViewState {
         if loop_of(&model) != loop_of(&self.model) {
             self.chart = None;
         }
-        self.flat_state = curves::flat_state(&scene, &model);
+        self.flat_state = flat_state(&model, self.limits.into());
         self.scene = Arc::new(scene);
         self.model = model;
         self.failure = None;
         self.fit = None;
-        self.axes_version += 1;
         self.restart();
         true
     }

@@ -4,16 +4,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms and their floors; an arrow may point down or sideways, never up.
-const ROOMS: [(&str, u8); 9] = [
+const ROOMS: [(&str, u8); 10] = [
     ("numerics", 0),
     ("physics", 1),
     ("solver", 2),
     ("experiment", 3),
-    ("worker", 4),
-    ("storage", 4),
-    ("paper", 4),
-    ("ui", 5),
-    ("cli", 5),
+    ("plot", 4),
+    ("paper", 5),
+    ("worker", 6),
+    ("storage", 6),
+    ("ui", 7),
+    ("cli", 7),
 ];
 
 /// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the window does not call the shell.

@@ -4,6 +4,7 @@ use super::bench::Bench;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
+use tackscope::experiment::record::Branch;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::errata::{Erratum, Evidence};
 use tackscope::paper::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Label, Panel, Role, Series, Symbol};
@@ -34,15 +35,22 @@ fn first() -> usize {
 
 fn made_up(number: usize) -> Figure {
     let points = vec![[1.0, 1.0], [10.0, 3.0], [f64::NAN, 0.0], [100.0, 2.0]];
-    let series = |role, symbol| Series { name: format!("{role:?}"), role, symbol, colour: Colour::Blue, points: points.clone() };
+    let series = |role, symbol| Series {
+        name: format!("{role:?}"),
+        role,
+        symbol,
+        colour: Colour::Blue,
+        points: points.clone(),
+        ..Series::default()
+    };
     let inner = Panel { x: Axis::linear("t"), y: Axis::linear("s"), series: vec![series(Role::Theory, None)], ..Panel::default() };
     let panel = Panel {
         x: Axis::logarithmic("L/L_c"),
         y: Axis::linear("u_c/rho"),
         areas: vec![Area { name: "loss".to_owned(), colour: Colour::Gold, spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]] }],
         series: vec![series(Role::Simulation, Some(Symbol::Circle)), series(Role::Theory, None), series(Role::Printed, None)],
-        arrows: vec![Arrow { tail: [1.0, 1.0], head: [10.0, 2.0], colour: Colour::Red, dashed: true }],
-        labels: vec![Label { at: [10.0, 2.0], text: "here".to_owned() }],
+        arrows: vec![Arrow { tail: [1.0, 1.0], head: [10.0, 2.0], colour: Colour::Red, direction: Branch::Retraction }],
+        labels: vec![Label { at: [10.0, 2.0], text: "here".to_owned(), ..Label::default() }],
         insets: vec![
             Inset {
                 place: [0.1, 0.6, 0.2, 0.3],

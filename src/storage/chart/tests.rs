@@ -1,6 +1,6 @@
 //! Charts of invented rows: written, and looked into.
 
-use super::{CHART_COLUMNS, write_chart_csv, write_chart_png, write_chart_svg};
+use super::{CHART_COLUMNS, write_chart_csv};
 use crate::experiment::chart::{Chart, Errors, Judged, Model, Point, Precision, Skipped, Verdict};
 use crate::experiment::plan::Reduction;
 use crate::solver::method::MethodKind;
@@ -28,7 +28,7 @@ fn failed(what: &str) -> Verdict {
     Verdict::Failed { what: what.to_owned(), message: format!("{what}, with \"quotes\"") }
 }
 
-fn invented() -> Chart {
+pub(in crate::storage) fn invented() -> Chart {
     let rows = vec![
         row(MethodKind::NewtonKrylov, 9_000, 1e-5, Verdict::Done),
         row(MethodKind::Fire, 30_000, 1e-4, Verdict::Done),
@@ -61,27 +61,4 @@ fn failures_and_points_left_out_are_rows_with_every_column() {
     assert!(lines[6].contains("skipped,\"it would take 99.0 processor seconds, and 7.0 are left for it\""), "{}", lines[6]);
     let commas = |line: &str| line.split('"').step_by(2).map(|plain| plain.matches(',').count()).sum::<usize>();
     assert!(lines.iter().all(|line| commas(line) == commas(CHART_COLUMNS)), "{text}");
-}
-
-#[test]
-fn a_chart_is_drawn_with_its_failures_named_and_without_anything_too() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (svg, png) = (folder.path().join("chart.svg"), folder.path().join("chart.png"));
-    write_chart_svg(&svg, &invented(), "Fig. 2 <&> \u{1b}[31m\u{fffe}").expect("an SVG");
-    let text = std::fs::read_to_string(&svg).expect("text");
-    for word in [
-        "&lt;&amp;&gt; \\u{1b}[31m\\u{fffe}",
-        "not converged",
-        "NaN: time step beyond its limit",
-        "loop not closed",
-        "Newton-Krylov",
-    ] {
-        assert!(text.contains(word), "{word}");
-    }
-    write_chart_png(&png, &invented(), "Fig. 2").expect("a PNG");
-    let picture = image::ImageReader::open(&png).expect("the PNG").decode().expect("a picture").into_rgb8();
-    assert_eq!(picture.dimensions(), (1800, 1050));
-    let blue = picture.pixels().filter(|p| p.0[2] > 150 && p.0[0] < 60).count();
-    assert!(blue > 200, "Newton's marks in the legend and in both panels: {blue} pixels");
-    write_chart_svg(&svg, &Chart::default(), "").expect("a picture of nothing");
 }

@@ -1,16 +1,10 @@
-//! Pictures: the gap as an image, the loop as a diagram (SVG for print, PNG for a slide).
+//! Pictures: the gap as an image, and the scene inside a PNG.
 
-mod curves;
 mod gap;
-mod loop_plot;
 mod metadata;
-#[cfg(test)]
-mod tests;
 
 pub(super) use gap::gap_pixels;
 pub use gap::{Scale, common_scale, gap_image, write_gap_png, write_gap_png_scaled};
-pub(super) use loop_plot::register_font;
-pub use loop_plot::{write_loop_png, write_loop_svg};
 pub(super) use metadata::{BYTES_MAX, is_png, scene_of};
 pub use metadata::{attach_scene, load_scene};
 

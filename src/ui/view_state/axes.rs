@@ -1,13 +1,12 @@
 //! The axes of stress against u0: the scene's, or fitted to the data, but never moved by data.
 
 use super::ViewState;
-use crate::ui::curves::Curve;
+use crate::plot::curve::Curve;
 use crate::ui::scene_edit;
 
 impl ViewState {
     /// Fits the plot's axes to the data, or back to the scene.
     pub fn fit_axes(&mut self, to_data: bool) {
-        self.axes_version += 1;
         let kept = self.kept.iter().flat_map(|kept| kept.lines.iter().flatten().copied());
         let points: Vec<[f64; 2]> = self.curve.points().chain(self.ghosts.iter().flat_map(Curve::points)).chain(kept).collect();
         let Some(&first) = points.first().filter(|_| to_data) else {

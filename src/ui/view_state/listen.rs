@@ -6,8 +6,10 @@ use crate::experiment::live_loop::Sample;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
-use crate::ui::curves::{Curve, Shade, eigenvalue_scale};
+use crate::plot::curve::Curve;
+use crate::plot::loop_panel::loss;
 use crate::ui::scene_edit;
+use crate::ui::stability::eigenvalue_scale;
 use crate::worker::protocol::{Event, Frame, LiveState, RunId};
 use std::sync::Arc;
 
@@ -48,12 +50,12 @@ impl ViewState {
             Event::State { state, .. } => self.add_state(state),
             Event::Jump { jump, .. } => {
                 self.hint = false;
-                self.curve.jump(&jump, &self.model.law);
+                self.curve.cut();
                 self.stiffness.cut();
                 self.record.jumps.push(jump);
             }
             Event::LoopStarted { .. } => self.archive(),
-            Event::Loop { summary, .. } => self.closed_loop = Some(ClosedLoop { summary, shade: Shade::of(&self.curve) }),
+            Event::Loop { summary, .. } => self.closed_loop = Some(ClosedLoop { summary, loss: loss(&self.curve) }),
             // The end of an older motion: the newest is on its way to the solver.
             Event::Rest { motion, .. } if motion != self.motion => {}
             Event::Rest { mean_displacement, .. } => {

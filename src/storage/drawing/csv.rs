@@ -1,6 +1,8 @@
 //! Figures, tables and findings as CSV.
 
-use crate::paper::figure::{Axis, Content, Figure, Finding, Panel, Role, Table};
+use crate::paper::figure::{Figure, Finding, Table};
+use crate::plot::chart_panel::letter;
+use crate::plot::panel::{Axis, Content, Panel, Role};
 use crate::storage::export::{number, quoted};
 use crate::storage::{Failure, files};
 use ndarray::Array2;
@@ -16,7 +18,7 @@ pub const FINDING_COLUMNS: &str = "where,quantity,found,expected,source,deviatio
 /// Writes everything that is drawn as one long table, and each gap map as a matrix beside it (`figure-02-map-a.csv`: a row for each
 /// y, from the lowest up).
 ///
-/// Lines that begin with `#` say what the axes are. `role` is simulation, theory, printed or guide for curves and symbols, area (from
+/// Lines that begin with `#` say what the axes are. `role` is simulation, unstable, forecast, theory, printed or guide for curves and symbols, area (from
 /// y to `y_to`) and arrow (from x, y to `x_to`, `y_to`).
 ///
 /// # Errors
@@ -95,7 +97,7 @@ fn titled(panel: &Panel) -> String {
 fn named_panels(figure: &Figure) -> Vec<(String, &Panel)> {
     let mut list = Vec::new();
     for (i, panel) in figure.panels.iter().enumerate() {
-        let name = super::letter(i);
+        let name = letter(i);
         let inner = panel.insets.iter().filter_map(|inset| match &inset.content {
             Content::Diagram(panel) => Some(&**panel),
             Content::Map { .. } => None,
@@ -114,8 +116,10 @@ fn rows(text: &mut String, name: &str, panel: &Panel) {
     for series in &panel.series {
         let role = match series.role {
             Role::Simulation => "simulation",
+            Role::Unstable => "unstable",
             Role::Theory => "theory",
             Role::Printed => "printed",
+            Role::Forecast => "forecast",
             Role::Guide => "guide",
         };
         for point in &series.points {
@@ -128,8 +132,7 @@ fn rows(text: &mut String, name: &str, panel: &Panel) {
         }
     }
     for arrow in &panel.arrows {
-        let way = if arrow.dashed { "retraction" } else { "approach" };
-        row(way, "arrow", arrow.tail, arrow.head.map(Some));
+        row(&arrow.direction.to_string(), "arrow", arrow.tail, arrow.head.map(Some));
     }
 }
 

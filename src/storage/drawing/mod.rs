@@ -1,14 +1,11 @@
-//! Figures and tables of the paper as files: data as CSV, pictures as SVG and PNG. The same figure gives the same bytes.
+//! Diagrams and tables as files: pictures as SVG and PNG, the paper's data as CSV. The same value gives the same bytes.
 //!
-//! A figure is drawn once, onto a sheet of marks; `svg` and `bitmap` turn the sheet into a file.
+//! Everything is drawn once, onto a sheet that is the SVG; the PNG is that SVG rendered.
 
-mod bitmap;
 mod clip;
 mod csv;
 mod legend;
-mod marks;
 mod panel;
-mod sheet;
 mod svg;
 mod table;
 #[cfg(test)]
@@ -19,33 +16,36 @@ pub(super) use svg::escaped;
 
 use super::picture::write_png;
 use super::{Failure, files};
-use crate::paper::figure::{Figure, Panel, Table};
+use crate::paper::figure::Table;
+use crate::plot::chart_panel::letter;
+use crate::plot::panel::{Page, Panel};
 use legend::Legend;
-use marks::INK;
-use sheet::{Anchor, Sheet, set, width};
 use std::path::Path;
+use svg::{Anchor, Sheet, ink, set, width};
 
-/// Edge of the sheet, size of its title, and its distance to the diagrams.
+/// Edge of the sheet, sizes of its title and of the lines beneath, and the distance to the diagrams.
 const EDGE: f64 = 16.0;
 const TITLE: f64 = 18.0;
+const CAPTION: f64 = 13.0;
+const LINE: f64 = 18.0;
 const BELOW_TITLE: f64 = 10.0;
 /// Distance between diagrams.
 const BETWEEN: f64 = 20.0;
 
-/// Writes the figure as an SVG.
+/// Writes the page as an SVG.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_figure_svg(path: &Path, figure: &Figure) -> Result<(), Failure> {
-    files::write_whole(path, figure_svg(figure).as_bytes())
+pub fn write_page_svg(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
+    files::write_whole(path, page_svg(page).as_bytes())
 }
 
-/// Writes the figure as a PNG, at least 1800 pixels wide.
+/// Writes the page as a PNG, at least 1800 pixels wide.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_figure_png(path: &Path, figure: &Figure) -> Result<(), Failure> {
-    write_pixels(path, &figure_sheet(figure))
+pub fn write_page_png(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
+    write_pixels(path, &page_sheet(page))
 }
 
 /// Writes the table as an SVG.
@@ -53,7 +53,7 @@ pub fn write_figure_png(path: &Path, figure: &Figure) -> Result<(), Failure> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_table_svg(path: &Path, table: &Table) -> Result<(), Failure> {
-    files::write_whole(path, svg::text(&table::sheet(table)).as_bytes())
+    files::write_whole(path, table::sheet(table).svg().as_bytes())
 }
 
 /// Writes the table as a PNG, at least 1800 pixels wide.
@@ -64,18 +64,13 @@ pub fn write_table_png(path: &Path, table: &Table) -> Result<(), Failure> {
     write_pixels(path, &table::sheet(table))
 }
 
-/// The figure as the text of an SVG.
-pub fn figure_svg(figure: &Figure) -> String {
-    svg::text(&figure_sheet(figure))
+/// The page as the text of an SVG.
+pub fn page_svg(page: &Page<'_>) -> String {
+    page_sheet(page).svg()
 }
 
 fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
-    write_png(path, &bitmap::pixels(sheet).map_err(|error| Failure::write(path, error))?)
-}
-
-/// a, b, c, ...
-fn letter(index: usize) -> String {
-    char::from_u32('a' as u32 + index.min(25) as u32).unwrap_or('z').to_string()
+    write_png(path, &sheet.pixels().map_err(|error| Failure::write(path, error))?)
 }
 
 /// The heading of a diagram: with its letter where there are several and it has none of its own.
@@ -87,8 +82,8 @@ fn heading(panel: &Panel, index: usize, several: bool) -> String {
     format!("({letter}) {title}").trim_end().to_owned()
 }
 
-fn figure_sheet(figure: &Figure) -> Sheet {
-    let panels = &figure.panels;
+fn page_sheet(page: &Page<'_>) -> Sheet {
+    let panels = &*page.panels;
     let columns = match panels.len() {
         0 | 1 => 1,
         2..=4 => 2,
@@ -110,12 +105,17 @@ fn figure_sheet(figure: &Figure) -> Sheet {
         legends.fold(0.0, f64::max)
     };
     let tall = |row: usize| high + room(row);
-    let top = EDGE + TITLE + BELOW_TITLE;
+    let top = EDGE + TITLE + BELOW_TITLE + LINE * page.caption.len() as f64;
     let height = top + (0..rows).map(tall).sum::<f64>() + rows.saturating_sub(1) as f64 * BETWEEN + below + EDGE;
     let mut sheet = Sheet::new(across + 2.0 * EDGE, height.ceil());
-    let title = set(&format!("Fig. {}: {}", figure.number, figure.title));
-    let fits = (across / width(&title, TITLE)).min(1.0);
-    sheet.words([EDGE, EDGE + 0.5 * TITLE], &title, TITLE * fits, INK, Anchor::Start);
+    let lines = std::iter::once((&page.title, TITLE)).chain(page.caption.iter().map(|line| (line, CAPTION)));
+    let mut y = EDGE + 0.5 * TITLE;
+    for (text, size) in lines {
+        let text = set(text);
+        let fits = (across / width(&text, size)).min(1.0);
+        sheet.words([EDGE, y], &text, size * fits, ink(), Anchor::Start);
+        y += if size == TITLE { 0.5 * (TITLE + LINE) + 4.0 } else { LINE };
+    }
     let mut y = top;
     for row in 0..rows {
         for column in 0..columns {

@@ -1,6 +1,6 @@
 //! The ticks of an axis, on short and on long ranges, and a number with the digits that a distance asks for.
 
-use super::extent::Scale;
+use super::scale::Scale;
 
 /// Ticks wanted along an axis, at least and at most.
 const TICKS: [usize; 2] = [3, 8];
@@ -126,7 +126,7 @@ fn power(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::Axis;
+    use crate::plot::panel::Axis;
 
     fn labels(axis: Axis) -> Vec<String> {
         let scale = Scale::new(&axis, std::iter::empty());

@@ -1,12 +1,12 @@
 //! One diagram: frame and ticks, areas, curves, symbols, arrows, words, and the pictures inside it.
 
 use super::clip::{self, Sides};
-use super::legend::Legend;
-use super::marks::{GRID, INK, PAPER, ZERO, head, shade, stroke, symbol};
-use super::sheet::{Anchor, Mark, Place, Sheet, Stroke, frame, rectangle, set, width};
-use crate::paper::extent::{Scale, scales};
-use crate::paper::figure::{Area, Arrow, Axis, Content, Inset, Panel, Role, Series};
-use crate::paper::ticks::ticks;
+use super::legend::{self, Legend, MARK, SYMBOL, scaled};
+use super::svg::{Anchor, GRID, GROUND, PAPER, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width};
+use crate::plot::panel::{Area, Arrow, Axis, Content, Inset, Label, Panel, Role, Series};
+use crate::plot::scale::{Scale, scales};
+use crate::plot::style::{MARKS, marked, pointing, stroke};
+use crate::plot::ticks::ticks;
 use crate::storage::picture::{self, common_scale, gap_pixels};
 
 /// Sizes of letters: ticks, names of axes, headings, words in the diagram.
@@ -42,7 +42,7 @@ pub(super) fn draw(sheet: &mut Sheet, panel: &Panel, heading: &str, place: Sides
     ];
     let plot = Plot { panel, x, y, sides: inside, size };
     if !heading.is_empty() {
-        sheet.words([inside[0], top + 0.5 * above], &set(heading), HEADING * size, INK, Anchor::Start);
+        sheet.words([inside[0], top + 0.5 * above], &set(heading), HEADING * size, ink(), Anchor::Start);
     }
     plot.axes(sheet, left);
     plot.contents(sheet);
@@ -64,27 +64,27 @@ impl Plot<'_> {
         let at_x = |share: f64| left + share * (right - left);
         let at_y = |share: f64| bottom - share * (bottom - top);
         for tick in xs.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line([[at_x(tick.at), top], [at_x(tick.at), bottom]], Stroke::solid(GRID, size));
+            sheet.line(&[[at_x(tick.at), top], [at_x(tick.at), bottom]], solid(GRID, size));
         }
         for tick in ys.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line([[left, at_y(tick.at)], [right, at_y(tick.at)]], Stroke::solid(GRID, size));
+            sheet.line(&[[left, at_y(tick.at)], [right, at_y(tick.at)]], solid(GRID, size));
         }
         if let Some(zero) = self.y.zero() {
-            sheet.line([[left, at_y(zero)], [right, at_y(zero)]], Stroke::solid(ZERO, size));
+            sheet.line(&[[left, at_y(zero)], [right, at_y(zero)]], solid(RULE, size));
         }
-        let stroke = Stroke::solid(INK, size);
+        let stroke = solid(ink(), size);
         for tick in &xs {
             let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line([[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]], stroke);
+            sheet.line(&[[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]], stroke);
             if let Some(label) = &tick.label {
-                sheet.words([at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size], &set(label), TICK * size, INK, Anchor::Middle);
+                sheet.words([at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size], &set(label), TICK * size, ink(), Anchor::Middle);
             }
         }
         for tick in &ys {
             let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line([[left, at_y(tick.at)], [left + long, at_y(tick.at)]], stroke);
+            sheet.line(&[[left, at_y(tick.at)], [left + long, at_y(tick.at)]], stroke);
             if let Some(label) = &tick.label {
-                sheet.words([left - 6.0 * size, at_y(tick.at)], &set(label), TICK * size, INK, Anchor::End);
+                sheet.words([left - 6.0 * size, at_y(tick.at)], &set(label), TICK * size, ink(), Anchor::End);
             }
         }
         let named = |axis: &Axis, factor: i32| match (axis.label.as_str(), factor) {
@@ -98,18 +98,17 @@ impl Plot<'_> {
             (runs, NAME * size * fits)
         };
         let (runs, letters) = name(&named(&self.panel.x, x_factor), right - outer);
-        sheet.words([0.5 * (left + right), below], &runs, letters, INK, Anchor::Middle);
+        sheet.words([0.5 * (left + right), below], &runs, letters, ink(), Anchor::Middle);
         let (runs, letters) = name(&named(&self.panel.y, y_factor), 1.1 * (bottom - top));
-        sheet.upright([outer + (0.5 * NAME + 2.0) * size, 0.5 * (top + bottom)], &runs, letters, INK);
-        sheet.line(frame(self.sides), stroke);
+        sheet.upright([outer + (0.5 * NAME + 2.0) * size, 0.5 * (top + bottom)], &runs, letters, ink());
+        sheet.line(&frame(self.sides), stroke);
     }
 
     fn contents(&self, sheet: &mut Sheet) {
         for area in &self.panel.areas {
             self.area(sheet, area);
         }
-        // What is thin lies on what is broad, and symbols on both.
-        for role in [Role::Guide, Role::Simulation, Role::Theory, Role::Printed] {
+        for role in Role::ORDER {
             for series in self.panel.series.iter().filter(|s| s.role == role && s.symbol.is_none()) {
                 self.line(sheet, series);
             }
@@ -118,7 +117,7 @@ impl Plot<'_> {
             if let Some(shape) = series.symbol {
                 let shown = series.points.iter().filter(|p| self.x.shows(p[0]) && self.y.shows(p[1]));
                 for at in shown.filter_map(|p| self.place(*p)) {
-                    symbol(sheet, shape, at, series.colour, 4.5 * self.size);
+                    sheet.symbol(shape, at, series.colour.on(GROUND), SYMBOL * self.size, series.filled);
                 }
             }
         }
@@ -129,21 +128,36 @@ impl Plot<'_> {
             self.inset(sheet, inset);
         }
         for label in &self.panel.labels {
-            if let Some([x, y]) = self.place(label.at) {
-                let runs = set(&label.text);
-                let (half, high) = (0.5 * width(&runs, WORD * self.size) + 2.0, 0.62 * WORD * self.size);
-                let clear = clip::polygon(&rectangle([x - half, y - high, x + half, y + high]), self.sides);
-                sheet.fill(clear, PAPER, 0.7);
-                sheet.words([x, y], &runs, WORD * self.size, INK, Anchor::Middle);
-            }
+            self.label(sheet, label);
         }
     }
 
+    fn label(&self, sheet: &mut Sheet, label: &Label) {
+        if !(self.x.shows(label.at[0]) && self.y.shows(label.at[1])) {
+            return;
+        }
+        let Some([x, y]) = self.place(label.at) else { return };
+        let runs = set(&label.text);
+        let (half, high) = (0.5 * width(&runs, WORD * self.size) + 2.0, 0.62 * WORD * self.size);
+        let [right, up] = label.side.map(f64::from);
+        let gap = 4.0 * self.size;
+        let [x, y] = [x + right * (half + gap), y - up * (high + gap)];
+        let clear = clip::polygon(&rectangle([x - half, y - high, x + half, y + high]), self.sides);
+        sheet.fill(&clear, PAPER, 0.7);
+        sheet.words([x, y], &runs, WORD * self.size, label.colour.on(GROUND), Anchor::Middle);
+    }
+
     fn line(&self, sheet: &mut Sheet, series: &Series) {
-        let stroke = stroke(series.role, series.colour, self.size);
+        let stroke = scaled(stroke(series.role, series.colour, GROUND), self.size);
         for mut piece in clip::line(series.points.iter().map(|p| self.place(*p)), self.sides) {
             thin(&mut piece);
-            sheet.line(piece, stroke);
+            sheet.line(&piece, stroke);
+            if let Some(direction) = series.direction {
+                let every = (self.sides[2] - self.sides[0]) / MARKS;
+                for at in marked(&piece, every) {
+                    sheet.symbol(pointing(direction), at, stroke.colour, MARK * self.size, true);
+                }
+            }
         }
     }
 
@@ -156,7 +170,9 @@ impl Plot<'_> {
             outline.append(&mut upper);
             let shape = clip::polygon(&outline, self.sides);
             if shape.len() > 2 {
-                sheet.fill(shape, shade(area.colour), 0.45);
+                sheet.fill(&shape, area.colour.on(GROUND), GROUND.opacity());
+                let closed: Vec<Place> = shape.iter().chain(shape.first()).copied().collect();
+                sheet.line(&closed, solid(area.colour.on(GROUND), 0.8 * self.size));
             }
         }
     }
@@ -164,11 +180,10 @@ impl Plot<'_> {
     fn arrow(&self, sheet: &mut Sheet, arrow: &Arrow) {
         let (Some(tail), Some(tip)) = (self.place(arrow.tail), self.place(arrow.head)) else { return };
         let Some((a, b)) = clip::segment(tail, tip, self.sides) else { return };
-        let colour = shade(arrow.colour);
-        let dash = arrow.dashed.then_some([4.0 * self.size, 3.0 * self.size]);
-        sheet.line([a, b], Stroke { colour, width: 1.3 * self.size, dash });
         if b == tip {
-            head(sheet, a, b, colour, self.size);
+            legend::arrow(sheet, a, b, arrow.colour, self.size);
+        } else {
+            sheet.line(&[a, b], solid(arrow.colour.on(GROUND), 1.3 * self.size));
         }
     }
 
@@ -188,7 +203,7 @@ impl Plot<'_> {
         match &inset.content {
             Content::Diagram(panel) => {
                 let sides = [left, top, left + wide, top + high];
-                sheet.fill(rectangle(sides), PAPER, 0.9);
+                sheet.fill(&rectangle(sides), PAPER, 0.9);
                 let size = 0.8 * self.size;
                 let legend = Legend::of(panel, size);
                 let room = legend.height(wide - 12.0 * size);
@@ -200,15 +215,15 @@ impl Plot<'_> {
                 // A square cell is a square; a line cell fills its place.
                 let scale = (wide / columns).min(high / rows);
                 let (wide, high) = if rows == 1.0 { (wide, high) } else { (columns * scale, rows * scale) };
-                sheet.marks.push(Mark::Picture { place: [left, top, wide, high], image });
-                sheet.line(frame([left, top, left + wide, top + high]), Stroke::solid(INK, self.size));
+                sheet.picture([left, top, wide, high], &image);
+                sheet.line(&frame([left, top, left + wide, top + high]), solid(ink(), self.size));
                 let runs = set(letter);
                 let room = width(&runs, WORD * self.size) + 6.0 * self.size;
                 if !letter.is_empty() {
                     let tall = 1.3 * WORD * self.size;
-                    sheet.fill(rectangle([left, top, left + room, top + tall]), PAPER, 1.0);
-                    sheet.line(frame([left, top, left + room, top + tall]), Stroke::solid(INK, 0.7 * self.size));
-                    sheet.words([left + 0.5 * room, top + 0.5 * tall], &runs, WORD * self.size, INK, Anchor::Middle);
+                    sheet.fill(&rectangle([left, top, left + room, top + tall]), PAPER, 1.0);
+                    sheet.line(&frame([left, top, left + room, top + tall]), solid(ink(), 0.7 * self.size));
+                    sheet.words([left + 0.5 * room, top + 0.5 * tall], &runs, WORD * self.size, ink(), Anchor::Middle);
                 }
             }
         }

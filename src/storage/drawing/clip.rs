@@ -1,6 +1,6 @@
 //! What of a curve or an area lies inside the frame.
 
-use super::sheet::Place;
+use super::svg::Place;
 
 /// Left, top, right, bottom.
 pub(super) type Sides = [f64; 4];

@@ -1,7 +1,6 @@
 //! A table as a drawing: heading, columns as wide as they need, thin rules.
 
-use super::marks::{INK, ZERO};
-use super::sheet::{Anchor, Sheet, Stroke, set, width};
+use super::svg::{Anchor, RULE, Sheet, ink, set, solid, width};
 use crate::paper::Table;
 
 const TITLE: f64 = 17.0;
@@ -22,17 +21,17 @@ pub(super) fn sheet(table: &Table) -> Sheet {
     let across = needed.max(width(&title, TITLE)).max(WIDTH_MIN) + 2.0 * EDGE;
     let top = EDGE + TITLE + 18.0;
     let mut sheet = Sheet::new(across.ceil(), (top + ROW * (table.rows.len() + 1) as f64 + EDGE).ceil());
-    sheet.words([EDGE, EDGE + 0.5 * TITLE], &title, TITLE, INK, Anchor::Start);
+    sheet.words([EDGE, EDGE + 0.5 * TITLE], &title, TITLE, ink(), Anchor::Start);
     for (r, row) in rows().enumerate() {
         let y = top + ROW * r as f64;
         let mut x = EDGE;
         for (cell, wide) in row.iter().zip(&widths) {
-            sheet.words([x, y + 0.5 * ROW], &set(cell), TEXT, INK, Anchor::Start);
+            sheet.words([x, y + 0.5 * ROW], &set(cell), TEXT, ink(), Anchor::Start);
             x += wide + GAP;
         }
-        let (colour, thick) = if r == 0 || r == table.rows.len() { (INK, 1.2) } else { (ZERO, 0.5) };
-        sheet.line([[EDGE, y + ROW], [across - EDGE, y + ROW]], Stroke::solid(colour, thick));
+        let (colour, thick) = if r == 0 || r == table.rows.len() { (ink(), 1.2) } else { (RULE, 0.5) };
+        sheet.line(&[[EDGE, y + ROW], [across - EDGE, y + ROW]], solid(colour, thick));
     }
-    sheet.line([[EDGE, top], [across - EDGE, top]], Stroke::solid(INK, 1.2));
+    sheet.line(&[[EDGE, top], [across - EDGE, top]], solid(ink(), 1.2));
     sheet
 }

@@ -1,6 +1,6 @@
 //! What an axis shows, and where a value stands on it: the same on paper and in the window.
 
-use super::figure::{Axis, Panel};
+use super::panel::{Axis, Panel};
 
 /// Share of the range that is left free at both ends where the data decide.
 const MARGIN: f64 = 0.04;
@@ -81,7 +81,7 @@ fn data(panel: &Panel) -> impl Iterator<Item = [f64; 2]> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::Series;
+    use crate::plot::panel::Series;
 
     #[test]
     fn an_axis_shows_its_data_with_some_room_or_what_it_is_told_to() {

@@ -1,0 +1,282 @@
+//! Speed against accuracy as a diagram: error of the dissipated energy against what the loop cost, both logarithmic.
+
+use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use super::ticks::digits;
+use crate::experiment::chart::{self, Chart, Judged, Model, Point, Verdict};
+use crate::experiment::plan::Reduction;
+use crate::solver::method::MethodKind;
+
+/// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no error.
+const STRIP: f64 = 5.0;
+/// Errors below this are not told apart, so that zero has a place on a logarithmic axis.
+const LEAST: f64 = 1e-12;
+/// Letters of a failure in the caption, at most.
+const SHORT: usize = 50;
+
+/// What a loop costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cost {
+    /// Processor seconds.
+    #[default]
+    Time,
+    /// Fourier transforms.
+    Transforms,
+}
+
+impl Cost {
+    /// The name of its axis.
+    pub fn label(self) -> &'static str {
+        match self {
+            Cost::Time => "processor time of the loop / s",
+            Cost::Transforms => "Fourier transforms of the loop",
+        }
+    }
+
+    fn of(self, row: &Judged) -> f64 {
+        match self {
+            Cost::Time => row.processor_seconds,
+            Cost::Transforms => row.transforms as f64,
+        }
+    }
+}
+
+/// Colour and symbol of a way to compute the loop: one for each method, and one for the atlas.
+pub fn mark(point: &Point) -> (Colour, Symbol) {
+    match point.method {
+        _ if point.model == Model::Atlas => (Colour::Teal, Symbol::Plus),
+        MethodKind::NewtonKrylov => (Colour::Blue, Symbol::Circle),
+        MethodKind::Lbfgs => (Colour::Green, Symbol::Square),
+        MethodKind::ConjugateGradients => (Colour::Gold, Symbol::Triangle),
+        MethodKind::Fire => (Colour::Orange, Symbol::Diamond),
+        MethodKind::GfmdTuned => (Colour::Purple, Symbol::Down),
+        MethodKind::Gfmd => (Colour::Ink, Symbol::Left),
+    }
+}
+
+/// The rows of a chart on its axes.
+pub struct ChartPanel<'a> {
+    rows: &'a [Judged],
+    /// The reference's own error, below which nothing is told apart.
+    floor: Option<f64>,
+    cost: Cost,
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+impl<'a> ChartPanel<'a> {
+    /// The rows against this cost; `floor` is the reference's own error, where it is known.
+    pub fn new(rows: &'a [Judged], floor: Option<f64>, cost: Cost) -> Self {
+        let floor = floor.filter(|floor| *floor > LEAST);
+        let errors = rows.iter().map(|row| row.errors.dissipated_energy).filter(|error| error.is_finite());
+        let (least, most) = bounds(errors.map(|error| error.max(floor.unwrap_or(LEAST))).chain(floor));
+        let (cheapest, dearest) = bounds(rows.iter().map(|row| cost.of(row)));
+        Self { rows, floor, cost, x: [cheapest / 4.0, 3.0 * dearest], y: [least / 4.0, 2.0 * STRIP * most] }
+    }
+
+    /// Where a row stands, (cost, error): below the reference's own error at that error, without an error in the strip at the top.
+    /// `None` where nothing was spent.
+    pub fn place(&self, row: &Judged) -> Option<[f64; 2]> {
+        let (cost, error) = (self.cost.of(row), row.errors.dissipated_energy);
+        let error = if error.is_finite() { error.max(self.floor.unwrap_or(LEAST)) } else { self.y[1] / STRIP.sqrt() };
+        (cost.is_finite() && cost > 0.0).then_some([cost, error])
+    }
+
+    /// The diagram.
+    pub fn panel(&self) -> Panel {
+        let ([left, right], [bottom, top]) = (self.x, self.y);
+        let mut labels =
+            vec![Label { at: [right, top / STRIP], text: "loop not closed".to_owned(), colour: Colour::Grey, side: [-1, 1] }];
+        labels.extend(self.words());
+        let strip = Series::line("", Role::Guide, Colour::Grey, vec![[left, top / STRIP], [right, top / STRIP]]);
+        let mut series = vec![strip, self.front()];
+        if let Some(floor) = self.floor {
+            let points = vec![[left, floor], [right, floor]];
+            series.push(Series::line("reference's own error", Role::Unstable, Colour::Grey, points));
+        }
+        series.extend(self.marks());
+        Panel {
+            x: Axis::logarithmic(self.cost.label()).from_to(left, right),
+            y: Axis::logarithmic("relative error of the dissipated energy").from_to(bottom, top),
+            series,
+            labels,
+            ..Panel::default()
+        }
+    }
+
+    fn places(&self, which: impl Fn(&Judged) -> bool) -> Vec<[f64; 2]> {
+        self.rows.iter().filter(|row| which(row)).filter_map(|row| self.place(row)).collect()
+    }
+
+    /// Symbols of each way to compute the loop, in the order of the legend; hollow for a quarter of the cell, a cross for a failure.
+    fn marks(&self) -> Vec<Series> {
+        let mut series: Vec<Series> = Vec::new();
+        for first in ways(self.rows) {
+            let (colour, symbol) = mark(&first);
+            let quarter = |row: &Judged| row.point.model == Model::Walk(Reduction::Quarter);
+            let own = |row: &Judged| row.point.road() == first.road();
+            let done = |row: &Judged| own(row) && row.verdict == Verdict::Done;
+            let points = self.places(|row| done(row) && !quarter(row));
+            series.push(Series::symbols(first.road(), symbol, colour, points).filled());
+            series.push(Series::symbols("", symbol, colour, self.places(|row| done(row) && quarter(row))));
+            series.push(Series::symbols("", Symbol::Cross, colour, self.places(|row| own(row) && row.verdict != Verdict::Done)));
+        }
+        for (name, symbol, points) in [
+            ("plan's choice", Symbol::Ring, self.places(|row| row.plan)),
+            ("paper's budget", Symbol::Frame, self.places(|row| row.paper_budget)),
+        ] {
+            if !points.is_empty() {
+                series.push(Series::symbols(name, symbol, Colour::Ink, points));
+            }
+        }
+        if self.rows.iter().any(|row| matches!(row.verdict, Verdict::Failed { .. })) {
+            series.push(Series::symbols("failed", Symbol::Cross, Colour::Ink, Vec::new()));
+        }
+        if self.rows.iter().any(|row| row.point.model == Model::Walk(Reduction::Quarter)) {
+            series.push(Series::symbols("hollow: quarter cell", Symbol::Circle, Colour::Ink, Vec::new()));
+        }
+        series
+    }
+
+    /// Which rows nothing else beats.
+    fn best(&self) -> Vec<&Judged> {
+        let floor = self.floor.unwrap_or(0.0);
+        let error = |row: &Judged| match row.verdict {
+            Verdict::Done => row.errors.dissipated_energy.max(floor),
+            _ => f64::NAN,
+        };
+        let pairs: Vec<(f64, f64)> = self.rows.iter().map(|row| (self.cost.of(row), error(row))).collect();
+        let on = chart::front(&pairs);
+        self.rows.iter().zip(on).filter(|(_, on)| *on).map(|(row, _)| row).collect()
+    }
+
+    /// The front as stairs: to the right of a point nothing cheaper is better.
+    fn front(&self) -> Series {
+        let mut points: Vec<[f64; 2]> = self.best().into_iter().filter_map(|row| self.place(row)).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let end = points.last().map(|last| [self.x[1], last[1]]);
+        let corners = points.windows(2).flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
+        let stairs: Vec<[f64; 2]> = corners.chain(points.last().copied()).chain(end).collect();
+        Series::line("Pareto front", Role::Simulation, Colour::Gold, stairs)
+    }
+
+    /// The letter of what failed beside its mark; mesh and step of what is on the front.
+    fn words(&self) -> Vec<Label> {
+        let failures = failures(self.rows);
+        let letters = self.rows.iter().filter_map(|row| {
+            let Verdict::Failed { what, .. } = &row.verdict else { return None };
+            let text = letter(failures.iter().position(|known| known == what)?);
+            Some(Label { at: self.place(row)?, text, colour: mark(&row.point).0, side: [1, 1] })
+        });
+        let mut told: Vec<String> = Vec::new();
+        let settings = self.best().into_iter().filter_map(|row| {
+            let text = format!("n = {}, step {}", row.point.points, row.point.step);
+            let new = !told.contains(&text);
+            told.push(text.clone());
+            let at = self.place(row)?;
+            // Where there is room for the words.
+            let left = (at[0] / self.x[0]).ln() < 0.3 * (self.x[1] / self.x[0]).ln();
+            new.then_some(Label { at, text, side: if left { [1, 1] } else { [-1, -1] }, ..Label::default() })
+        });
+        settings.chain(letters).collect()
+    }
+}
+
+/// A point of each way to compute the loop that has its own mark, in the order of the legend.
+pub fn ways(rows: &[Judged]) -> Vec<Point> {
+    let mut ways: Vec<Point> = Vec::new();
+    for row in rows {
+        if !ways.iter().any(|known| known.road() == row.point.road()) {
+            ways.push(row.point);
+        }
+    }
+    let place = |point: &Point| MethodKind::ALL.iter().position(|method| *method == point.method);
+    ways.sort_by_key(|point| (point.model != Model::Atlas, place(point)));
+    ways
+}
+
+/// Everything that failed, each once; the diagram calls them a, b, c.
+fn failures(rows: &[Judged]) -> Vec<&str> {
+    let mut list: Vec<&str> = Vec::new();
+    for row in rows {
+        if let Verdict::Failed { what, .. } = &row.verdict
+            && !list.contains(&what.as_str())
+        {
+            list.push(what);
+        }
+    }
+    list
+}
+
+/// a, b, c, ...
+pub fn letter(index: usize) -> String {
+    char::from_u32('a' as u32 + index.min(25) as u32).unwrap_or('z').to_string()
+}
+
+/// The picture of a whole chart, against both costs.
+pub fn page(chart: &Chart, title: &str) -> Page<'static> {
+    let floor = chart.reference.as_ref().map(|reference| reference.errors.dissipated_energy);
+    let panels = [Cost::Transforms, Cost::Time].map(|cost| ChartPanel::new(&chart.rows, floor, cost).panel());
+    let title = format!("Speed against accuracy: {}", title.chars().take(90).collect::<String>());
+    Page { title, caption: caption(chart), panels: panels.to_vec().into() }
+}
+
+/// The caption of a whole chart: its reference, what was left out, what the letters mean.
+fn caption(chart: &Chart) -> Vec<String> {
+    let skipped = match chart.skipped.len() {
+        0 => String::new(),
+        n => format!("  {n} points were left out as too dear."),
+    };
+    let cut = if chart.cancelled { "  Interrupted: what was measured by then." } else { "" };
+    let mut lines = vec![match &chart.reference {
+        None => format!("Interrupted before there was a reference.{skipped}"),
+        Some(reference) => format!(
+            "Reference: {} γ lost, by n = {} and steps of {}; its own error {:.0e}.{skipped}{cut}",
+            digits(reference.dissipated_energy, 1e-5),
+            reference.point().points,
+            reference.point().step,
+            reference.errors.dissipated_energy,
+        ),
+    }];
+    let short = |what: &str| {
+        if what.chars().count() <= SHORT { what.to_owned() } else { what.chars().take(SHORT).chain("...".chars()).collect() }
+    };
+    let failed: Vec<String> =
+        failures(&chart.rows).into_iter().enumerate().map(|(i, what)| format!("{}: {}", letter(i), short(what))).collect();
+    lines.extend(failed.chunks(3).map(|three| format!("Failed  {}", three.join("     "))));
+    lines
+}
+
+/// Least and largest of what can be shown on a logarithmic axis; a decade where there is nothing.
+fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let shown = values.filter(|v| v.is_finite() && *v > 0.0);
+    let (least, most) = shown.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+    if most > 0.0 { (least, most) } else { (1.0, 10.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_of_nothing_is_a_decade() {
+        assert_eq!(bounds([f64::NAN, 0.0, -1.0].into_iter()), (1.0, 10.0));
+        assert_eq!(bounds([3.0, f64::INFINITY, 0.5].into_iter()), (0.5, 3.0));
+    }
+
+    #[test]
+    fn every_method_has_a_mark_of_its_own() {
+        let base = Point {
+            method: MethodKind::NewtonKrylov,
+            model: Model::Walk(Reduction::Whole),
+            line: false,
+            points: 64,
+            precision: chart::Precision::Double,
+            step: 0.02,
+        };
+        let mut marks: Vec<_> = MethodKind::ALL.iter().map(|method| mark(&Point { method: *method, ..base })).collect();
+        marks.push(mark(&Point { model: Model::Atlas, ..base }));
+        for (i, a) in marks.iter().enumerate() {
+            assert!(marks[..i].iter().all(|b| a.0 != b.0 && a.1 != b.1), "{a:?}");
+        }
+    }
+}

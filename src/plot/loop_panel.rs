@@ -1,0 +1,273 @@
+//! A loop as a diagram: mean stress against mean displacement, x = u0/rho and y = stress/sigma_max, tension positive.
+
+use super::curve::Curve;
+use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
+use crate::experiment::plan::promise;
+use crate::experiment::record::{Branch, JumpRecord, LoopRecord};
+use crate::experiment::scene::Model;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+
+/// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900 points across can show.
+const POINTS: usize = 600;
+/// Curves closer than this share of the largest traction enclose no area worth drawing.
+const CLOSE: f64 = 2e-3;
+/// Pieces of curve shorter than this share of the axis bear no name, which would not fit.
+const NAMED: f64 = 0.07;
+/// Letters of a title, at most: somebody else writes it.
+const TITLE: usize = 90;
+/// What is left free at the ends of both axes, in shares of what is shown.
+const MARGIN: [f64; 2] = [0.02, 0.06];
+
+/// The diagram of what was recorded: the loss of a closed loop, both branches, jumps, names of patterns, and on flat ground the flat
+/// state.
+pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
+    let curve = Curve::of(record, &model.law);
+    let ends = |k: usize, more: &[f64], default: [f64; 2]| {
+        let values = curve.points().map(|p| p[k]).chain(more.iter().copied());
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let [low, high] = if low <= high { [low, high] } else { default };
+        let room = MARGIN[k] * if high > low { high - low } else { 1.0 };
+        [low - room, high + room]
+    };
+    let x = ends(0, &[], [0.0, 5.0]);
+    let flat = flat_state(model, x.map(|u| u * model.law.range));
+    let peak = if flat.is_empty() { 0.0 } else { 1.0 };
+    let y = ends(1, &[0.0, peak], [-0.2, 1.0]);
+    let closed = record.ledger(model.law.surface_energy).open.is_none();
+    Panel {
+        x: Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
+        y: Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+        areas: if closed { loss(&curve) } else { Vec::new() },
+        series: flat.into_iter().chain(branches(&curve)).collect(),
+        arrows: jumps(&record.jumps, &model.law),
+        labels: names(&curve, x[1] - x[0]),
+        ..Panel::default()
+    }
+}
+
+/// The picture of what was recorded under the scene's title; `error` is the relative error to be stated of its loss.
+pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>) -> Page<'static> {
+    let caption = vec![caption(record, &model.law, error)];
+    Page { title: title.chars().take(TITLE).collect(), caption, panels: vec![loop_panel(record, model)].into() }
+}
+
+/// Approach and retraction by growing u0, each broken at its jumps.
+pub fn branches(curve: &Curve) -> [Series; 2] {
+    [Branch::Approach, Branch::Retraction].map(|direction| {
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for piece in curve.pieces.iter().filter(|piece| piece.branch == direction) {
+            if !points.is_empty() {
+                points.push([f64::NAN; 2]);
+            }
+            points.extend(&piece.points);
+        }
+        if direction == Branch::Approach {
+            points.reverse();
+        }
+        let line = Series::line(&direction.to_string(), Role::Simulation, Colour::of(direction), points);
+        Series { direction: Some(direction), ..line }
+    })
+}
+
+/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable; none on uneven ground.
+pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
+    let mut pieces: Vec<Series> = Vec::new();
+    if model.indenter != Indenter::Flat {
+        return pieces;
+    }
+    for i in 0..=POINTS {
+        let u0 = from + (to - from) * i as f64 / POINTS as f64;
+        let point = [u0 / model.law.range, model.law.at(u0).traction / model.law.traction_max()];
+        let stable = flat::stiffness_min(&model.law, model.grid.length, u0) >= 0.0;
+        let (name, role) = if stable { ("flat state", Role::Guide) } else { ("flat state, unstable", Role::Unstable) };
+        match pieces.last_mut() {
+            Some(piece) if piece.role == role => piece.points.push(point),
+            last => {
+                last.into_iter().for_each(|piece| piece.points.push(point));
+                pieces.push(Series::line(name, role, Colour::FLAT, vec![point]));
+            }
+        }
+    }
+    pieces
+}
+
+/// The areas between both branches: what is lost.
+pub fn loss(curve: &Curve) -> Vec<Area> {
+    let [approach, retraction] = branches(curve).map(|branch| branch.points);
+    let ends = approach.iter().map(|p| p[0]).filter(|u| u.is_finite());
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
+    let mut areas: Vec<Area> = Vec::new();
+    let mut open = false;
+    for i in 0..=POINTS {
+        let u = low + (high - low) * i as f64 / POINTS as f64;
+        // Next to a jump a curve may have a hole a hair wide: the area goes on.
+        let (Some(a), Some(b)) = (value(&approach, u), value(&retraction, u)) else { continue };
+        let apart = (a - b).abs() > CLOSE;
+        if apart && !open {
+            let name = if areas.is_empty() { "lost energy" } else { "" };
+            areas.push(Area { name: name.to_owned(), colour: Colour::LOSS, spans: Vec::new() });
+        }
+        open = apart;
+        if apart && let Some(area) = areas.last_mut() {
+            area.spans.push([u, a.min(b), a.max(b)]);
+        }
+    }
+    areas
+}
+
+/// The value of a broken curve at `x`; `None` outside and where it has a hole.
+fn value(curve: &[[f64; 2]], x: f64) -> Option<f64> {
+    let known = |pair: &[[f64; 2]]| pair[0][0] <= x && x <= pair[1][0] && pair[1][0] > pair[0][0];
+    curve.windows(2).find(|pair| known(pair)).map(|pair| {
+        let t = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
+        pair[0][1] + t * (pair[1][1] - pair[0][1])
+    })
+}
+
+/// Jumps as arrows from the stress before to the stress after.
+pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
+    let arrow = |jump: &JumpRecord| {
+        let at = |stress: f64| [jump.mean_displacement / law.range, stress / law.traction_max()];
+        let (tail, head) = (at(jump.stress_before), at(jump.stress_after));
+        Arrow { tail, head, colour: Colour::JUMP, direction: jump.branch }
+    };
+    jumps.iter().map(arrow).collect()
+}
+
+/// The pattern of every piece that is long enough for its name on an axis of this width: below the approach, above the retraction,
+/// and towards the side from which a falling curve bends away.
+/// Of the same pattern nearby only the newest.
+pub fn names(curve: &Curve, width: f64) -> Vec<Label> {
+    let mut named: Vec<Label> = Vec::new();
+    for piece in curve.pieces.iter().rev().filter(|piece| piece.pattern != Pattern::Flat) {
+        let [Some(first), Some(last)] = [piece.points.first(), piece.points.last()] else { continue };
+        let middle = 0.5 * (first[0] + last[0]);
+        let nearest = piece.points.iter().min_by(|a, b| (a[0] - middle).abs().total_cmp(&(b[0] - middle).abs()));
+        let (text, colour, at) = (piece.pattern.word().to_owned(), Colour::of(piece.branch), *nearest.unwrap_or(first));
+        let near = |known: &Label| known.text == text && known.colour == colour && (known.at[0] - at[0]).abs() < 0.2 * width;
+        if (first[0] - last[0]).abs() >= NAMED * width && !named.iter().any(near) {
+            let side = if piece.branch == Branch::Approach { [-1, -1] } else { [1, 1] };
+            named.push(Label { at, text, colour, side });
+        }
+    }
+    named
+}
+
+/// The numbers of a loop in one line; `error` is the relative error to be stated of its loss.
+fn caption(record: &LoopRecord, law: &Law, error: Option<f64>) -> String {
+    let ledger = record.ledger(law.surface_energy);
+    let loss = match (ledger.dissipated_energy(), &ledger.open) {
+        _ if record.states.is_empty() => "No states were computed".to_owned(),
+        (Some(loss), _) => format!("Dissipated energy {} γ per area and loop ({})", energy(loss), promise(error)),
+        (None, Some(open)) => format!("Loop not closed: {}", open.reason),
+        (None, None) => "Dissipated energy (not available)".to_owned(),
+    };
+    if record.jumps.is_empty() {
+        return format!("{loss};  no jumps.");
+    }
+    format!("{loss};  {}, releasing {} γ.", record.tally(), energy(record.released_energy_sum()))
+}
+
+/// An energy with four digits, and zero where rounding leaves nothing.
+fn energy(value: f64) -> String {
+    if !value.is_finite() {
+        return "(not available)".to_owned();
+    }
+    let text = format!("{value:.4}");
+    if text == "-0.0000" { "0.0000".to_owned() } else { text.replace('-', "\u{2212}") }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::experiment::record::{Cause, StateRecord};
+    use crate::physics::law::{Morse, Shape};
+    use crate::solver::Stop;
+
+    pub(crate) fn law() -> Law {
+        Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+    }
+
+    fn state(branch: Branch, pattern: Pattern, u0: f64) -> StateRecord {
+        let law = law();
+        let over_max = match pattern {
+            Pattern::Flat => law.at(u0).traction / law.traction_max(),
+            Pattern::Bulge => 0.12 + 0.05 * u0,
+            Pattern::Ridge => 0.2 + 0.06 * u0,
+            _ => 0.55 * u0.powf(0.6),
+        };
+        StateRecord {
+            branch,
+            mean_displacement: u0,
+            stress: over_max * law.traction_max(),
+            stress_over_max: over_max,
+            contact_area: 0.0,
+            pattern,
+            residual: 0.0,
+            stiffness_min: 1.0,
+            stiffness_error: 0.0,
+            energy: 0.0,
+            model: "invented",
+            stop: Stop::Stable,
+            iterations: 1,
+            transforms: 2,
+            milliseconds: 0.0,
+        }
+    }
+
+    /// A loop like that of Fig. 2, with invented stresses.
+    pub(crate) fn invented_loop() -> LoopRecord {
+        use Pattern::{Bulge, Dimple, Flat, Ridge};
+        let approach = [(Flat, 4.2, 3.1), (Bulge, 3.1, 2.6), (Ridge, 2.6, 1.7), (Dimple, 1.7, 0.8), (Flat, 0.8, 0.2)];
+        let retraction = [(Flat, 0.2, 0.8), (Dimple, 0.8, 2.3), (Ridge, 2.3, 3.5), (Bulge, 3.5, 3.8), (Flat, 3.8, 4.2)];
+        let mut record = LoopRecord::default();
+        for (branch, legs) in [(Branch::Approach, approach), (Branch::Retraction, retraction)] {
+            for (k, (pattern, from, to)) in legs.into_iter().enumerate() {
+                if let Some(before) = record.states.last().filter(|_| k > 0).cloned() {
+                    let after = state(branch, pattern, from);
+                    record.jumps.push(JumpRecord {
+                        branch,
+                        mean_displacement: from,
+                        from: before.pattern,
+                        to: pattern,
+                        stress_before: before.stress,
+                        stress_after: after.stress,
+                        released_energy: 0.1,
+                        release_error: 1e-5,
+                        cause: Cause::Fold,
+                        landings: Vec::new(),
+                    });
+                }
+                let first = usize::from(branch == Branch::Retraction && k == 0);
+                record.states.extend((first..=20).map(|i| state(branch, pattern, from + (to - from) * i as f64 / 20.0)));
+            }
+        }
+        record
+    }
+
+    #[test]
+    fn a_loop_is_cut_at_its_jumps_and_its_area_is_the_work() {
+        let record = invented_loop();
+        let curve = Curve::of(&record, &law());
+        let [approach, retraction] = branches(&curve).map(|branch| branch.points);
+        let pieces = |points: &[[f64; 2]]| points.split(|p| p[0].is_nan()).count();
+        assert_eq!([pieces(&approach), pieces(&retraction)], [5, 5]);
+        let words: Vec<String> = names(&curve, 4.0).into_iter().map(|label| label.text).collect();
+        assert_eq!(words, ["bulge", "ridge", "dimple", "dimple", "ridge", "bulge"]);
+        let trapezoid = |pair: &[[f64; 3]]| 0.5 * (pair[0][2] - pair[0][1] + pair[1][2] - pair[1][1]) * (pair[1][0] - pair[0][0]);
+        let drawn: f64 = loss(&curve).iter().flat_map(|area| area.spans.windows(2)).map(trapezoid).sum();
+        // Drawn with straight lines from state to state.
+        let pieces = record
+            .states
+            .windows(2)
+            .map(|s| 0.5 * (s[0].stress_over_max + s[1].stress_over_max) * (s[1].mean_displacement - s[0].mean_displacement));
+        let work: f64 = pieces.sum();
+        // An edge at a jump stands within a point of its raster, and what is nearly closed is left out.
+        let heights: f64 = record.jumps.iter().map(|j| (j.stress_after - j.stress_before).abs() / law().traction_max()).sum();
+        let bound = 4.0 * (heights / POINTS as f64 + CLOSE);
+        assert!((drawn - work).abs() < bound && bound < 0.05 * work, "drawn {drawn}, work {work}, bound {bound}");
+    }
+}

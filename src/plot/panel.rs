@@ -1,0 +1,239 @@
+//! A diagram as a value: what it shows, not how it is drawn. The same value becomes CSV, SVG, PNG and a plot in the window.
+
+use crate::experiment::record::Branch;
+use ndarray::Array2;
+use std::borrow::Cow;
+
+/// Diagrams under one title: what a picture file holds.
+#[derive(Clone, Debug)]
+pub struct Page<'a> {
+    /// One line.
+    pub title: String,
+    /// Lines beneath it.
+    pub caption: Vec<String>,
+    /// The diagrams, in reading order: one, or (a), (b), ...
+    pub panels: Cow<'a, [Panel]>,
+}
+
+/// One diagram.
+#[derive(Clone, Debug, Default)]
+pub struct Panel {
+    /// Its heading, such as "(a) mu_rho = 0.5"; may be empty.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// Filled areas, drawn first.
+    pub areas: Vec<Area>,
+    /// Curves and symbols, in the order of the legend.
+    pub series: Vec<Series>,
+    /// Arrows from tail to head: jumps.
+    pub arrows: Vec<Arrow>,
+    /// Words at places.
+    pub labels: Vec<Label>,
+    /// Smaller pictures inside the diagram.
+    pub insets: Vec<Inset>,
+}
+
+/// An axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// Logarithmic (values at or below zero are not shown).
+    pub logarithmic: bool,
+    /// What is shown; `None` is what the data need.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    /// A linear axis that shows what the data need.
+    pub fn linear(label: &str) -> Self {
+        Self { label: label.to_owned(), ..Self::default() }
+    }
+
+    /// A logarithmic axis that shows what the data need.
+    pub fn logarithmic(label: &str) -> Self {
+        Self { label: label.to_owned(), logarithmic: true, range: None }
+    }
+
+    /// The same, showing `low` to `high`.
+    pub fn from_to(self, low: f64, high: f64) -> Self {
+        Self { range: Some([low, high]), ..self }
+    }
+}
+
+/// Where a series comes from; each is drawn in its own way, also without colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// Solved equilibria: symbols, or a line where they are dense.
+    #[default]
+    Simulation,
+    /// States that exist and are not stable: a dashed line.
+    Unstable,
+    /// Exact or corrected theory: a thin solid line.
+    Theory,
+    /// Computed beforehand: a thin solid line beneath what is solved.
+    Forecast,
+    /// As the paper prints it, where that differs from the theory: a dashed line.
+    Printed,
+    /// A help for the eye: thin and grey.
+    Guide,
+}
+
+/// A curve or a set of symbols.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    /// Its name in the legend; empty is not listed.
+    pub name: String,
+    /// Where it comes from.
+    pub role: Role,
+    /// Symbols at the points; `None` is a line through them.
+    pub symbol: Option<Symbol>,
+    /// Whether the symbols are filled.
+    pub filled: bool,
+    /// Colour.
+    pub colour: Colour,
+    /// Marks along a line that point the way it was gone.
+    pub direction: Option<Branch>,
+    /// (x, y); a line is broken where one is not finite.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Role {
+    /// In the order in which lines are drawn: what is thin lies on what is broad, helps and forecasts beneath everything.
+    pub const ORDER: [Self; 6] = [Self::Guide, Self::Forecast, Self::Simulation, Self::Unstable, Self::Theory, Self::Printed];
+}
+
+impl Series {
+    /// A line through `points`.
+    pub fn line(name: &str, role: Role, colour: Colour, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.to_owned(), role, colour, points, ..Self::default() }
+    }
+
+    /// Symbols at `points`.
+    pub fn symbols(name: &str, symbol: Symbol, colour: Colour, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.to_owned(), symbol: Some(symbol), colour, points, ..Self::default() }
+    }
+
+    /// The same with filled symbols.
+    pub fn filled(self) -> Self {
+        Self { filled: true, ..self }
+    }
+}
+
+/// A symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Symbol {
+    /// Circle.
+    Circle,
+    /// Square.
+    Square,
+    /// Diamond.
+    Diamond,
+    /// Triangle that points up.
+    Triangle,
+    /// Triangle that points down.
+    Down,
+    /// Triangle that points to the left.
+    Left,
+    /// Triangle that points to the right.
+    Right,
+    /// Two strokes, oblique.
+    Cross,
+    /// Two strokes, upright.
+    Plus,
+    /// Filled dot, for dense data.
+    Dot,
+    /// Large circle, around another symbol.
+    Ring,
+    /// Large square, around another symbol.
+    Frame,
+}
+
+/// A colour of the palette, with a shade for light and one for dark ground ([`Colour::on`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Colour {
+    /// Black on white, white on black.
+    #[default]
+    Ink,
+    /// First.
+    Blue,
+    /// Second.
+    Red,
+    /// Third.
+    Green,
+    /// Fourth.
+    Orange,
+    /// Fifth.
+    Purple,
+    /// Sixth.
+    Teal,
+    /// Seventh.
+    Magenta,
+    /// Eighth.
+    Gold,
+    /// Help for the eye.
+    Grey,
+}
+
+/// The area between two curves over the same x.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Area {
+    /// Its name in the legend; empty is not listed.
+    pub name: String,
+    /// Colour.
+    pub colour: Colour,
+    /// (x, lower y, upper y).
+    pub spans: Vec<[f64; 3]>,
+}
+
+/// An arrow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrow {
+    /// Where it starts.
+    pub tail: [f64; 2],
+    /// Where it points.
+    pub head: [f64; 2],
+    /// Colour.
+    pub colour: Colour,
+    /// Direction of the drive in which it happens.
+    pub direction: Branch,
+}
+
+/// A word at a place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Label {
+    /// The place.
+    pub at: [f64; 2],
+    /// The word.
+    pub text: String,
+    /// Colour.
+    pub colour: Colour,
+    /// Where the word stands: -1 to the left, 0 centred, 1 to the right of the place; and below, on, above it.
+    pub side: [i8; 2],
+}
+
+/// A picture inside a diagram.
+#[derive(Clone, Debug)]
+pub struct Inset {
+    /// Left, bottom, width and height as shares of the diagram, from its lower left corner.
+    pub place: [f64; 4],
+    /// What it shows.
+    pub content: Content,
+}
+
+/// What an inset shows.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// The gap over the cell, with the letter that the paper gives it.
+    Map {
+        /// "a", "b", ...
+        letter: String,
+        /// Gap (length), shape (ny, nx).
+        gap: Array2<f64>,
+    },
+    /// Another diagram.
+    Diagram(Box<Panel>),
+}

@@ -1,0 +1,225 @@
+//! One code of colour, stroke and symbol for each meaning: the same in the window, in files, and in the report.
+//!
+//! Colour never speaks alone: approach and retraction differ in the marks along their lines, stable and unstable in dashes, methods in
+//! symbols. Contrasts are those of WCAG 2: at least 3 for every mark on its ground, 1.5 for the shaded loss, which has an outline too.
+
+use super::panel::{Colour, Role, Symbol};
+use crate::experiment::record::Branch;
+use std::f64::consts::TAU;
+
+/// Red, green and blue.
+pub type Rgb = [u8; 3];
+
+/// What a diagram stands on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ground {
+    /// Paper, and the light window.
+    Light,
+    /// The dark window.
+    Dark,
+}
+
+impl Ground {
+    /// Its own colour.
+    pub fn colour(self) -> Rgb {
+        match self {
+            Ground::Light => [255, 255, 255],
+            Ground::Dark => [18, 20, 25],
+        }
+    }
+
+    /// How much of its colour a filled area shows: less on dark ground, where light colours stand out more.
+    pub fn opacity(self) -> f64 {
+        match self {
+            Ground::Light => 0.4,
+            Ground::Dark => 0.25,
+        }
+    }
+}
+
+impl Colour {
+    /// Jumps.
+    pub const JUMP: Self = Self::Magenta;
+    /// The energy that is lost.
+    pub const LOSS: Self = Self::Gold;
+    /// The flat state.
+    pub const FLAT: Self = Self::Grey;
+    /// The live loop.
+    pub const LIVE: Self = Self::Teal;
+
+    /// The colour of what is recorded in a direction of the drive.
+    pub fn of(direction: Branch) -> Self {
+        match direction {
+            Branch::Approach => Self::Blue,
+            Branch::Retraction => Self::Orange,
+        }
+    }
+
+    /// Its shade on a ground.
+    pub fn on(self, ground: Ground) -> Rgb {
+        let [light, dark]: [u32; 2] = match self {
+            Colour::Ink => [0x22_2222, 0xe6_e6e6],
+            Colour::Blue => [0x1f_5fb4, 0x6a_b0ff],
+            Colour::Red => [0xc8_2a2a, 0xff_8278],
+            Colour::Green => [0x14_844c, 0x52_d094],
+            Colour::Orange => [0xc8_5c00, 0xff_a64d],
+            Colour::Purple => [0x84_469c, 0xd0_98ea],
+            Colour::Teal => [0x00_808a, 0x4c_d0d8],
+            Colour::Magenta => [0xb0_1c68, 0xf4_78b0],
+            Colour::Gold => [0x96_6e00, 0xe8_c860],
+            Colour::Grey => [0x74_787e, 0x96_9ca6],
+        };
+        let [_, rgb @ ..] = match ground {
+            Ground::Light => light,
+            Ground::Dark => dark,
+        }
+        .to_be_bytes();
+        rgb
+    }
+}
+
+/// How a line is drawn, in units of a diagram of full size (screen points in the window).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub colour: Rgb,
+    /// Width.
+    pub width: f64,
+    /// Lengths of dash and space; `None` is solid.
+    pub dash: Option<[f64; 2]>,
+}
+
+/// The line of a series.
+pub fn stroke(role: Role, colour: Colour, ground: Ground) -> Stroke {
+    let (plain, ink) = (colour.on(ground), Colour::Ink.on(ground));
+    let (colour, width, dash) = match role {
+        Role::Simulation => (plain, 2.8, None),
+        Role::Unstable => (plain, 1.4, Some([5.0, 4.0])),
+        // Towards the ink, so that a thin line is seen upon a broad one of its colour.
+        Role::Theory => (mixed(plain, ink, 0.35), 1.4, None),
+        Role::Printed => (mixed(plain, ink, 0.35), 1.7, Some([8.0, 4.0])),
+        Role::Forecast => (plain, 1.2, None),
+        Role::Guide => (Colour::Grey.on(ground), 0.9, None),
+    };
+    Stroke { colour, width, dash }
+}
+
+/// `share` of `b` in `a`.
+pub fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
+    std::array::from_fn(|k| (f64::from(a[k]) + share * (f64::from(b[k]) - f64::from(a[k]))).round() as u8)
+}
+
+/// The symbol along a line that was gone in a direction.
+pub fn pointing(direction: Branch) -> Symbol {
+    match direction {
+        Branch::Approach => Symbol::Left,
+        Branch::Retraction => Symbol::Right,
+    }
+}
+
+/// Where such symbols stand on a line: the first point of every slot of a raster of `every` along x, which does not wander while the
+/// line grows. None at its two ends.
+pub fn marked(points: &[[f64; 2]], every: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
+    let slot = move |p: &[f64; 2]| (p[0] / every).floor();
+    points.windows(2).map(move |pair| (slot(&pair[0]) != slot(&pair[1]), pair[1])).filter(|(new, _)| *new).map(|(_, p)| p)
+}
+
+/// Slots of that raster across a diagram.
+pub const MARKS: f64 = 18.0;
+
+impl Symbol {
+    /// Its strokes, each a line of corners around the origin, y upwards, for a symbol of radius 1. One stroke is an outline, closed,
+    /// that may be filled.
+    pub fn strokes(self) -> Vec<Vec<[f64; 2]>> {
+        let polygon = |corners: usize, turn: f64, radius: f64| {
+            let corner = |i: usize| {
+                let angle = TAU * (i as f64 / corners as f64 + turn);
+                [radius * angle.sin(), radius * angle.cos()]
+            };
+            vec![(0..=corners).map(corner).collect::<Vec<_>>()]
+        };
+        let two = |a: [f64; 2], b: [f64; 2]| vec![vec![[-a[0], -a[1]], a], vec![[-b[0], -b[1]], b]];
+        match self {
+            Symbol::Circle => polygon(24, 0.0, 1.0),
+            Symbol::Square => polygon(4, 0.125, 1.25),
+            Symbol::Diamond => polygon(4, 0.0, 1.3),
+            Symbol::Triangle => polygon(3, 0.0, 1.3),
+            Symbol::Down => polygon(3, 0.5, 1.3),
+            Symbol::Left => polygon(3, 0.75, 1.3),
+            Symbol::Right => polygon(3, 0.25, 1.3),
+            Symbol::Dot => polygon(16, 0.0, 0.55),
+            Symbol::Ring => polygon(32, 0.0, 2.0),
+            Symbol::Frame => polygon(4, 0.125, 2.6),
+            Symbol::Cross => two([0.85, 0.85], [0.85, -0.85]),
+            Symbol::Plus => two([1.2, 0.0], [0.0, 1.2]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLOURS: [Colour; 10] = [
+        Colour::Ink,
+        Colour::Blue,
+        Colour::Red,
+        Colour::Green,
+        Colour::Orange,
+        Colour::Purple,
+        Colour::Teal,
+        Colour::Magenta,
+        Colour::Gold,
+        Colour::Grey,
+    ];
+
+    /// Contrast ratio of two colours (WCAG 2.2, 1 to 21).
+    fn contrast(a: Rgb, b: Rgb) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        let luminance = |c: Rgb| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+        let (a, b) = (luminance(a) + 0.05, luminance(b) + 0.05);
+        a.max(b) / a.min(b)
+    }
+
+    #[test]
+    fn every_mark_stands_out_from_its_ground_and_the_loss_is_seen() {
+        assert!((contrast([0; 3], [255; 3]) - 21.0).abs() < 1e-9);
+        for ground in [Ground::Light, Ground::Dark] {
+            let paper = ground.colour();
+            for colour in COLOURS {
+                for role in Role::ORDER {
+                    let found = contrast(stroke(role, colour, ground).colour, paper);
+                    assert!(found >= 3.0, "{colour:?} {role:?} on {ground:?}: {found}");
+                }
+            }
+            let loss = mixed(paper, Colour::LOSS.on(ground), ground.opacity());
+            assert!(contrast(loss, paper) >= 1.5, "{ground:?}: {}", contrast(loss, paper));
+            // What is drawn over the loss.
+            for colour in [Colour::of(Branch::Approach), Colour::of(Branch::Retraction), Colour::JUMP] {
+                assert!(contrast(colour.on(ground), loss) >= 2.0, "{colour:?} on the loss, {ground:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn roles_and_symbols_differ_without_colour() {
+        let look = |role| {
+            let stroke = stroke(role, Colour::Blue, Ground::Light);
+            (stroke.width, stroke.dash)
+        };
+        for (i, a) in Role::ORDER.iter().enumerate() {
+            assert!(Role::ORDER[..i].iter().all(|b| look(*a) != look(*b)), "{a:?}");
+        }
+    }
+
+    #[test]
+    fn marks_keep_their_places_while_a_line_grows() {
+        let line: Vec<[f64; 2]> = (0..100).map(|i| [5.0 - 0.03 * f64::from(i), 0.0]).collect();
+        let all: Vec<_> = marked(&line, 0.5).collect();
+        let half: Vec<_> = marked(&line[..60], 0.5).collect();
+        assert!(all.len() == 6 && half == all[..half.len()]);
+    }
+}

@@ -1,0 +1,287 @@
+//! A diagram as a plot of the window: the same value that `storage` draws to file, in the same colours, strokes and symbols.
+
+use super::theme;
+use super::typeset::{append, set};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::{Scale, scales};
+use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
+use crate::plot::ticks::{self, label, ticks};
+use crate::plot::typeset::plain;
+use egui::emath::Rangef;
+use egui::{Align2, AsIdSalt, Color32, RichText, Ui, vec2};
+use egui_plot::{
+    Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint,
+    PlotPoints, PlotResponse, PlotUi, Points, Text,
+};
+
+/// Below this height the names of the axes give way.
+const NAMED: f32 = 130.0;
+
+/// A plot whose axes no gesture moves.
+pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
+    // Numbers down to a narrow window; they are short here.
+    let x_axis = AxisHints::new_x().label_spacing(Rangef::new(32.0, 40.0));
+    Plot::new(id)
+        .custom_x_axes(vec![x_axis])
+        // The plot's own words round a tick of 0.5 to 0.
+        .x_axis_formatter(|mark, _| label(mark.value, mark.step_size))
+        .y_axis_formatter(|mark, _| label(mark.value, mark.step_size))
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .auto_bounds(false)
+        .show_crosshair(false)
+        .y_axis_min_width(30.0)
+}
+
+/// Such a plot in the rest of the space; its axes lose their names where there is little of it.
+pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
+    let height = ui.available_height().max(80.0);
+    let plot = fixed(id).height(height).grid_color(ui.visuals().text_color().gamma_multiply(0.45));
+    if height < NAMED { plot } else { plot.x_axis_label(x).y_axis_label(y) }
+}
+
+/// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
+pub fn grid(input: GridInput, count: f64) -> Vec<GridMark> {
+    let (values, step_size) = ticks::within(input.bounds.0, input.bounds.1, count);
+    values.into_iter().map(|value| GridMark { value, step_size }).collect()
+}
+
+/// A line of this colour and width.
+pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
+    let line = Line::new(name, PlotPoints::from(points.to_vec())).stroke(egui::Stroke::new(width, colour));
+    // Bands for dense data fill the corners of stairs.
+    line.allow_band(false).allow_hover(false)
+}
+
+/// The numbers of an axis, as the plot takes them: places, words, and the power of ten they are to be multiplied by.
+struct Numbers {
+    list: Vec<(f64, String)>,
+    factor: i32,
+    span: f64,
+}
+
+impl Numbers {
+    fn new(scale: Scale) -> Self {
+        let (list, factor) = ticks(&scale);
+        let span = scale.high - scale.low;
+        let list = list.into_iter().filter_map(|tick| Some((scale.low + tick.at * span, plain(&tick.label?)))).collect();
+        Self { list, factor, span }
+    }
+
+    fn grid(&self) -> Vec<GridMark> {
+        self.list.iter().map(|(value, _)| GridMark { value: *value, step_size: self.span }).collect()
+    }
+
+    fn word(&self, mark: GridMark) -> String {
+        self.list.iter().find(|(at, _)| (at - mark.value).abs() < 1e-6 * self.span).map_or(String::new(), |(_, word)| word.clone())
+    }
+
+    fn named(&self, axis: &Axis) -> String {
+        if self.factor == 0 { axis.label.clone() } else { format!("{} (×10^{{{}}})", axis.label, self.factor) }
+    }
+}
+
+/// Shows a diagram of this height; `hover` says in words where the pointer is (x, y).
+pub fn show(
+    ui: &mut Ui,
+    panel: &Panel,
+    id: impl AsIdSalt,
+    height: f32,
+    hover: impl Fn(f64, f64) -> Option<String>,
+) -> PlotResponse<()> {
+    let text = ui.visuals().text_color();
+    let ground = theme::ground(ui);
+    let [x, y] = scales(panel);
+    let (across, up) = (Numbers::new(x), Numbers::new(y));
+    let (across_grid, up_grid) = (across.grid(), up.grid());
+    let value = |scale: Scale, shown: f64| if scale.logarithmic { 10f64.powf(shown) } else { shown };
+    let mut plot = fixed(id).height(height).grid_color(text.gamma_multiply(0.3));
+    if height >= NAMED {
+        let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), 12.0, text);
+        plot = plot.x_axis_label(name(&across, &panel.x)).y_axis_label(name(&up, &panel.y));
+    }
+    plot.x_grid_spacer(move |_| across_grid.clone())
+        .y_grid_spacer(move |_| up_grid.clone())
+        .x_axis_formatter(move |mark, _| across.word(mark))
+        .y_axis_formatter(move |mark, _| up.word(mark))
+        .label_formatter(move |at| {
+            let (HoverPosition::NearDataPoint { position: p, .. } | HoverPosition::Elsewhere { position: p }) = at;
+            hover(value(x, p.x), value(y, p.y))
+        })
+        .show(ui, |plot| {
+            plot.set_plot_bounds(PlotBounds::from_min_max([x.low, y.low], [x.high, y.high]));
+            draw(plot, panel, ground);
+        })
+}
+
+/// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is logarithmic.
+pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
+    let shown = |axis: &Axis, v: f64| if axis.logarithmic { v.log10() } else { v };
+    let at = |p: [f64; 2]| [shown(&panel.x, p[0]), shown(&panel.y, p[1])];
+    for area in &panel.areas {
+        let colour = colour(area.colour, ground);
+        for piece in area.spans.split(|span| !span.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
+            let edge = |k: usize| -> Vec<[f64; 2]> { piece.iter().map(|span| at([span[0], span[k]])).collect() };
+            let (low, high) = (edge(1), edge(2));
+            let of = |edge: &[[f64; 2]], k: usize| edge.iter().map(|p| p[k]).collect::<Vec<_>>();
+            let fill = colour.gamma_multiply(ground.opacity() as f32);
+            plot.add(FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1)).fill_color(fill).allow_hover(false));
+            for edge in [low, high] {
+                plot.line(line(&area.name, &edge, colour, 0.8));
+            }
+        }
+    }
+    for role in Role::ORDER {
+        for series in panel.series.iter().filter(|s| s.role == role && s.symbol.is_none()) {
+            let placed: Vec<[f64; 2]> = series.points.iter().copied().map(at).collect();
+            draw_line(plot, series, &placed, ground);
+        }
+    }
+    for series in &panel.series {
+        let Some(symbol) = series.symbol else { continue };
+        let placed: Vec<[f64; 2]> = series.points.iter().copied().map(at).filter(|p| p.iter().all(|v| v.is_finite())).collect();
+        plot.points(symbols(&series.name, symbol, placed, series.filled).color(colour(series.colour, ground)));
+    }
+    for arrow in &panel.arrows {
+        let (tail, tip) = (PlotPoints::from(vec![at(arrow.tail)]), PlotPoints::from(vec![at(arrow.head)]));
+        plot.arrows(Arrows::new("jump", tail, tip).color(colour(arrow.colour, ground)).tip_length(8.0).allow_hover(false));
+    }
+    for label in &panel.labels {
+        let [x, y] = at(label.at);
+        if !(x.is_finite() && y.is_finite()) {
+            continue;
+        }
+        // An anchor is the side of the word at the place: the other one than that on which the word stands.
+        let anchor = match label.side {
+            [0, 0] => Align2::CENTER_CENTER,
+            [1, up] => {
+                if up > 0 {
+                    Align2::LEFT_BOTTOM
+                } else {
+                    Align2::LEFT_TOP
+                }
+            }
+            [_, up] => {
+                if up > 0 {
+                    Align2::RIGHT_BOTTOM
+                } else {
+                    Align2::RIGHT_TOP
+                }
+            }
+        };
+        let words = RichText::new(format!(" {} ", plain(&label.text))).small();
+        let text = Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));
+        plot.text(text.anchor(anchor).allow_hover(false));
+    }
+}
+
+/// Draws a line through places of the plot, broken where one is not finite.
+fn draw_line(plot: &mut PlotUi<'_>, series: &Series, placed: &[[f64; 2]], ground: Ground) {
+    let stroke = stroke(series.role, series.colour, ground);
+    let [red, green, blue] = stroke.colour;
+    let colour = Color32::from_rgb(red, green, blue);
+    let style = stroke.dash.map_or(LineStyle::Solid, |[on, _]| LineStyle::Dashed { length: on as f32 });
+    let every = plot.plot_bounds().width() / MARKS;
+    for piece in placed.split(|p| !p.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
+        plot.line(line(&plain(&series.name), piece, colour, stroke.width as f32).style(style));
+        if let Some(direction) = series.direction {
+            let marks = symbols(&series.name, pointing(direction), marked(piece, every).collect(), true);
+            plot.points(marks.color(colour));
+        }
+    }
+}
+
+fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, filled: bool) -> Points<'a> {
+    let (shape, radius) = match symbol {
+        Symbol::Circle => (MarkerShape::Circle, 4.0),
+        Symbol::Square => (MarkerShape::Square, 4.0),
+        Symbol::Diamond => (MarkerShape::Diamond, 5.0),
+        Symbol::Triangle => (MarkerShape::Up, 4.5),
+        Symbol::Down => (MarkerShape::Down, 4.5),
+        Symbol::Left => (MarkerShape::Left, 4.5),
+        Symbol::Right => (MarkerShape::Right, 4.5),
+        Symbol::Cross => (MarkerShape::Cross, 4.0),
+        Symbol::Plus => (MarkerShape::Plus, 5.0),
+        Symbol::Dot => (MarkerShape::Circle, 2.5),
+        Symbol::Ring => (MarkerShape::Circle, 7.5),
+        Symbol::Frame => (MarkerShape::Square, 7.5),
+    };
+    let filled = filled || matches!(symbol, Symbol::Dot | Symbol::Cross | Symbol::Plus);
+    Points::new(plain(name), at).shape(shape).filled(filled).radius(radius).allow_hover(false)
+}
+
+/// The legend: every name once.
+pub fn legend(ui: &mut Ui, panel: &Panel) {
+    let ground = theme::ground(ui);
+    let face = |series: &Series| match (series.symbol, series.role, series.direction) {
+        (Some(symbol), ..) => face(symbol, series.filled),
+        (None, _, Some(direction)) => face(pointing(direction), true),
+        (None, Role::Simulation, _) => "▬",
+        (None, Role::Printed | Role::Unstable, _) => "┅",
+        (None, Role::Theory | Role::Forecast | Role::Guide, _) => "—",
+    };
+    let series = panel.series.iter().map(|s| {
+        let [red, green, blue] = if s.symbol.is_some() { s.colour.on(ground) } else { stroke(s.role, s.colour, ground).colour };
+        (face(s), Color32::from_rgb(red, green, blue), s.name.as_str())
+    });
+    let jumps = panel.arrows.iter().filter(|arrow| arrow.colour == Colour::JUMP);
+    let jumps = jumps.map(|arrow| ("↕", colour(arrow.colour, ground), "jump"));
+    let areas = panel.areas.iter().map(|a| ("■", colour(a.colour, ground), a.name.as_str()));
+    let entries: Vec<(&str, Color32, &str)> = series.chain(jumps).chain(areas).collect();
+    ui.scope(|ui| {
+        // Rows as high as the letters.
+        ui.spacing_mut().interact_size.y = 0.0;
+        ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
+        rows(ui, &entries);
+    });
+}
+
+/// Symbols, colours and names, in as many rows as they need.
+fn rows(ui: &mut Ui, entries: &[(&str, Color32, &str)]) {
+    let text = ui.visuals().text_color();
+    ui.horizontal_wrapped(|ui| {
+        let mut told: Vec<&str> = Vec::new();
+        for &(face, colour, name) in entries {
+            if !name.is_empty() && !told.contains(&name) {
+                told.push(name);
+                // One label, so that no line is broken between a symbol and its name.
+                let mut words = set(face, 11.0, colour);
+                append(&mut words, &format!(" {name}"), 11.0, text);
+                ui.add(egui::Label::new(words).extend());
+                ui.add_space(6.0);
+            }
+        }
+    });
+}
+
+/// A letter that looks like a symbol.
+fn face(symbol: Symbol, filled: bool) -> &'static str {
+    match (symbol, filled) {
+        (Symbol::Circle, false) => "○",
+        (Symbol::Circle, true) => "●",
+        (Symbol::Square, false) => "□",
+        (Symbol::Square, true) => "■",
+        (Symbol::Diamond, false) => "◇",
+        (Symbol::Diamond, true) => "◆",
+        (Symbol::Triangle, false) => "△",
+        (Symbol::Triangle, true) => "▲",
+        (Symbol::Down, false) => "▽",
+        (Symbol::Down, true) => "▼",
+        (Symbol::Left, _) => "◀",
+        (Symbol::Right, _) => "▶",
+        (Symbol::Cross, _) => "✖",
+        (Symbol::Plus, _) => "✚",
+        (Symbol::Dot, _) => "•",
+        (Symbol::Ring, _) => "◯",
+        (Symbol::Frame, _) => "▢",
+    }
+}
+
+fn colour(colour: Colour, ground: Ground) -> Color32 {
+    let [red, green, blue] = colour.on(ground);
+    Color32::from_rgb(red, green, blue)
+}
