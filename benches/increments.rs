@@ -15,7 +15,8 @@ use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::System;
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
-use tackscope::solver::method::{Method, MethodKind, Problem, Slides};
+use tackscope::solver::method::{Method, Problem, Slides};
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 const COARSE: usize = 64;

@@ -17,7 +17,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::flat;
-use tackscope::solver::method::MethodKind::NewtonKrylov;
+use tackscope::solver::methods::MethodKind::NewtonKrylov;
 
 /// What came of one scene.
 struct Trial {

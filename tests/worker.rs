@@ -12,7 +12,7 @@ use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::worker::protocol::{Command, Errand, Event, Page, PaperNews, Speed, Sweep};
 use tackscope::worker::session::Session;
@@ -342,7 +342,7 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
         println!("{wish:?}: {:?}", began.elapsed());
         let jumps: Vec<_> = events(&out)
             .into_iter()
-            .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.branch, jump.from, jump.to)) } else { None })
+            .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.direction, jump.from, jump.to)) } else { None })
             .collect();
         let energy = events(&out)
             .into_iter()
@@ -400,7 +400,7 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     let out = drain(&mut Session::default(), commands);
     let events = events(&out);
     let began = events.iter().rposition(|e| matches!(e, Event::LoopStarted { .. })).expect("a loop");
-    let state = |s: &StateRecord| (s.branch, s.mean_displacement, s.stress, s.energy, s.model);
+    let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.model);
     let shown: Vec<_> =
         events[began..].iter().filter_map(|e| if let Event::State { state: s, .. } = e { Some(state(s)) } else { None }).collect();
     let cancel = Cancel::default();

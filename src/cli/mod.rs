@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use crate::experiment::plan::Wish;
 use crate::numerics::cancel::Cancel;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use crate::storage::{Failure, files, process};
 use crate::worker::signals;
 use output::{say, tell, warn};

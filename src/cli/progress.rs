@@ -93,13 +93,13 @@ impl Teller {
 }
 
 fn state_words(state: &StateRecord, step: f64) -> String {
-    format!("{} at u0 = {}: {}", state.branch, digits(state.mean_displacement, 0.01 * step), state.pattern)
+    format!("{} at u0 = {}: {}", state.direction, digits(state.mean_displacement, 0.01 * step), state.pattern)
 }
 
 fn jump_words(jump: &JumpRecord, step: f64) -> String {
     format!(
         "jump   {} at u0 = {}: {} to {}, released {:.4} gamma ({})",
-        jump.branch,
+        jump.direction,
         digits(jump.mean_displacement, 0.01 * step),
         jump.from,
         jump.to,

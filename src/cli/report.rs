@@ -238,7 +238,7 @@ pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan:
 
 /// `1-approach-bulge.png` for the first landing, and so on.
 fn gap_picture(index: usize, landing: &Landing) -> String {
-    format!("{}-{}-{}.png", index + 1, landing.branch, landing.pattern)
+    format!("{}-{}-{}.png", index + 1, landing.direction, landing.pattern)
 }
 
 /// True for a name that [`gap_picture`] can give.

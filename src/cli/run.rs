@@ -8,7 +8,7 @@ use crate::experiment::plan::{Plan, Wish, plan as plan_of, promise, refusal};
 use crate::experiment::run::{LoopRun, Outcome, run_planned};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
 use crate::numerics::cancel::Cancel;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, presets, scene_file};

@@ -12,7 +12,7 @@ use super::run::{LoopRun, Outcome, run_reduced};
 use super::scene::{Model, Points, Range, Scene, Turn};
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 /// The measured difference is stated this many times larger: what a mesh of 4/3 times the points itself is off by, a tenth to a fifth
 /// where the error falls by e^2.6 for each unit of 1/mu_rho^2, and as much again.
@@ -79,7 +79,7 @@ pub fn measured_error(jumps: &[JumpRecord], reference: &[JumpRecord]) -> f64 {
     let [mine, right]: [Vec<_>; 2] =
         [jumps, reference].map(|jumps| jumps.iter().filter(|jump| jump.released_energy > least).collect());
     // Not by the names of the patterns: on which side of a growing dimple's change into a bulge a jump lies may depend on the mesh.
-    if !mine.iter().map(|jump| jump.branch).eq(right.iter().map(|jump| jump.branch)) {
+    if !mine.iter().map(|jump| jump.direction).eq(right.iter().map(|jump| jump.direction)) {
         return 1.0;
     }
     let share = |value: f64, right: f64| if right == 0.0 { value.abs() } else { ((value - right) / right).abs() };

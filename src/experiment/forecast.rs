@@ -4,7 +4,7 @@
 //! the eigenvalue itself is linear. Which of them lies ahead is not known, so both are drawn on to zero, with the curvature of the last
 //! three states where there are as many, and the bracket spans them all. It is wide far away and closes as the jump comes nearer.
 
-use super::record::{Branch, LoopRecord, StateRecord};
+use super::record::{Direction, LoopRecord, StateRecord};
 use super::scene::Model;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
@@ -36,10 +36,10 @@ pub struct Forecast {
 /// The flat state's limit is known exactly ([`flat::limits`]).
 pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
     let now = record.states.last()?;
-    let way = if now.branch == Branch::Approach { -1.0 } else { 1.0 };
+    let way = if now.direction == Direction::Approach { -1.0 } else { 1.0 };
     if now.pattern == Pattern::Flat && model.indenter == Indenter::Flat {
         let (lower, upper) = flat::limits(&model.law, model.grid.length)?;
-        let limit = if now.branch == Branch::Approach { upper } else { lower };
+        let limit = if now.direction == Direction::Approach { upper } else { lower };
         return (way * (limit - now.mean_displacement) >= 0.0).then_some(Forecast { nearest: limit, farthest: limit });
     }
     let rho = model.law.range;
@@ -54,10 +54,10 @@ pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
 
 /// Up to three states of the present branch, newest first, as (distance gone in the direction of motion, eigenvalue).
 fn samples(record: &LoopRecord, way: f64, spacing: f64) -> Vec<[f64; 2]> {
-    let landed = record.jumps.last().map(|jump| (jump.branch, jump.mean_displacement));
+    let landed = record.jumps.last().map(|jump| (jump.direction, jump.mean_displacement));
     let mut found: Vec<[f64; 2]> = Vec::new();
     let mut direction = None;
-    for StateRecord { branch, mean_displacement, stiffness_min, .. } in record.states.iter().rev() {
+    for StateRecord { direction: branch, mean_displacement, stiffness_min, .. } in record.states.iter().rev() {
         let gone = way * mean_displacement;
         if *direction.get_or_insert(*branch) != *branch || !stiffness_min.is_finite() {
             break;

@@ -150,18 +150,20 @@ impl LoopRecord {
         let mut stretch = Stretch::default();
         for pair in self.states.windows(2) {
             let [a, b] = [&pair[0], &pair[1]].map(|s| [s.mean_displacement, s.stress]);
-            if pair[0].branch != pair[1].branch {
+            if pair[0].direction != pair[1].direction {
                 done.push(std::mem::take(&mut stretch));
             }
             stretch.begin(a);
             // What was noticed only later: the kink was passed unbroken.
             let behind = |at: f64| (b[0] - a[0]) * (at - a[0]) <= 0.0;
             while jumps
-                .next_if(|j| j.cause == Cause::Transition && j.branch == pair[1].branch && behind(j.mean_displacement))
+                .next_if(|j| j.cause == Cause::Transition && j.direction == pair[1].direction && behind(j.mean_displacement))
                 .is_some()
             {}
             let between = |at: f64| (a[0] < at && at < b[0]) || (b[0] < at && at < a[0]);
-            match jumps.next_if(|j| j.branch == pair[1].branch && (j.mean_displacement == b[0] || between(j.mean_displacement))) {
+            match jumps
+                .next_if(|j| j.direction == pair[1].direction && (j.mean_displacement == b[0] || between(j.mean_displacement)))
+            {
                 None => {
                     stretch.points.push(b);
                     continue;

@@ -3,7 +3,7 @@
 
 use super::atlas::{Atlas, Chart, Cycle, Place, Unmapped};
 use super::plan;
-use super::record::{Branch, JumpRecord, StateRecord};
+use super::record::{Direction, JumpRecord, StateRecord};
 use super::run::{RivalLoop, rivals};
 use super::scene::{Model, Scene, Turn};
 use crate::numerics::cancel::Cancel;
@@ -64,7 +64,7 @@ pub struct Stretch {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
     /// Direction of the drive.
-    pub direction: Branch,
+    pub direction: Direction,
     /// Index of the stretch.
     pub stretch: usize,
     /// u0 where it begins (length).
@@ -199,7 +199,7 @@ impl LiveLoop {
             this.legs.push(Leg { direction: leg.direction, stretch, from: leg.from, to: leg.to });
         }
         for pair in this.legs.windows(2).filter(|pair| pair[0].stretch != pair[1].stretch) {
-            let side = usize::from(pair[0].direction == Branch::Retraction);
+            let side = usize::from(pair[0].direction == Direction::Retraction);
             this.stretches[pair[0].stretch].next[side] = Some(pair[1].stretch);
         }
         this
@@ -214,7 +214,7 @@ impl LiveLoop {
         let mut points: Vec<[f64; 2]> = inner.map(|s| [s.mean_displacement, s.stress]).collect();
         points.insert(0, at(low));
         points.push(at(high));
-        if leg.direction == Branch::Approach {
+        if leg.direction == Direction::Approach {
             points.reverse();
         }
         points

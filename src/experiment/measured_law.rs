@@ -4,7 +4,7 @@ mod fit;
 
 pub use fit::{Fit, TwoExponentials, fit};
 
-use super::record::{Branch, LoopRecord};
+use super::record::{Direction, LoopRecord};
 
 /// Mean stress against mean gap on both ways, at the same gaps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,13 +34,13 @@ impl Row {
 impl MeasuredLaw {
     /// Reads a closed loop on ground of mean height `mean_height`, at `count` equal steps of u0 from its start to its turn.
     pub fn of(record: &LoopRecord, mean_height: f64, count: usize) -> Self {
-        let curve = |way: Branch| {
-            let states = record.states.iter().filter(|state| state.branch == way);
+        let curve = |way: Direction| {
+            let states = record.states.iter().filter(|state| state.direction == way);
             let mut points: Vec<_> = states.map(|state| [state.mean_displacement, state.stress]).collect();
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             points
         };
-        let (down, up) = (curve(Branch::Approach), curve(Branch::Retraction));
+        let (down, up) = (curve(Direction::Approach), curve(Direction::Retraction));
         let (Some(turn), Some(start)) = (down.first(), down.last()) else { return Self::default() };
         let u0 = |i: usize| start[0] + (turn[0] - start[0]) * i as f64 / count as f64;
         let row = |u0: f64| Row { gap: u0 - mean_height, approach: between(&down, u0), retraction: between(&up, u0) };

@@ -7,18 +7,18 @@ use std::fmt;
 
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Branch {
+pub enum Direction {
     /// u0 decreases.
     Approach,
     /// u0 increases.
     Retraction,
 }
 
-impl fmt::Display for Branch {
+impl fmt::Display for Direction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
-            Branch::Approach => "approach",
-            Branch::Retraction => "retraction",
+            Direction::Approach => "approach",
+            Direction::Retraction => "retraction",
         })
     }
 }
@@ -27,7 +27,7 @@ impl fmt::Display for Branch {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateRecord {
     /// Direction of the drive.
-    pub branch: Branch,
+    pub direction: Direction,
     /// Mean displacement u0 (length).
     pub mean_displacement: f64,
     /// Mean stress, positive in tension (E*).
@@ -76,7 +76,7 @@ impl StateRecord {
     /// A record to stand in until the first state is measured.
     pub(crate) fn placeholder(mean_displacement: f64) -> Self {
         Self {
-            branch: Branch::Approach,
+            direction: Direction::Approach,
             mean_displacement,
             stress: f64::NAN,
             stress_over_max: f64::NAN,
@@ -129,7 +129,7 @@ impl fmt::Display for Cause {
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpRecord {
     /// Direction of the drive.
-    pub branch: Branch,
+    pub direction: Direction,
     /// Where it happened (length).
     pub mean_displacement: f64,
     /// Pattern before.

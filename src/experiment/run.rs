@@ -5,13 +5,13 @@ use super::contest::Share;
 use super::error_bar::error_bar;
 use super::ledger::Ledger;
 use super::plan::{Plan, Reduction, Road, chart};
-use super::record::{Branch, JumpRecord, LoopRecord, StateRecord};
+use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Model, Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
 use crate::physics::pattern::Pattern;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use ndarray::Array2;
 
 /// A loop, complete or as far as it came.
@@ -83,7 +83,7 @@ pub enum Outcome {
 #[derive(Clone, Debug)]
 pub struct Landing {
     /// Direction of the drive.
-    pub branch: Branch,
+    pub direction: Direction,
     /// Where (length).
     pub mean_displacement: f64,
     /// What it shows.
@@ -304,8 +304,8 @@ impl<'s> Drive<'s> {
         if fresh && std::mem::take(landed) {
             let gap = walk.gap();
             let record = walk.record();
-            let (branch, mean_displacement, pattern) = (record.branch, record.mean_displacement, record.pattern);
-            run.landings.push(Landing { branch, mean_displacement, pattern, gap });
+            let (branch, mean_displacement, pattern) = (record.direction, record.mean_displacement, record.pattern);
+            run.landings.push(Landing { direction: branch, mean_displacement, pattern, gap });
         }
         let record = walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {

@@ -20,7 +20,7 @@ pub use widen::Widened;
 use super::contest::Share;
 use super::flat_branch::FlatBranch;
 use super::plan::Reduction;
-use super::record::{Branch, Cause, StateRecord};
+use super::record::{Cause, Direction, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
@@ -29,7 +29,8 @@ use crate::physics::system::{System, Workspace};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
-use crate::solver::method::{Method, MethodKind, Problem, Slides};
+use crate::solver::method::{Method, Problem, Slides};
+use crate::solver::methods::MethodKind;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
@@ -103,7 +104,7 @@ pub struct Walk {
     /// The soft mode last shown, for the sign of the next.
     facing: Vec<f64>,
     target: f64,
-    direction: Branch,
+    direction: Direction,
     counts: Counts,
     /// Work on the next record so far, not counting the time between steps.
     worked: Duration,
@@ -207,7 +208,7 @@ impl Walk {
             jumping: None,
             facing: Vec::new(),
             target: start,
-            direction: Branch::Approach,
+            direction: Direction::Approach,
             counts: Counts::default(),
             worked: Duration::ZERO,
             step_began: Instant::now(),
@@ -251,7 +252,7 @@ impl Walk {
     /// The same walk on another state of its scene.
     pub fn standing_on(mut self, state: Equilibrium, record: StateRecord) -> Self {
         self.target = state.mean_displacement;
-        self.direction = record.branch;
+        self.direction = record.direction;
         self.history = History::starting(state.mean_displacement, state.field.clone());
         (self.state, self.record) = (state, record);
         self
@@ -338,7 +339,7 @@ impl Walk {
         if cancel.requested() {
             return Progress::Cancelled;
         }
-        let direction = if self.target < here { Branch::Approach } else { Branch::Retraction };
+        let direction = if self.target < here { Direction::Approach } else { Direction::Retraction };
         if direction != self.direction {
             self.direction = direction;
             (self.barrier, self.before, self.short) = (None, None, None);

@@ -3,10 +3,10 @@
 use super::figure::{Area, Arrow, Axis, Colour, Figure, Finding, Label, Panel, Role, Series};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::walk::{Happening, Progress, Walk};
 use crate::physics::indenter::Indenter;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 1,
@@ -86,7 +86,7 @@ fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Pr
                 Progress::Stuck(reason) => return Err(Stopped::Failed(reason)),
             }
             let record = walk.record();
-            if fresh && record.branch == Branch::Retraction && record.stress > best.stress {
+            if fresh && record.direction == Direction::Retraction && record.stress > best.stress {
                 (best.mean_displacement, best.stress) = (record.mean_displacement, record.stress);
                 best.gap = walk.gap().into_raw_vec_and_offset().0;
             }
@@ -112,12 +112,12 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
     let arrow =
-        |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, direction: Branch::Approach };
+        |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, direction: Direction::Approach };
     let left_arrow = |from: f64, to: f64| Arrow {
         tail: [0.8 * left, from],
         head: [0.8 * left, to],
         colour: Colour::Ink,
-        direction: Branch::Approach,
+        direction: Direction::Approach,
     };
     let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned(), ..Label::default() };
     let area = |colour, spans| Area { name: String::new(), colour, spans };

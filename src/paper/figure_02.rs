@@ -3,7 +3,7 @@
 use super::figure::Figure;
 use super::task::{Stopped, Task};
 use super::{Entry, flat_loop, scenes};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 2,
@@ -22,8 +22,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         "Mean pressure over the largest traction against mean displacement for L/ρ = 256 and γ/(E*ρ) = 0.15: approach shows {}, \
          retraction {}. All {} jumps are located on the eigenvalue that vanishes; their releases add up to {:.4} γ, and so does the \
          area between the curves. The maps are the surfaces just after each jump of the approach.",
-        flat_loop::chain(&run.record, Branch::Approach),
-        flat_loop::chain(&run.record, Branch::Retraction),
+        flat_loop::chain(&run.record, Direction::Approach),
+        flat_loop::chain(&run.record, Direction::Retraction),
         run.record.jumps.len(),
         run.record.released_energy_sum(),
     );

@@ -3,7 +3,7 @@
 use super::figure::{Figure, Finding};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::scene::{Points, Scene};
 use crate::physics::pattern::Pattern;
 
@@ -49,8 +49,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let words = format!(
         "As Fig. 2 with L/ρ = 1024: approach shows {}, retraction {}. The loss per area is {:.4} γ, {ratio:.2} times that of Fig. 2 \
          (the paper: close to 4).",
-        flat_loop::chain(&run.record, Branch::Approach),
-        flat_loop::chain(&run.record, Branch::Retraction),
+        flat_loop::chain(&run.record, Direction::Approach),
+        flat_loop::chain(&run.record, Direction::Retraction),
         run.record.released_energy_sum(),
     );
     let panels = vec![flat_loop::panel(&run, &model.law)];

@@ -3,7 +3,7 @@
 use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::scene::Points;
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
@@ -84,8 +84,8 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         series: vec![
             upper,
             lower,
-            symbols("approach, noise grows", Colour::of(Branch::Approach), approach),
-            symbols("retraction, noise grows", Colour::of(Branch::Retraction), retraction),
+            symbols("approach, noise grows", Colour::of(Direction::Approach), approach),
+            symbols("retraction, noise grows", Colour::of(Direction::Retraction), retraction),
         ],
         ..Panel::default()
     };
@@ -112,7 +112,7 @@ fn lines(law: &Law) -> [Series; 2] {
         let points = ratios.iter().filter_map(|&r| flat::limits(law, r * critical).map(|limits| [r, pick(limits)]));
         Series::line(name, Role::Theory, Colour::of(direction), points.collect())
     };
-    [line("approach, Eq. 8", Branch::Approach, |l| l.1), line("retraction, Eq. 8", Branch::Retraction, |l| l.0)]
+    [line("approach, Eq. 8", Direction::Approach, |l| l.1), line("retraction, Eq. 8", Direction::Retraction, |l| l.0)]
 }
 
 /// A flat surface over flat ground, to be shaken.

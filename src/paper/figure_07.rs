@@ -5,7 +5,7 @@ use super::figure::{Arrow, Axis, Colour, Figure, Finding, Panel, Role, Series, S
 use super::line_cell::{ends, ridges, run, scene, thinned, units};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::Reduction;
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::Scene;
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
@@ -41,7 +41,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         let run =
             run(&loop_of(length, points as usize, step), Reduction::Whole, &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64))?;
         let units = units(length);
-        let (approach, retraction) = (ridges(&run, &units, Branch::Approach), ridges(&run, &units, Branch::Retraction));
+        let (approach, retraction) = (ridges(&run, &units, Direction::Approach), ridges(&run, &units, Direction::Retraction));
         let deviation = approach.iter().chain(&retraction).map(|p| deviation(*p)).fold(0.0, f64::max);
         middle.push(deviation);
         findings.extend(judged(name, units.reduce(1.0), deviation, ends(&run, &units)));
@@ -148,7 +148,7 @@ fn jumps(run: &LoopRun, length: f64, colour: Colour) -> Vec<Arrow> {
     let arrow = |jump: &crate::experiment::record::JumpRecord| {
         let u0 = jump.mean_displacement;
         let at = |stress| [units.reduce(u0), units.pressure(stress, u0)];
-        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.branch }
+        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.direction }
     };
     run.record.jumps.iter().map(arrow).collect()
 }

@@ -5,7 +5,7 @@ use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series};
 use super::line_cell::{ends, reduced, run, scene, units};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::Reduction;
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Range, Scene};
 use crate::physics::pattern::Pattern;
@@ -54,7 +54,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             title: format!("({}) μ_ρ = {mu_rho}", char::from(b'a' + i as u8)),
             x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),
             y: Axis::linear("p̃ = p u₀/γ").from_to(-0.8, 0.1),
-            series: vec![exact, path(&run, Branch::Approach), path(&run, Branch::Retraction)],
+            series: vec![exact, path(&run, Direction::Approach), path(&run, Direction::Retraction)],
             ..Panel::default()
         });
         findings.push(Finding {
@@ -107,9 +107,9 @@ fn exact(displacement: f64) -> Option<[f64; 2]> {
 }
 
 /// The path of one direction, jumps as vertical lines.
-fn path(run: &LoopRun, branch: Branch) -> Series {
+fn path(run: &LoopRun, branch: Direction) -> Series {
     let units = units(LENGTH);
-    let points = run.record.states.iter().filter(|s| s.branch == branch).map(|s| reduced(&units, s)).collect();
+    let points = run.record.states.iter().filter(|s| s.direction == branch).map(|s| reduced(&units, s)).collect();
     let line = Series::line(&branch.to_string(), Role::Simulation, Colour::of(branch), points);
     Series { direction: Some(branch), ..line }
 }

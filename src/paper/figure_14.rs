@@ -4,7 +4,7 @@ use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
 use crate::experiment::measured_law::{Fit, MeasuredLaw, Row, fit};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::record::LoopRecord;
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
@@ -101,13 +101,13 @@ fn panel(surfaces: &[Surface]) -> Panel {
     let best = |surface: &Surface| surface.fits.iter().find_map(|fit| fit.as_ref().ok().map(|fit| fit.law));
     let unit = best(first).map_or(first.law.strongest().1, |law| law.strongest().1);
     let rows = || first.law.rows.iter().step_by(2);
-    let symbols = |direction: Branch, symbol, stress: fn(&Row) -> f64| {
+    let symbols = |direction: Direction, symbol, stress: fn(&Row) -> f64| {
         let points = rows().map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit]).collect();
         Series::symbols(&direction.to_string(), symbol, Colour::of(direction), points)
     };
     let mut series = vec![
-        symbols(Branch::Approach, Symbol::Circle, |row| row.approach),
-        symbols(Branch::Retraction, Symbol::Cross, |row| row.retraction),
+        symbols(Direction::Approach, Symbol::Circle, |row| row.approach),
+        symbols(Direction::Retraction, Symbol::Cross, |row| row.retraction),
     ];
     let low = first.law.rows.last().map_or(0.0, |row| row.gap);
     for surface in surfaces {

@@ -3,7 +3,7 @@
 use super::figure::{Axis, Colour, Content, Finding, Inset, Panel, Role, Series};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::{self, Wish};
-use crate::experiment::record::{Branch, Cause, LoopRecord};
+use crate::experiment::record::{Cause, Direction, LoopRecord};
 use crate::experiment::run::{Landing, LoopRun, Report, run_planned};
 use crate::experiment::scene::{Model, Scene};
 use crate::paper::walked::{completed, refused};
@@ -13,7 +13,7 @@ use crate::physics::pattern::centre::{rolled, shift_to_middle};
 use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use ndarray::Array2;
 
 /// Points of the flat state's curve.
@@ -84,7 +84,7 @@ fn letter(pattern: Pattern, first: bool) -> &'static str {
 
 /// The gap where each pattern of the approach was reached, by growing u0 along the upper edge.
 fn maps(landings: &[Landing], law: &Law) -> Vec<Inset> {
-    let approach: Vec<_> = landings.iter().filter(|landing| landing.branch == Branch::Approach).collect();
+    let approach: Vec<_> = landings.iter().filter(|landing| landing.direction == Direction::Approach).collect();
     let count = approach.len().max(1) as f64;
     let side = (0.8 / count).min(0.15);
     let inset = |(i, landing): (usize, &&Landing)| Inset {
@@ -119,8 +119,8 @@ pub(super) fn findings(run: &LoopRun, model: &Model) -> Vec<Finding> {
         tolerance: Some(5e-3 * record.released_energy_sum()),
     }];
     if let Some((lower, upper)) = flat::limits(law, model.grid.length) {
-        for (branch, limit) in [(Branch::Approach, upper), (Branch::Retraction, lower)] {
-            let left = |jump: &&crate::experiment::record::JumpRecord| jump.branch == branch && jump.cause == Cause::FlatLimit;
+        for (branch, limit) in [(Direction::Approach, upper), (Direction::Retraction, lower)] {
+            let left = |jump: &&crate::experiment::record::JumpRecord| jump.direction == branch && jump.cause == Cause::FlatLimit;
             let found = record.jumps.iter().find(left).map_or(f64::NAN, |jump| jump.mean_displacement);
             findings.push(Finding {
                 quantity: format!("u₀/ρ where the flat surface gives way on {branch}"),
@@ -135,8 +135,8 @@ pub(super) fn findings(run: &LoopRun, model: &Model) -> Vec<Finding> {
 }
 
 /// "flat, bulge, ridge, dimple, flat": the patterns of one branch in their order.
-pub(super) fn chain(record: &LoopRecord, branch: Branch) -> String {
-    let jumps: Vec<_> = record.jumps.iter().filter(|jump| jump.branch == branch).collect();
+pub(super) fn chain(record: &LoopRecord, branch: Direction) -> String {
+    let jumps: Vec<_> = record.jumps.iter().filter(|jump| jump.direction == branch).collect();
     let words: Vec<_> =
         jumps.first().map(|jump| jump.from).into_iter().chain(jumps.iter().map(|jump| jump.to)).map(Pattern::word).collect();
     words.join(", ")

@@ -6,7 +6,7 @@
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
 use crate::experiment::plan::Reduction;
-use crate::experiment::record::{Branch, StateRecord};
+use crate::experiment::record::{Direction, StateRecord};
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Points, Scene};
 use crate::physics::pattern::Pattern;
@@ -35,8 +35,8 @@ pub(super) fn reduced(units: &Units, state: &StateRecord) -> [f64; 2] {
 }
 
 /// (u~, p~) of the ridges of one direction.
-pub(super) fn ridges(run: &LoopRun, units: &Units, branch: Branch) -> Vec<[f64; 2]> {
-    let states = run.record.states.iter().filter(|s| s.branch == branch && s.pattern == Pattern::Ridge);
+pub(super) fn ridges(run: &LoopRun, units: &Units, branch: Direction) -> Vec<[f64; 2]> {
+    let states = run.record.states.iter().filter(|s| s.direction == branch && s.pattern == Pattern::Ridge);
     states.map(|state| reduced(units, state)).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
 use crate::experiment::plan::Reduction;
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::scene::Turn;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
@@ -118,7 +118,7 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     // L = 1: a mean stress is a force, an energy per area an energy.
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {
-        let states = record.states.iter().filter(|s| s.branch == branch);
+        let states = record.states.iter().filter(|s| s.direction == branch);
         let mut points: Vec<[f64; 2]> = states.map(|s| [s.mean_displacement, -s.stress / force]).collect();
         // Next to a jump states crowd closer than any drawing tells them apart.
         points.dedup_by(|b, a| (b[0] - a[0]).abs() < 1e-5 && (b[1] - a[1]).abs() < 5e-3);
@@ -128,8 +128,8 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         mu_rho,
         points,
         range,
-        approach: curve(Branch::Approach),
-        retraction: curve(Branch::Retraction),
+        approach: curve(Direction::Approach),
+        retraction: curve(Direction::Retraction),
         pull_off: record.states.iter().map(|s| s.stress / force).fold(0.0, f64::max),
         released: record.released_energy_sum() * TIP.surface_energy / energy,
         integral: record.work() / energy,

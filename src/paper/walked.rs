@@ -5,7 +5,7 @@ use crate::experiment::plan::Reduction;
 use crate::experiment::run::{LoopRun, Outcome, Report, run_walk};
 use crate::experiment::scene::{Scene, SceneError};
 use crate::experiment::walk::Walk;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 /// A walk on a part of the cell of `scene`.
 pub(super) fn walk(scene: &Scene, reduction: Reduction) -> Result<Walk, Stopped> {

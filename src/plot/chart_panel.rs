@@ -4,7 +4,7 @@ use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
 use super::ticks::digits;
 use crate::experiment::chart::{self, Chart, Judged, Model, Point, Verdict};
 use crate::experiment::plan::Reduction;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no error.
 const STRIP: f64 = 5.0;
@@ -40,17 +40,19 @@ impl Cost {
     }
 }
 
+/// Colours and symbols of the methods in their order.
+const MARKS: [(Colour, Symbol); MethodKind::ALL.len()] = [
+    (Colour::Blue, Symbol::Circle),
+    (Colour::Green, Symbol::Square),
+    (Colour::Gold, Symbol::Triangle),
+    (Colour::Orange, Symbol::Diamond),
+    (Colour::Purple, Symbol::Down),
+    (Colour::Ink, Symbol::Left),
+];
+
 /// Colour and symbol of a way to compute the loop: one for each method, and one for the atlas.
 pub fn mark(point: &Point) -> (Colour, Symbol) {
-    match point.method {
-        _ if point.model == Model::Atlas => (Colour::Teal, Symbol::Plus),
-        MethodKind::NewtonKrylov => (Colour::Blue, Symbol::Circle),
-        MethodKind::Lbfgs => (Colour::Green, Symbol::Square),
-        MethodKind::ConjugateGradients => (Colour::Gold, Symbol::Triangle),
-        MethodKind::Fire => (Colour::Orange, Symbol::Diamond),
-        MethodKind::GfmdTuned => (Colour::Purple, Symbol::Down),
-        MethodKind::Gfmd => (Colour::Ink, Symbol::Left),
-    }
+    if point.model == Model::Atlas { (Colour::Teal, Symbol::Plus) } else { MARKS[point.method.index()] }
 }
 
 /// The rows of a chart on its axes.
@@ -189,8 +191,7 @@ pub fn ways(rows: &[Judged]) -> Vec<Point> {
             ways.push(row.point);
         }
     }
-    let place = |point: &Point| MethodKind::ALL.iter().position(|method| *method == point.method);
-    ways.sort_by_key(|point| (point.model != Model::Atlas, place(point)));
+    ways.sort_by_key(|point| (point.model != Model::Atlas, point.method.index()));
     ways
 }
 

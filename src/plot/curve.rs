@@ -1,6 +1,6 @@
 //! Curves over the mean displacement, cut at jumps: stress against u0, and the smallest eigenvalue against u0.
 
-use crate::experiment::record::{Branch, LoopRecord, StateRecord};
+use crate::experiment::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 
@@ -11,7 +11,7 @@ const POINTS_MAX: usize = 4000;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Direction of the drive.
-    pub branch: Branch,
+    pub direction: Direction,
     /// The pattern of its newest state.
     pub pattern: Pattern,
     /// (u0/rho, stress/sigma_max or another ordinate) in the order they were reached.
@@ -61,11 +61,11 @@ impl Curve {
         let point = [state.mean_displacement / law.range, ordinate];
         let cut = std::mem::take(&mut self.broken);
         match self.pieces.last_mut() {
-            Some(piece) if !cut && piece.branch == state.branch => {
+            Some(piece) if !cut && piece.direction == state.direction => {
                 piece.pattern = state.pattern;
                 piece.points.push(point);
             }
-            _ => self.pieces.push(Piece { branch: state.branch, pattern: state.pattern, points: vec![point] }),
+            _ => self.pieces.push(Piece { direction: state.direction, pattern: state.pattern, points: vec![point] }),
         }
         self.count += 1;
     }
@@ -101,8 +101,8 @@ impl Curve {
 fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
     let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
     let between = |u0: f64| (low..=high).contains(&u0);
-    let recorded = || record.jumps.iter().any(|j| j.branch == b.branch && between(j.mean_displacement));
-    a.branch == b.branch && (low == high || a.pattern != b.pattern) && recorded()
+    let recorded = || record.jumps.iter().any(|j| j.direction == b.direction && between(j.mean_displacement));
+    a.direction == b.direction && (low == high || a.pattern != b.pattern) && recorded()
 }
 
 #[cfg(test)]
@@ -112,18 +112,18 @@ mod tests {
 
     const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range: 2.0 };
 
-    fn state(branch: Branch, u0: f64, stress_over_max: f64) -> StateRecord {
-        StateRecord { branch, stress_over_max, ..StateRecord::placeholder(u0) }
+    fn state(branch: Direction, u0: f64, stress_over_max: f64) -> StateRecord {
+        StateRecord { direction: branch, stress_over_max, ..StateRecord::placeholder(u0) }
     }
 
     #[test]
     fn a_cut_begins_a_new_piece_and_nothing_joins_them() {
         let mut curve = Curve::default();
-        curve.push(&state(Branch::Approach, 8.0, 0.1), &LAW);
-        curve.push(&state(Branch::Approach, 7.0, 0.2), &LAW);
+        curve.push(&state(Direction::Approach, 8.0, 0.1), &LAW);
+        curve.push(&state(Direction::Approach, 7.0, 0.2), &LAW);
         curve.cut();
-        curve.push(&state(Branch::Approach, 7.0, 0.4), &LAW);
-        curve.push(&state(Branch::Approach, 6.0, 0.5), &LAW);
+        curve.push(&state(Direction::Approach, 7.0, 0.4), &LAW);
+        curve.push(&state(Direction::Approach, 6.0, 0.5), &LAW);
         let points: Vec<_> = curve.pieces.iter().map(|piece| piece.points.clone()).collect();
         assert_eq!(points, [vec![[4.0, 0.1], [3.5, 0.2]], vec![[3.5, 0.4], [3.0, 0.5]]]);
     }
@@ -131,8 +131,8 @@ mod tests {
     #[test]
     fn a_turn_begins_a_new_piece() {
         let mut curve = Curve::default();
-        curve.push(&state(Branch::Approach, 4.0, 0.1), &LAW);
-        curve.push(&state(Branch::Retraction, 6.0, 0.2), &LAW);
+        curve.push(&state(Direction::Approach, 4.0, 0.1), &LAW);
+        curve.push(&state(Direction::Retraction, 6.0, 0.2), &LAW);
         assert_eq!(curve.pieces[1].points, [[3.0, 0.2]]);
     }
 
@@ -140,7 +140,7 @@ mod tests {
     fn a_long_curve_stays_short_and_keeps_its_ends() {
         let mut curve = Curve::default();
         for i in 0..50_000 {
-            curve.push(&state(Branch::Approach, -f64::from(i), 0.0), &LAW);
+            curve.push(&state(Direction::Approach, -f64::from(i), 0.0), &LAW);
         }
         assert!(curve.points().count() <= POINTS_MAX + 1);
         assert_eq!(curve.points().next(), Some([0.0, 0.0]));

@@ -3,7 +3,7 @@
 use super::curve::Curve;
 use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
 use crate::experiment::plan::promise;
-use crate::experiment::record::{Branch, JumpRecord, LoopRecord};
+use crate::experiment::record::{Direction, JumpRecord, LoopRecord};
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -56,15 +56,15 @@ pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>)
 
 /// Approach and retraction by growing u0, each broken at its jumps.
 pub fn branches(curve: &Curve) -> [Series; 2] {
-    [Branch::Approach, Branch::Retraction].map(|direction| {
+    [Direction::Approach, Direction::Retraction].map(|direction| {
         let mut points: Vec<[f64; 2]> = Vec::new();
-        for piece in curve.pieces.iter().filter(|piece| piece.branch == direction) {
+        for piece in curve.pieces.iter().filter(|piece| piece.direction == direction) {
             if !points.is_empty() {
                 points.push([f64::NAN; 2]);
             }
             points.extend(&piece.points);
         }
-        if direction == Branch::Approach {
+        if direction == Direction::Approach {
             points.reverse();
         }
         let line = Series::line(&direction.to_string(), Role::Simulation, Colour::of(direction), points);
@@ -132,7 +132,7 @@ pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
     let arrow = |jump: &JumpRecord| {
         let at = |stress: f64| [jump.mean_displacement / law.range, stress / law.traction_max()];
         let (tail, head) = (at(jump.stress_before), at(jump.stress_after));
-        Arrow { tail, head, colour: Colour::JUMP, direction: jump.branch }
+        Arrow { tail, head, colour: Colour::JUMP, direction: jump.direction }
     };
     jumps.iter().map(arrow).collect()
 }
@@ -146,10 +146,10 @@ pub fn names(curve: &Curve, width: f64) -> Vec<Label> {
         let [Some(first), Some(last)] = [piece.points.first(), piece.points.last()] else { continue };
         let middle = 0.5 * (first[0] + last[0]);
         let nearest = piece.points.iter().min_by(|a, b| (a[0] - middle).abs().total_cmp(&(b[0] - middle).abs()));
-        let (text, colour, at) = (piece.pattern.word().to_owned(), Colour::of(piece.branch), *nearest.unwrap_or(first));
+        let (text, colour, at) = (piece.pattern.word().to_owned(), Colour::of(piece.direction), *nearest.unwrap_or(first));
         let near = |known: &Label| known.text == text && known.colour == colour && (known.at[0] - at[0]).abs() < 0.2 * width;
         if (first[0] - last[0]).abs() >= NAMED * width && !named.iter().any(near) {
-            let side = if piece.branch == Branch::Approach { [-1, -1] } else { [1, 1] };
+            let side = if piece.direction == Direction::Approach { [-1, -1] } else { [1, 1] };
             named.push(Label { at, text, colour, side });
         }
     }
@@ -191,7 +191,7 @@ pub(crate) mod tests {
         Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
     }
 
-    fn state(branch: Branch, pattern: Pattern, u0: f64) -> StateRecord {
+    fn state(branch: Direction, pattern: Pattern, u0: f64) -> StateRecord {
         let law = law();
         let over_max = match pattern {
             Pattern::Flat => law.at(u0).traction / law.traction_max(),
@@ -200,7 +200,7 @@ pub(crate) mod tests {
             _ => 0.55 * u0.powf(0.6),
         };
         StateRecord {
-            branch,
+            direction: branch,
             mean_displacement: u0,
             stress: over_max * law.traction_max(),
             stress_over_max: over_max,
@@ -224,12 +224,12 @@ pub(crate) mod tests {
         let approach = [(Flat, 4.2, 3.1), (Bulge, 3.1, 2.6), (Ridge, 2.6, 1.7), (Dimple, 1.7, 0.8), (Flat, 0.8, 0.2)];
         let retraction = [(Flat, 0.2, 0.8), (Dimple, 0.8, 2.3), (Ridge, 2.3, 3.5), (Bulge, 3.5, 3.8), (Flat, 3.8, 4.2)];
         let mut record = LoopRecord::default();
-        for (branch, legs) in [(Branch::Approach, approach), (Branch::Retraction, retraction)] {
+        for (branch, legs) in [(Direction::Approach, approach), (Direction::Retraction, retraction)] {
             for (k, (pattern, from, to)) in legs.into_iter().enumerate() {
                 if let Some(before) = record.states.last().filter(|_| k > 0).cloned() {
                     let after = state(branch, pattern, from);
                     record.jumps.push(JumpRecord {
-                        branch,
+                        direction: branch,
                         mean_displacement: from,
                         from: before.pattern,
                         to: pattern,
@@ -241,7 +241,7 @@ pub(crate) mod tests {
                         landings: Vec::new(),
                     });
                 }
-                let first = usize::from(branch == Branch::Retraction && k == 0);
+                let first = usize::from(branch == Direction::Retraction && k == 0);
                 record.states.extend((first..=20).map(|i| state(branch, pattern, from + (to - from) * i as f64 / 20.0)));
             }
         }

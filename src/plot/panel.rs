@@ -1,6 +1,6 @@
 //! A diagram as a value: what it shows, not how it is drawn. The same value becomes CSV, SVG, PNG and a plot in the window.
 
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use ndarray::Array2;
 use std::borrow::Cow;
 
@@ -96,7 +96,7 @@ pub struct Series {
     /// Colour.
     pub colour: Colour,
     /// Marks along a line that point the way it was gone.
-    pub direction: Option<Branch>,
+    pub direction: Option<Direction>,
     /// (x, y); a line is broken where one is not finite.
     pub points: Vec<[f64; 2]>,
 }
@@ -199,7 +199,7 @@ pub struct Arrow {
     /// Colour.
     pub colour: Colour,
     /// Direction of the drive in which it happens.
-    pub direction: Branch,
+    pub direction: Direction,
 }
 
 /// A word at a place.

@@ -4,7 +4,7 @@
 //! symbols. Contrasts are those of WCAG 2: at least 3 for every mark on its ground, 1.5 for the shaded loss, which has an outline too.
 
 use super::panel::{Colour, Role, Symbol};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use std::f64::consts::TAU;
 
 /// Red, green and blue.
@@ -48,10 +48,10 @@ impl Colour {
     pub const LIVE: Self = Self::Teal;
 
     /// The colour of what is recorded in a direction of the drive.
-    pub fn of(direction: Branch) -> Self {
+    pub fn of(direction: Direction) -> Self {
         match direction {
-            Branch::Approach => Self::Blue,
-            Branch::Retraction => Self::Orange,
+            Direction::Approach => Self::Blue,
+            Direction::Retraction => Self::Orange,
         }
     }
 
@@ -110,10 +110,10 @@ pub fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
 }
 
 /// The symbol along a line that was gone in a direction.
-pub fn pointing(direction: Branch) -> Symbol {
+pub fn pointing(direction: Direction) -> Symbol {
     match direction {
-        Branch::Approach => Symbol::Left,
-        Branch::Retraction => Symbol::Right,
+        Direction::Approach => Symbol::Left,
+        Direction::Retraction => Symbol::Right,
     }
 }
 
@@ -198,7 +198,7 @@ mod tests {
             let loss = mixed(paper, Colour::LOSS.on(ground), ground.opacity());
             assert!(contrast(loss, paper) >= 1.5, "{ground:?}: {}", contrast(loss, paper));
             // What is drawn over the loss.
-            for colour in [Colour::of(Branch::Approach), Colour::of(Branch::Retraction), Colour::JUMP] {
+            for colour in [Colour::of(Direction::Approach), Colour::of(Direction::Retraction), Colour::JUMP] {
                 assert!(contrast(colour.on(ground), loss) >= 2.0, "{colour:?} on the loss, {ground:?}");
             }
         }

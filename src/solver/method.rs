@@ -1,9 +1,9 @@
 //! The one interface behind which every relaxation method stands.
 
+use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, held, sliding_basis, solve};
-use super::{Stop, descent::Descent, gfmd::Gfmd, gfmd_tuned::GfmdTuned};
 use crate::numerics::cancel::Cancel;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
@@ -65,72 +65,6 @@ pub enum Lost {
     Diverged(&'static str),
     /// Somebody asked to stop.
     Cancelled,
-}
-
-/// Which relaxation method follows the branches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum MethodKind {
-    /// Newton-Krylov with a predictor.
-    #[default]
-    NewtonKrylov,
-    /// The paper's mass-weighted GFMD, 50 + 150 time steps per increment.
-    Gfmd,
-    /// The same dynamics with tuned time step and damping, until it has relaxed.
-    GfmdTuned,
-    /// Fast inertial relaxation.
-    Fire,
-    /// Nonlinear conjugate gradients.
-    ConjugateGradients,
-    /// Limited-memory BFGS.
-    Lbfgs,
-}
-
-impl MethodKind {
-    /// Every method.
-    pub const ALL: [MethodKind; 6] = [
-        MethodKind::NewtonKrylov,
-        MethodKind::Lbfgs,
-        MethodKind::ConjugateGradients,
-        MethodKind::Fire,
-        MethodKind::GfmdTuned,
-        MethodKind::Gfmd,
-    ];
-
-    /// The method, its randomness seeded.
-    pub fn build(self, seed: u64) -> Box<dyn Method> {
-        match self {
-            MethodKind::NewtonKrylov => Box::new(NewtonKrylov),
-            MethodKind::Gfmd => Box::new(Gfmd::new(seed)),
-            MethodKind::GfmdTuned => Box::new(GfmdTuned::new(seed)),
-            MethodKind::Fire => Box::new(Descent::fire()),
-            MethodKind::ConjugateGradients => Box::new(Descent::conjugate()),
-            MethodKind::Lbfgs => Box::new(Descent::lbfgs()),
-        }
-    }
-
-    /// The word of the command line.
-    pub fn word(self) -> &'static str {
-        match self {
-            MethodKind::NewtonKrylov => "newton",
-            MethodKind::Gfmd => "gfmd",
-            MethodKind::GfmdTuned => "gfmd_tuned",
-            MethodKind::Fire => "fire",
-            MethodKind::ConjugateGradients => "cg",
-            MethodKind::Lbfgs => "lbfgs",
-        }
-    }
-
-    /// Its name on the screen.
-    pub fn title(self) -> &'static str {
-        match self {
-            MethodKind::NewtonKrylov => "Newton-Krylov",
-            MethodKind::Gfmd => "GFMD, as in the paper",
-            MethodKind::GfmdTuned => "GFMD, tuned",
-            MethodKind::Fire => "FIRE",
-            MethodKind::ConjugateGradients => "conjugate gradients",
-            MethodKind::Lbfgs => "L-BFGS",
-        }
-    }
 }
 
 /// Newton-Krylov from an extrapolated guess, accepted only if it is the continuation of the branch.

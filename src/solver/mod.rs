@@ -11,6 +11,7 @@ pub mod equilibrium;
 pub mod gfmd;
 pub mod gfmd_tuned;
 pub mod method;
+pub mod methods;
 pub mod newton;
 pub mod release;
 pub mod sector;

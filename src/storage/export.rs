@@ -22,7 +22,7 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
     let mut text = format!("{LOOP_COLUMNS}\n");
     for s in states {
         let cells = [
-            s.branch.to_string(),
+            s.direction.to_string(),
             number(s.mean_displacement),
             number(s.stress),
             number(s.stress_over_max),
@@ -47,7 +47,7 @@ pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure
     let mut text = format!("{EVENT_COLUMNS}\n");
     for jump in jumps {
         let (u0, released) = (number(jump.mean_displacement), number(jump.released_energy));
-        let _ = writeln!(text, "{},{u0},{},{},{released},{}", jump.branch, jump.from, jump.to, quoted(&jump.cause_words()));
+        let _ = writeln!(text, "{},{u0},{},{},{released},{}", jump.direction, jump.from, jump.to, quoted(&jump.cause_words()));
     }
     files::write_whole(path, text.as_bytes())
 }

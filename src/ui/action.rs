@@ -4,7 +4,7 @@ use super::scene_edit::Follows;
 use crate::experiment::plan::Wish;
 use crate::experiment::scene::Scene;
 use crate::plot::chart_panel::Cost;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use crate::worker::protocol::{Page, Speed, Sweep};
 use std::path::PathBuf;
 

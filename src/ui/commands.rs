@@ -9,7 +9,7 @@ use super::view_state::ViewState;
 use crate::experiment::plan::Wish;
 use crate::paper::GALLERY;
 use crate::physics::law::Shape;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use crate::storage::presets;
 use crate::worker::protocol::{Page, Sweep};
 use egui::{Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window};

@@ -10,10 +10,10 @@ use super::u0_slider;
 use super::view_state::ViewState;
 use crate::experiment::parameter::{self, Parameter};
 use crate::experiment::plan::Wish;
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::experiment::scene::{Points, Scene, Turn};
 use crate::physics::law::Shape;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use egui::{ComboBox, DragValue, Response, RichText, Ui};
 use std::ops::RangeInclusive;
 
@@ -95,8 +95,8 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.label("Actual");
             ui.label(RichText::new(format!("{:.4} ρ", state.actual / rho)).heading().strong());
             let (arrow, word) = match state.branch {
-                Branch::Approach => ("▼", "approach"),
-                Branch::Retraction => ("▲", "retraction"),
+                Direction::Approach => ("▼", "approach"),
+                Direction::Retraction => ("▲", "retraction"),
             };
             ui.label(format!("{arrow} {word}"));
             ui.add_space(4.0);

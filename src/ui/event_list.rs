@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::record::{Branch, Cause};
+use crate::experiment::record::{Cause, Direction};
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.
@@ -55,11 +55,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
             }
             ui.end_row();
             for (index, jump) in jumps.iter().enumerate().rev().take(ROWS) {
-                let (mark, colour) = match jump.branch {
-                    Branch::Approach => ("◀", palette.approach),
-                    Branch::Retraction => ("▶", palette.retraction),
+                let (mark, colour) = match jump.direction {
+                    Direction::Approach => ("◀", palette.approach),
+                    Direction::Retraction => ("▶", palette.retraction),
                 };
-                ui.label(RichText::new(mark).color(colour)).on_hover_text(jump.branch.to_string());
+                ui.label(RichText::new(mark).color(colour)).on_hover_text(jump.direction.to_string());
                 let place = ui.selectable_label(selected == Some(index), format!("{:.3}", jump.mean_displacement / state.rho()));
                 if place.on_hover_text("the numbers of the state after it (J, K)").clicked() {
                     actions.push(Action::SelectJump(index));

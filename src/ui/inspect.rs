@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action
             ui.set_width(WIDTH - 14.0);
             ui.spacing_mut().item_spacing.y = 1.0;
             ui.horizontal(|ui| {
-                ui.label(RichText::new(format!("{} on {}", s.pattern, s.branch)).strong());
+                ui.label(RichText::new(format!("{} on {}", s.pattern, s.direction)).strong());
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     if named(ui.small_button("✖"), "Close the card").clicked() {
                         actions.push(Action::ClearSelection);

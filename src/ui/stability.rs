@@ -6,7 +6,7 @@ use super::theme::{self, Palette};
 use super::time_steps;
 use super::view_state::ViewState;
 use crate::experiment::forecast::{Forecast, forecast};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::plot::loop_panel::branches;
 use crate::plot::panel::Panel;
 use crate::plot::style::Ground;
@@ -156,8 +156,8 @@ fn present(state: &ViewState) -> String {
 fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
     let rho = state.rho();
     let way = match state.branch {
-        Branch::Approach => "down",
-        Branch::Retraction => "up",
+        Direction::Approach => "down",
+        Direction::Retraction => "up",
     };
     match ahead {
         None => format!("no jump foreseen going {way}"),

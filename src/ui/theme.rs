@@ -1,6 +1,6 @@
 //! Fonts, light and dark visuals, and the few colours with a meaning.
 
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::plot::panel::Colour;
 use crate::plot::style::Ground;
 use egui::{Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals};
@@ -50,8 +50,8 @@ pub fn palette(dark: bool) -> Palette {
         Color32::from_rgb(red, green, blue)
     };
     Palette {
-        approach: of(Colour::of(Branch::Approach)),
-        retraction: of(Colour::of(Branch::Retraction)),
+        approach: of(Colour::of(Direction::Approach)),
+        retraction: of(Colour::of(Direction::Retraction)),
         flat: of(Colour::FLAT),
         jump: of(Colour::JUMP),
         live: of(Colour::LIVE),

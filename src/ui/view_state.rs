@@ -18,14 +18,14 @@ use super::action::{Measurement, Tab, ViewOptions};
 use super::history::History;
 use super::scene_edit::{self, Follows};
 use crate::experiment::plan::Wish;
-use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
 use crate::experiment::walk::EnergyWell;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel::flat_state;
 use crate::plot::panel::{Area, Series};
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ pub struct ViewState {
     /// Where u0 is.
     pub actual: f64,
     /// Direction of the last motion.
-    pub branch: Branch,
+    pub branch: Direction,
     /// The sweep under way.
     pub sweep: Option<Sweep>,
     /// The last sweep that was played.
@@ -160,7 +160,7 @@ impl ViewState {
             limits,
             target: limits.1,
             actual: limits.1,
-            branch: Branch::Approach,
+            branch: Direction::Approach,
             sweep: None,
             last_sweep: Sweep::Loop,
             paused: false,
@@ -315,7 +315,7 @@ impl ViewState {
         self.notice = None;
         self.state = None;
         self.actual = self.limits.1;
-        self.branch = Branch::Approach;
+        self.branch = Direction::Approach;
         self.record = LoopRecord::default();
         self.curve = Curve::default();
         self.stiffness = Curve::default();
@@ -365,7 +365,7 @@ impl ViewState {
             jump.from,
             jump.to,
             jump.mean_displacement / self.rho(),
-            jump.branch,
+            jump.direction,
             jump.released_energy,
             jump.cause_words()
         )

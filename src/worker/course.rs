@@ -9,7 +9,7 @@ use crate::experiment::walk::{Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
 use crate::solver::equilibrium::Equilibrium;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use std::sync::Arc;
 
 /// A scene with the way it is computed.

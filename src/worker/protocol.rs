@@ -11,7 +11,7 @@ use crate::experiment::walk::EnergyWell;
 use crate::paper::Figure;
 use crate::paper::errata::Erratum;
 use crate::paper::overlay::ZeroRange;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;

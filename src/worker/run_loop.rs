@@ -201,7 +201,7 @@ mod tests {
     use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
     use crate::physics::indenter::Indenter;
     use crate::physics::law::{Morse, Shape};
-    use crate::solver::method::MethodKind;
+    use crate::solver::methods::MethodKind;
 
     fn scene() -> Scene {
         Scene {

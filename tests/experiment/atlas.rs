@@ -9,7 +9,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::theory::flat;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 fn preset(name: &str) -> Scene {
@@ -36,7 +36,7 @@ fn planned(scene: &Scene) -> LoopRun {
 
 /// The same jumps, each within the walk's bracket of 1e-4 ranges and the asked share, and energies within a ten-thousandth of gamma.
 fn assert_same(atlas: &[JumpRecord], walk: &[JumpRecord], share: f64) {
-    let name = |j: &JumpRecord| (j.branch, j.from, j.to, j.cause);
+    let name = |j: &JumpRecord| (j.direction, j.from, j.to, j.cause);
     assert_eq!(atlas.iter().map(name).collect::<Vec<_>>(), walk.iter().map(name).collect::<Vec<_>>());
     for (a, b) in atlas.iter().zip(walk) {
         let off = (a.mean_displacement - b.mean_displacement).abs();
@@ -64,7 +64,7 @@ fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
     let mut compared = 0;
     for a in &atlas.record.states {
         let same = |b: &&tackscope::experiment::record::StateRecord| {
-            b.branch == a.branch && (b.mean_displacement - a.mean_displacement).abs() < 1e-9 && b.pattern == a.pattern
+            b.direction == a.direction && (b.mean_displacement - a.mean_displacement).abs() < 1e-9 && b.pattern == a.pattern
         };
         if let Some(b) = walk.record.states.iter().find(same) {
             compared += 1;

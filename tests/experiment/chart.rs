@@ -11,7 +11,7 @@ use tackscope::experiment::chart::{
 use tackscope::experiment::plan::Reduction;
 use tackscope::experiment::scene::{Points, Range, Scene};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::chart::CHART_COLUMNS;
 use tackscope::storage::{presets, scene_file};
 

@@ -13,7 +13,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::solver::method::MethodKind::NewtonKrylov;
+use tackscope::solver::methods::MethodKind::NewtonKrylov;
 
 #[test]
 fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {

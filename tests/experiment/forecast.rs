@@ -1,14 +1,14 @@
 //! The forecast of the next jump against exact theory, and against the jumps the walk finds later.
 
 use tackscope::experiment::forecast::{Forecast, forecast};
-use tackscope::experiment::record::{Branch, LoopRecord, StateRecord};
+use tackscope::experiment::record::{Direction, LoopRecord, StateRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Model, Points, Scene};
 use tackscope::experiment::walk::Walk;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 fn fig2(points: usize) -> Scene {
@@ -36,10 +36,10 @@ fn before_each_jump(run: &LoopRun) -> Vec<(Vec<LoopRecord>, f64)> {
     let mut begin = 0;
     let mut all = Vec::new();
     for (k, jump) in record.jumps.iter().enumerate() {
-        let lands = |s: &StateRecord| s.branch == jump.branch && s.mean_displacement == jump.mean_displacement;
+        let lands = |s: &StateRecord| s.direction == jump.direction && s.mean_displacement == jump.mean_displacement;
         let end = begin + record.states[begin..].iter().rposition(lands).unwrap();
         let stood = |last: usize| LoopRecord { states: record.states[..=last].to_vec(), jumps: record.jumps[..k].to_vec() };
-        let branch: Vec<_> = (begin..end).filter(|i| record.states[*i].branch == jump.branch).map(stood).collect();
+        let branch: Vec<_> = (begin..end).filter(|i| record.states[*i].direction == jump.direction).map(stood).collect();
         all.push((branch, jump.mean_displacement));
         begin = end;
     }
@@ -93,14 +93,14 @@ fn on_a_coarse_mesh_that_pins_the_ridge_all_but_a_few_forecasts_contain_the_jump
 }
 
 /// A record of flat states on the way to `u0`, as the walk would leave it.
-fn flat_states(branch: Branch, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
+fn flat_states(branch: Direction, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
     let scene = fig2(16);
     let model = scene.model().unwrap();
     let first = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap().record().clone();
     let states = path
         .iter()
         .map(|&mean_displacement| StateRecord {
-            branch,
+            direction: branch,
             mean_displacement,
             pattern,
             stiffness_min: flat::stiffness_min(&model.law, model.grid.length, mean_displacement),
@@ -112,14 +112,14 @@ fn flat_states(branch: Branch, path: &[f64], pattern: Pattern) -> (LoopRecord, M
 
 #[test]
 fn the_limit_of_the_flat_state_is_foreseen_exactly_from_both_sides() {
-    for (branch, path) in [(Branch::Approach, [3.4, 3.38, 3.36]), (Branch::Retraction, [0.5, 0.52, 0.54])] {
+    for (branch, path) in [(Direction::Approach, [3.4, 3.38, 3.36]), (Direction::Retraction, [0.5, 0.52, 0.54])] {
         let (record, model) = flat_states(branch, &path, Pattern::Flat);
         let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-        let limit = if branch == Branch::Approach { upper } else { lower };
+        let limit = if branch == Direction::Approach { upper } else { lower };
         assert_eq!(forecast(&record, &model), Some(Forecast { nearest: limit, farthest: limit }));
         // Eq. 8.
         let root = (1.0 - 4.0 * std::f64::consts::PI / (0.15f64 * 256.0)).sqrt();
-        let sign = if branch == Branch::Approach { -1.0 } else { 1.0 };
+        let sign = if branch == Direction::Approach { -1.0 } else { 1.0 };
         assert!((limit + ((1.0 + sign * root) / 4.0).ln()).abs() < 1e-9, "{limit}");
     }
 }
@@ -127,11 +127,11 @@ fn the_limit_of_the_flat_state_is_foreseen_exactly_from_both_sides() {
 #[test]
 fn the_extrapolation_alone_brackets_the_limits_of_eq_8_too() {
     // The same eigenvalues under another name, so that the closed form is not used.
-    for (branch, sign) in [(Branch::Approach, 1.0), (Branch::Retraction, -1.0)] {
+    for (branch, sign) in [(Direction::Approach, 1.0), (Direction::Retraction, -1.0)] {
         for distance in [0.15, 0.1, 0.05, 0.02, 0.005] {
             let (_, model) = flat_states(branch, &[3.0], Pattern::Flat);
             let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-            let limit = if branch == Branch::Approach { upper } else { lower };
+            let limit = if branch == Direction::Approach { upper } else { lower };
             let path = [2.0, 1.0, 0.0].map(|k| limit + sign * (distance + 0.02 * k));
             let (record, model) = flat_states(branch, &path, Pattern::Bulge);
             let forecast = forecast(&record, &model).unwrap();
@@ -143,6 +143,6 @@ fn the_extrapolation_alone_brackets_the_limits_of_eq_8_too() {
 
 #[test]
 fn no_limit_is_foreseen_on_the_way_out_of_the_attraction() {
-    let (record, model) = flat_states(Branch::Retraction, &[3.4, 3.42, 3.44], Pattern::Flat);
+    let (record, model) = flat_states(Direction::Retraction, &[3.4, 3.42, 3.44], Pattern::Flat);
     assert_eq!(forecast(&record, &model), None);
 }

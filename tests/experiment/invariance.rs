@@ -8,7 +8,7 @@ use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 
 fn looped(scene: &Scene, reduction: Reduction) -> LoopRun {

@@ -7,7 +7,7 @@ use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::solver::method::MethodKind::NewtonKrylov;
+use tackscope::solver::methods::MethodKind::NewtonKrylov;
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
     Scene { seed, ..crate::flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n)) }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::experiment::plan::{Reduction, Wish, plan};
-use tackscope::experiment::record::{Branch, Cause, JumpRecord};
+use tackscope::experiment::record::{Cause, Direction, JumpRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
 use tackscope::experiment::scene::{Drive, Points, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
@@ -12,7 +12,7 @@ use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 fn preset(name: &str) -> Scene {
@@ -129,11 +129,11 @@ fn releases_of_a_line_cell_are_exact_within_their_stated_error() {
         let run = planned(&scene);
         let [limit, fold] = exact_jumps(law, length);
         let jump = |branch, from| {
-            let of = |j: &&JumpRecord| (j.branch, j.from) == (branch, from) && j.cause != Cause::Transition;
+            let of = |j: &&JumpRecord| (j.direction, j.from) == (branch, from) && j.cause != Cause::Transition;
             run.record.jumps.iter().rfind(of).unwrap_or_else(|| panic!("{shape:?} {ratio}: {:?}", run.record.jumps))
         };
         for (jump, (at, released)) in
-            [(jump(Branch::Approach, Pattern::Flat), limit), (jump(Branch::Retraction, Pattern::Ridge), fold)]
+            [(jump(Direction::Approach, Pattern::Flat), limit), (jump(Direction::Retraction, Pattern::Ridge), fold)]
         {
             println!(
                 "{shape:?} {ratio}: at {} ({at}), {} ({released}) +- {:e}",

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 use tackscope::experiment::live_loop::{Fineness, LiveLoop, LiveLoops};
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::experiment::run::{Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Range, Scene};
 use tackscope::experiment::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 fn fig2() -> Scene {
@@ -30,7 +30,7 @@ fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
         println!("{fineness:?}: {} points, {:?}, {} against {work}", live.points, began.elapsed(), live.dissipated_energy);
         assert!((live.dissipated_energy / work - 1.0).abs() < tolerance);
         let route = |jumps: &[tackscope::experiment::record::JumpRecord]| {
-            jumps.iter().map(|j| (j.branch, j.from, j.to)).collect::<Vec<_>>()
+            jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>()
         };
         assert_eq!(route(&live.jumps), route(&run.record.jumps));
         // Every walked state lies on the drawn curve, away from the very ends of the branches.
@@ -40,7 +40,7 @@ fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
                 continue;
             }
             let leg = live.legs.iter().find(|leg| {
-                leg.direction == state.branch && (leg.from.min(leg.to)..=leg.from.max(leg.to)).contains(&state.mean_displacement)
+                leg.direction == state.direction && (leg.from.min(leg.to)..=leg.from.max(leg.to)).contains(&state.mean_displacement)
             });
             let stress = live.stretches[leg.unwrap().stretch].at(state.mean_displacement).stress;
             let off = (stress - state.stress).abs() / live.law.traction_max();
@@ -75,7 +75,7 @@ fn a_leg_is_drawn_in_the_direction_it_is_gone() {
     for leg in &live.legs {
         let points = live.points_of(leg);
         let ordered =
-            points.windows(2).all(|w| if leg.direction == Branch::Approach { w[1][0] <= w[0][0] } else { w[1][0] >= w[0][0] });
+            points.windows(2).all(|w| if leg.direction == Direction::Approach { w[1][0] <= w[0][0] } else { w[1][0] >= w[0][0] });
         assert!(ordered && points.len() > 3, "{leg:?}");
         assert!((points[0][0] - leg.from).abs() < 1e-12 && (points[points.len() - 1][0] - leg.to).abs() < 1e-12);
     }
@@ -107,7 +107,7 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
         assert!(off < 2e-3, "{off} at {i}");
         assert_eq!(quick.jumps.len(), slow.jumps.len());
         for (a, b) in quick.jumps.iter().zip(&slow.jumps) {
-            assert_eq!((a.branch, a.from, a.to), (b.branch, b.from, b.to));
+            assert_eq!((a.direction, a.from, a.to), (b.direction, b.from, b.to));
             assert!((a.mean_displacement - b.mean_displacement).abs() < 5e-3, "{a:?} {b:?}");
         }
     }

@@ -10,7 +10,7 @@ use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 /// A scene with this target, which also decides its mesh.

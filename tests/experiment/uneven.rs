@@ -3,14 +3,14 @@
 use std::sync::OnceLock;
 use tackscope::experiment::measured_law::MeasuredLaw;
 use tackscope::experiment::plan::{Reduction, Road, Wish, plan};
-use tackscope::experiment::record::{Branch, Cause, StateRecord};
+use tackscope::experiment::record::{Cause, Direction, StateRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_reduced};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 
 fn preset(name: &str) -> Scene {
@@ -133,11 +133,11 @@ fn in_deep_compression_nothing_jumps() {
         run.record.jumps
     );
     // Going down and coming up it is the same surface: its softest mode too, which the tracking must not lose.
-    let at = |branch: Branch| {
-        let near = |s: &&StateRecord| s.branch == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
+    let at = |branch: Direction| {
+        let near = |s: &&StateRecord| s.direction == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
         run.record.states.iter().find(near).cloned().unwrap()
     };
-    let (down, up) = (at(Branch::Approach), at(Branch::Retraction));
+    let (down, up) = (at(Direction::Approach), at(Direction::Retraction));
     assert!((down.stress - up.stress).abs() < 1e-6 && (down.energy - up.energy).abs() < 1e-9);
     let allowed = 0.3 * down.stiffness_min + down.stiffness_error.min(1.0) + up.stiffness_error.min(1.0);
     assert!((down.stiffness_min - up.stiffness_min).abs() < allowed, "{} {}", down.stiffness_min, up.stiffness_min);

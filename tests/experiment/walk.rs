@@ -1,14 +1,14 @@
 //! The walk on real scenes: which patterns, where they jump, and that the ledger closes.
 
 use std::sync::OnceLock;
-use tackscope::experiment::record::{Branch, Cause, JumpRecord};
+use tackscope::experiment::record::{Cause, Direction, JumpRecord};
 use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
 use tackscope::physics::theory::{flat, ridge};
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 fn preset(name: &str) -> Scene {
@@ -27,8 +27,8 @@ fn fig2() -> &'static LoopRun {
     RUN.get_or_init(|| newton(&preset("fig2")))
 }
 
-fn sequence(run: &LoopRun, branch: Branch) -> Vec<Pattern> {
-    let jumps: Vec<_> = run.record.jumps.iter().filter(|j| j.branch == branch).collect();
+fn sequence(run: &LoopRun, branch: Direction) -> Vec<Pattern> {
+    let jumps: Vec<_> = run.record.jumps.iter().filter(|j| j.direction == branch).collect();
     jumps.first().map(|j| j.from).into_iter().chain(jumps.iter().map(|j| j.to)).collect()
 }
 
@@ -39,7 +39,7 @@ fn dissipated(run: &LoopRun, scene: &Scene) -> f64 {
 fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
     let (da, db) = (dissipated(a, scene), dissipated(b, scene));
     assert!((da / db - 1.0).abs() < 5e-3, "{what}: dissipated {da} and {db}");
-    let places = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.branch, j.from, j.to)).collect::<Vec<_>>();
+    let places = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>();
     assert_eq!(places(a), places(b), "{what}");
     for (ja, jb) in a.record.jumps.iter().zip(&b.record.jumps) {
         assert!((ja.mean_displacement - jb.mean_displacement).abs() < 0.01, "{what}: {ja:?} {jb:?}");
@@ -48,8 +48,8 @@ fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
 
 #[test]
 fn fig_2_shows_flat_bulge_ridge_dimple_flat_and_the_same_backwards() {
-    assert_eq!(sequence(fig2(), Branch::Approach), [Flat, Bulge, Ridge, Dimple, Flat]);
-    assert_eq!(sequence(fig2(), Branch::Retraction), [Flat, Dimple, Ridge, Bulge, Flat]);
+    assert_eq!(sequence(fig2(), Direction::Approach), [Flat, Bulge, Ridge, Dimple, Flat]);
+    assert_eq!(sequence(fig2(), Direction::Retraction), [Flat, Dimple, Ridge, Bulge, Flat]);
 }
 
 #[test]
@@ -85,7 +85,8 @@ fn along_branches_stress_is_the_derivative_of_the_energy() {
     for three in states.windows(3) {
         let [a, b, c] = [&three[0], &three[1], &three[2]].map(|s| s.mean_displacement);
         // Simpson's rule needs equal steps on one branch; within half a range of a fold its own error is not small.
-        let near_a_jump = fig2().record.jumps.iter().any(|j| j.branch == three[2].branch && (j.mean_displacement - b).abs() < 0.5);
+        let near_a_jump =
+            fig2().record.jumps.iter().any(|j| j.direction == three[2].direction && (j.mean_displacement - b).abs() < 0.5);
         if near_a_jump || three[0].pattern != three[2].pattern || ((b - a) - (c - b)).abs() > 1e-9 {
             continue;
         }
@@ -147,8 +148,8 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
     // Jumps are located whatever the step; between them half a range shows enough.
     scene.drive.step = 0.5;
     let run = newton(&scene);
-    assert_eq!(sequence(&run, Branch::Approach), [Flat, Ridge, Dimple, Flat]);
-    assert_eq!(sequence(&run, Branch::Retraction), [Flat, Dimple, Ridge, Flat]);
+    assert_eq!(sequence(&run, Direction::Approach), [Flat, Ridge, Dimple, Flat]);
+    assert_eq!(sequence(&run, Direction::Retraction), [Flat, Dimple, Ridge, Flat]);
     let ratio = dissipated(&run, &scene) / dissipated(fig2(), &preset("fig2"));
     assert!((3.0..=4.0).contains(&ratio), "{ratio}");
 }
@@ -284,7 +285,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         scene.drive = Drive { start: upper + 0.7 * width, turn: Turn::At(rest + 0.25 * (lower - rest)), step: width / 100.0 };
         let run = newton(&scene);
         // Small mesh jumps within a pattern (the cosine law has them at its cut-off) are left out.
-        let mut seen = sequence(&run, Branch::Approach);
+        let mut seen = sequence(&run, Direction::Approach);
         seen.dedup();
         assert_eq!(seen, [Flat, Bulge, Ridge, Dimple, Flat], "{shape:?}");
         let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
@@ -298,10 +299,10 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
                 [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0001\n";
     let scene = scene_file::parse(text, "hertz").unwrap();
     let run = newton(&scene);
-    let jumps: Vec<_> = run.record.jumps.iter().map(|j| (j.branch, j.from, j.to)).collect();
+    let jumps: Vec<_> = run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect();
     assert_eq!(
         jumps,
-        [(Branch::Approach, Pattern::Other, Pattern::Contact), (Branch::Retraction, Pattern::Contact, Pattern::Other)]
+        [(Direction::Approach, Pattern::Other, Pattern::Contact), (Direction::Retraction, Pattern::Contact, Pattern::Other)]
     );
     // The pull-off force of JKR, (3/2) pi gamma R, within the few per cent that a range this long costs.
     let pull = run.record.states.iter().map(|s| s.stress).fold(0.0, f64::max);
@@ -317,7 +318,7 @@ fn after_landing_flat_the_walk_goes_on_in_the_steps_of_the_scene() {
     (scene.cell.points, scene.drive.step) = (Points::Square(24), 0.1);
     let run = newton(&scene);
     let landed = run.record.jumps.iter().rev().find(|jump| jump.to == Flat).unwrap().mean_displacement;
-    let after = run.record.states.iter().filter(|s| s.branch == Branch::Retraction && s.mean_displacement > landed);
+    let after = run.record.states.iter().filter(|s| s.direction == Direction::Retraction && s.mean_displacement > landed);
     let expected = ((scene.drive.start - landed) / scene.drive.step).ceil() as usize;
     assert_eq!(after.count(), expected);
 }

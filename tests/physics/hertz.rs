@@ -11,7 +11,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 
 const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 use tackscope::experiment::plan::Reduction;
-use tackscope::experiment::record::{Branch, JumpRecord, StateRecord};
+use tackscope::experiment::record::{Direction, JumpRecord, StateRecord};
 use tackscope::experiment::run::{LoopRun, run_loop};
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
@@ -15,7 +15,8 @@ use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::{System, Workspace};
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
-use tackscope::solver::method::{Lost, Method, MethodKind, Problem, Slides};
+use tackscope::solver::method::{Lost, Method, Problem, Slides};
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
@@ -128,8 +129,8 @@ pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
 }
 
 /// Patterns visited on one direction.
-pub fn visited(run: &LoopRun, branch: Branch) -> Vec<Pattern> {
-    run.record.jumps.iter().filter(|j| j.branch == branch).map(|j| j.to).collect()
+pub fn visited(run: &LoopRun, branch: Direction) -> Vec<Pattern> {
+    run.record.jumps.iter().filter(|j| j.direction == branch).map(|j| j.to).collect()
 }
 
 /// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target` by way of `turn`.

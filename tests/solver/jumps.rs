@@ -8,7 +8,8 @@ use tackscope::physics::system::Workspace;
 use tackscope::solver::branch::{History, distance};
 use tackscope::solver::descent::Descent;
 use tackscope::solver::equilibrium::{Cost, Equilibrium};
-use tackscope::solver::method::{Lost, Method, MethodKind, Problem};
+use tackscope::solver::method::{Lost, Method, Problem};
+use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
 use tackscope::solver::{Stop, branch};
 

@@ -4,7 +4,7 @@ use super::common::looped;
 use std::process::{Command, Stdio};
 use tackscope::experiment::run::Outcome;
 use tackscope::experiment::scene::{Points, Range, Scene};
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 /// A line of 16 points with the range that `mu_rho` gives.

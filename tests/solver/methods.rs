@@ -5,7 +5,7 @@ use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 
 /// Fig. 2 on the coarsest mesh that does not trap patterns, in steps of twice the preset's.
@@ -23,7 +23,7 @@ fn walked(scene: &Scene, method: MethodKind) -> LoopRun {
 }
 
 fn what(jumps: &[JumpRecord]) -> Vec<String> {
-    jumps.iter().map(|jump| format!("{} {} {}", jump.branch, jump.from, jump.to)).collect()
+    jumps.iter().map(|jump| format!("{} {} {}", jump.direction, jump.from, jump.to)).collect()
 }
 
 #[test]

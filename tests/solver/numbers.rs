@@ -10,7 +10,8 @@ use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::law::{Law, Mie, Shape};
 use tackscope::solver::Stop;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
-use tackscope::solver::method::{Lost, MethodKind};
+use tackscope::solver::method::Lost;
+use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, descend, solve};
 use tackscope::solver::release::{Release, Slice};
 

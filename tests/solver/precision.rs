@@ -11,7 +11,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::system::System;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;
 use tackscope::storage::{presets, scene_file};
 
@@ -28,7 +28,7 @@ fn looped(precision: Precision, reduction: Reduction) -> LoopRun {
 
 /// The same jumps within `distance` of u0, and the same loss within the share `loss`.
 fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
-    let what = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.branch, j.from, j.to)).collect::<Vec<_>>();
+    let what = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>();
     assert_eq!(what(run), what(double));
     for (a, b) in run.record.jumps.iter().zip(&double.record.jumps) {
         assert!((a.mean_displacement - b.mean_displacement).abs() < distance, "{a:?} {b:?}");

@@ -10,7 +10,8 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::solver::Stop;
 use tackscope::solver::descent::Descent;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget};
-use tackscope::solver::method::{Lost, MethodKind};
+use tackscope::solver::method::Lost;
+use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::sliding_basis;
 use tackscope::solver::stability::{Tracker, random_smooth};
 

@@ -20,7 +20,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::roughness::Roughness;
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 
 /// mu_rho up to which it is always left out.
 const FREELY: f64 = 0.45;

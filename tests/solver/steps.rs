@@ -1,20 +1,20 @@
 //! Steps of u0 that are too long.
 
 use super::common::{N, fig2, looped, visited};
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::physics::pattern::Pattern::{Bulge, Dimple, Flat, Ridge};
 use tackscope::solver::Stop;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 
 #[test]
 fn steps_of_a_quarter_range_skip_the_bulge_unless_the_method_locates_where_branches_end() {
     let scene = fig2(N, 0.23);
     let blind = looped(&scene, MethodKind::GfmdTuned);
-    assert!(!visited(&blind, Branch::Retraction).contains(&Bulge), "{:?}", visited(&blind, Branch::Retraction));
+    assert!(!visited(&blind, Direction::Retraction).contains(&Bulge), "{:?}", visited(&blind, Direction::Retraction));
     for kind in [MethodKind::NewtonKrylov, MethodKind::Lbfgs, MethodKind::ConjugateGradients] {
         let run = looped(&scene, kind);
-        assert_eq!(visited(&run, Branch::Approach), [Bulge, Ridge, Dimple, Flat], "{kind:?}");
-        assert_eq!(visited(&run, Branch::Retraction), [Dimple, Ridge, Bulge, Flat], "{kind:?}");
+        assert_eq!(visited(&run, Direction::Approach), [Bulge, Ridge, Dimple, Flat], "{kind:?}");
+        assert_eq!(visited(&run, Direction::Retraction), [Dimple, Ridge, Bulge, Flat], "{kind:?}");
         assert!(run.record.states.iter().all(|s| s.stop == Stop::Stable), "{kind:?}");
     }
 }
@@ -22,8 +22,8 @@ fn steps_of_a_quarter_range_skip_the_bulge_unless_the_method_locates_where_branc
 #[test]
 fn steps_of_a_whole_range_lose_no_pattern_either() {
     let run = looped(&fig2(N, 0.97), MethodKind::NewtonKrylov);
-    assert_eq!(visited(&run, Branch::Approach), [Bulge, Ridge, Dimple, Flat]);
-    assert_eq!(visited(&run, Branch::Retraction), [Dimple, Ridge, Bulge, Flat]);
+    assert_eq!(visited(&run, Direction::Approach), [Bulge, Ridge, Dimple, Flat]);
+    assert_eq!(visited(&run, Direction::Retraction), [Dimple, Ridge, Bulge, Flat]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tackscope::experiment::chart::{Effort, Errors, Judged, Model, Point, Precision, Verdict};
 use tackscope::experiment::plan::Reduction;
 use tackscope::experiment::scene::Points;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::worker::protocol::{ChartSoFar, Command, Errand, Event};
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 use tackscope::experiment::plan::{Reduction, plan};
-use tackscope::experiment::record::{Branch, Cause, JumpRecord, StateRecord};
+use tackscope::experiment::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::experiment::scene::{Model, Scene};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
@@ -129,12 +129,12 @@ impl Bench {
     }
 
     /// The solver reaches the flat state at `u0`: its closed form.
-    pub fn reach(&mut self, u0: f64, branch: Branch) {
+    pub fn reach(&mut self, u0: f64, branch: Direction) {
         let run = self.state().run;
         let law = self.model.law;
         let stress = law.at(u0).traction;
         let state = StateRecord {
-            branch,
+            direction: branch,
             mean_displacement: u0,
             stress,
             stress_over_max: stress / law.traction_max(),
@@ -158,7 +158,7 @@ impl Bench {
 
     pub fn jump(&mut self, u0: f64) {
         let jump = JumpRecord {
-            branch: Branch::Approach,
+            direction: Direction::Approach,
             mean_displacement: u0,
             from: Pattern::Flat,
             to: Pattern::Ridge,

@@ -5,7 +5,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::experiment::scene::{Range, Scene, Turn};
 use tackscope::physics::indenter::Indenter;
 use tackscope::storage::{files, picture, presets, scene_file};
@@ -97,7 +97,7 @@ fn a_decimal_comma_is_taken_in_every_field() {
 #[test]
 fn the_last_scenes_picture_is_gone_at_once_when_another_is_opened() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     assert!(bench.names().contains("Gap map: flat"));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scene.toml");
@@ -109,10 +109,10 @@ fn the_last_scenes_picture_is_gone_at_once_when_another_is_opened() {
 #[test]
 fn an_edited_scene_waits_for_its_picture_in_words() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     bench.click("law cosine");
     assert!(bench.names().contains("Gap map: waiting for the solver …"));
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     assert!(bench.names().contains("Gap map: flat"));
 }
 
@@ -120,7 +120,7 @@ fn an_edited_scene_waits_for_its_picture_in_words() {
 fn the_smallest_window_draws_and_keeps_what_moves_the_surface_inside() {
     for (width, height) in [(480.0, 320.0), (640.0, 480.0), (800.0, 480.0), (1024.0, 600.0)] {
         let mut bench = Bench::sized(width, height);
-        bench.reach(3.9, Branch::Approach);
+        bench.reach(3.9, Direction::Approach);
         for label in ["mean displacement u0", "Play approach"] {
             let rect = bench.window.get_by_label(label).rect();
             assert!(rect.min.x >= 0.0 && rect.max.x <= width && rect.min.y < height, "{label} at {rect:?} of {width}");
@@ -154,7 +154,7 @@ fn scenes_at_the_ends_of_their_ranges_are_drawn() {
         if scene_file::save(&path, &scene).is_ok() {
             bench.open(&path);
             assert_eq!(*bench.state().scene, scene, "{index}");
-            bench.reach(scene.drive.start, Branch::Approach);
+            bench.reach(scene.drive.start, Direction::Approach);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers};
 use std::sync::Arc;
 use tackscope::experiment::live_loop::{Fineness, LiveLoop};
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::physics::pattern::Pattern;
 use tackscope::worker::protocol::{Event, LiveState};
 
@@ -18,7 +18,7 @@ fn live() -> Arc<LiveState> {
 #[test]
 fn the_live_loop_is_drawn_and_its_energy_and_milliseconds_are_in_the_status_bar() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Branch::Approach);
+    bench.reach(4.2, Direction::Approach);
     let live = live();
     let lost = live.found.as_ref().unwrap().dissipated_energy;
     bench.say(Event::Live { run: 1, live });
@@ -49,21 +49,21 @@ fn a_loop_of_an_older_run_is_shown_until_a_newer_one_comes_and_never_after_it() 
 #[test]
 fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Branch::Approach);
+    bench.reach(4.2, Direction::Approach);
     bench.say(Event::Live { run: 1, live: live() });
     assert_eq!(bench.state().foreseen(), None);
     bench.enter("Target", "2.0");
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
     assert_eq!((pattern, sample.mean_displacement), (Pattern::Ridge, 2.0));
     assert!(bench.names().contains("ahead: ridge, stable"), "{}", bench.names());
-    bench.reach(2.0, Branch::Approach);
+    bench.reach(2.0, Direction::Approach);
     assert_eq!(bench.state().foreseen(), None, "the walk is there");
 }
 
 #[test]
 fn a_scene_the_atlas_does_not_hold_says_so_in_words() {
     let mut bench = Bench::new();
-    bench.reach(4.2, Branch::Approach);
+    bench.reach(4.2, Direction::Approach);
     let found = Err("the atlas holds square cells on flat ground".to_owned());
     bench.say(Event::Live { run: 1, live: Arc::new(LiveState { found, fineness: Fineness::Coarse, milliseconds: 0.0 }) });
     assert!(bench.names().contains("no live loop: the atlas holds square cells on flat ground"), "{}", bench.names());

@@ -16,9 +16,9 @@ use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use tackscope::experiment::ledger::{Ledger, Open};
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::experiment::scene::Points;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::worker::protocol::{Command, Event, LoopSummary, Sweep};
 
@@ -93,7 +93,7 @@ fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() 
 fn the_thumb_stays_where_the_hand_left_it_while_the_solver_is_on_its_way() {
     let mut bench = Bench::new();
     bench.press(Modifiers::NONE, Key::End);
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     assert_eq!(bench.state().target, bench.state().limits.0);
     assert_eq!(bench.state().actual, 3.9);
     assert!(bench.names().contains("3.9000 ρ"));
@@ -129,7 +129,7 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
 fn a_sweep_takes_the_thumb_along() {
     let mut bench = Bench::new();
     bench.click("Play approach");
-    bench.reach(3.7, Branch::Approach);
+    bench.reach(3.7, Direction::Approach);
     assert_eq!((bench.state().target, bench.state().actual), (3.7, 3.7));
     bench.say(Event::Rest { run: 1, motion: 1, mean_displacement: 3.7 });
     assert!(bench.state().sweep.is_none() && !bench.state().busy);
@@ -140,7 +140,7 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     let mut bench = Bench::new();
     let run = bench.state().run;
     bench.press(Modifiers::NONE, Key::End);
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     bench.click("Stop");
     bench.click("Play retract");
     // The target was reached in the moment of the stop: two rests are on their way while the sweep already runs.
@@ -151,7 +151,7 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     for motion in [sweep - 2, sweep - 1] {
         bench.say(Event::Rest { run, motion, mean_displacement: 3.9 });
     }
-    bench.reach(3.92, Branch::Retraction);
+    bench.reach(3.92, Direction::Retraction);
     assert!(bench.state().busy && bench.state().sweep == Some(Sweep::Retract));
     assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
     bench.say(Event::Rest { run, motion: sweep, mean_displacement: 3.92 });
@@ -250,7 +250,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.press(Modifiers::NONE, Key::Escape);
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
-    bench.reach(3.0, Branch::Approach);
+    bench.reach(3.0, Direction::Approach);
     bench.say(Event::Rest { run: 1, motion: 2, mean_displacement: 3.0 });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
@@ -284,7 +284,7 @@ fn number_keys_load_presets() {
 #[test]
 fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
     let mut bench = Bench::new();
-    bench.reach(3.2, Branch::Approach);
+    bench.reach(3.2, Direction::Approach);
     assert!(bench.state().hint);
     bench.jump(3.102);
     assert!(!bench.state().hint);
@@ -297,16 +297,16 @@ fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
 #[test]
 fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
     let mut bench = Bench::new();
-    bench.reach(0.3, Branch::Approach);
+    bench.reach(0.3, Direction::Approach);
     assert!(bench.state().hint);
-    bench.reach(0.2, Branch::Approach);
+    bench.reach(0.2, Direction::Approach);
     assert!(!bench.state().hint);
 }
 
 #[test]
 fn the_map_and_the_plot_say_one_sentence_each() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     let names = bench.names();
     assert!(names.contains("Gap map: flat, gap from 3.900 to 3.900 rho"), "{names}");
     assert!(names.contains("Stress against u0: flat at u0 3.900 rho"), "{names}");
@@ -315,7 +315,7 @@ fn the_map_and_the_plot_say_one_sentence_each() {
 #[test]
 fn the_status_bar_says_stability_model_and_cost() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     let names = bench.names();
     for words in ["stable, stiffness_min", "flat, closed form", "Newton-Krylov", "0 iterations", "mesh "] {
         assert!(names.contains(words), "{words} in {names}");
@@ -336,7 +336,7 @@ fn stale_events_of_an_older_run_are_dropped() {
 #[test]
 fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     bench.say(Event::Failed {
         run: 1,
         message: "did not converge at u0 = 0.31".to_owned(),
@@ -357,11 +357,11 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     bench.click("Play loop");
     bench.say(Event::LoopStarted { run });
     for u0 in [4.0, 3.0, 2.0, 1.0] {
-        bench.reach(u0, Branch::Approach);
+        bench.reach(u0, Direction::Approach);
     }
     // A chord over what the approach followed: not the same curve.
     for u0 in [1.5, 4.0] {
-        bench.reach(u0, Branch::Retraction);
+        bench.reach(u0, Direction::Retraction);
     }
     bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.4322)) });
     assert!(bench.names().contains("dissipated 0.4321 γ, expected error 0.005 %"), "{}", bench.names());
@@ -384,7 +384,7 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     let run = bench.state().run;
     bench.ready();
     for u0 in [4.0, 3.0, 2.0, 1.0] {
-        bench.reach(u0, Branch::Approach);
+        bench.reach(u0, Direction::Approach);
     }
     bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.3)) });
     let names = bench.names();
@@ -401,7 +401,7 @@ fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
     let mut bench = Bench::new();
     let axes = bench.state().axes();
     for i in 0..20 {
-        bench.reach(4.0 - 0.1 * f64::from(i), Branch::Approach);
+        bench.reach(4.0 - 0.1 * f64::from(i), Direction::Approach);
     }
     assert_eq!(bench.state().axes(), axes);
     bench.click("Fit");
@@ -416,7 +416,7 @@ fn a_kept_loop_stays_while_the_law_changes_until_it_is_let_go() {
     bench.press(Modifiers::NONE, Key::L);
     assert!(bench.state().kept.is_none() && bench.names().contains("no loop to keep"));
     for u0 in [4.0, 3.9, 3.8] {
-        bench.reach(u0, Branch::Approach);
+        bench.reach(u0, Direction::Approach);
     }
     let drawn: Vec<[f64; 2]> = bench.state().curve.points().collect();
     bench.press(Modifiers::NONE, Key::L);
@@ -461,7 +461,7 @@ fn the_sheet_of_keys_opens_and_closes() {
 #[test]
 fn dragging_on_the_map_moves_the_profile_line() {
     let mut bench = Bench::new();
-    bench.reach(3.9, Branch::Approach);
+    bench.reach(3.9, Direction::Approach);
     let label = "Gap map: flat, gap from 3.900 to 3.900 rho";
     bench.drag(label, &[vec2(0.0, 10.0), vec2(0.0, 60.0)]);
     assert!(matches!(bench.state().view.profile, tackscope::ui::action::ProfileLine::AlongX(y) if y < 0.5));

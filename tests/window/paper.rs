@@ -4,7 +4,7 @@ use super::bench::Bench;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::errata::{Erratum, Evidence};
 use tackscope::paper::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Label, Panel, Role, Series, Symbol};
@@ -49,7 +49,7 @@ fn made_up(number: usize) -> Figure {
         y: Axis::linear("u_c/rho"),
         areas: vec![Area { name: "loss".to_owned(), colour: Colour::Gold, spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]] }],
         series: vec![series(Role::Simulation, Some(Symbol::Circle)), series(Role::Theory, None), series(Role::Printed, None)],
-        arrows: vec![Arrow { tail: [1.0, 1.0], head: [10.0, 2.0], colour: Colour::Red, direction: Branch::Retraction }],
+        arrows: vec![Arrow { tail: [1.0, 1.0], head: [10.0, 2.0], colour: Colour::Red, direction: Direction::Retraction }],
         labels: vec![Label { at: [10.0, 2.0], text: "here".to_owned(), ..Label::default() }],
         insets: vec![
             Inset {

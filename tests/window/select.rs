@@ -3,7 +3,7 @@
 use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::storage::scene_file;
 
 /// Down through two jumps.
@@ -13,7 +13,7 @@ fn walked() -> Bench {
         if jumps {
             bench.jump(u0);
         }
-        bench.reach(u0, Branch::Approach);
+        bench.reach(u0, Direction::Approach);
     }
     bench
 }

@@ -4,12 +4,12 @@ use super::bench::Bench;
 use egui::Role;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::experiment::record::Branch;
+use tackscope::experiment::record::Direction;
 use tackscope::experiment::time_step_map::{Progress, Survey};
 use tackscope::experiment::walk::{Progress as Walked, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
-use tackscope::solver::method::MethodKind;
+use tackscope::solver::methods::MethodKind;
 use tackscope::worker::protocol::{Command, Errand, Event};
 
 fn tab(bench: &mut Bench, name: &str) {
@@ -32,17 +32,17 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
     tab(&mut bench, "Stability");
     let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
     for u0 in [3.4, 3.38, 3.36] {
-        bench.reach(u0, Branch::Approach);
+        bench.reach(u0, Direction::Approach);
     }
     let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
     let words = format!("now {eigenvalue:.4} E*/L; next jump at {upper:.4} going down (exact)");
     assert!(bench.names().contains(&words), "{words} in {}", bench.names());
     for u0 in [0.3, 0.32] {
-        bench.reach(u0, Branch::Retraction);
+        bench.reach(u0, Direction::Retraction);
     }
     assert!(bench.names().contains(&format!("next jump at {lower:.4} going up (exact)")), "{}", bench.names());
     for u0 in [3.36, 3.38] {
-        bench.reach(u0, Branch::Retraction);
+        bench.reach(u0, Direction::Retraction);
     }
     assert!(bench.names().contains("no jump foreseen going up"), "{}", bench.names());
 }
@@ -50,10 +50,10 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
 #[test]
 fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
     let mut bench = Bench::new();
-    bench.reach(3.2, Branch::Approach);
-    bench.reach(3.12, Branch::Approach);
+    bench.reach(3.2, Direction::Approach);
+    bench.reach(3.12, Direction::Approach);
     bench.jump(3.102);
-    bench.reach(3.102, Branch::Approach);
+    bench.reach(3.102, Direction::Approach);
     let pieces: Vec<usize> = bench.state().stiffness.pieces.iter().map(|piece| piece.points.len()).collect();
     assert_eq!(pieces, [2, 1]);
 }

@@ -2,7 +2,7 @@
 
 use super::trace::LOCATED;
 use super::{Atlas, End, Point, Unmapped};
-use crate::experiment::record::{Branch as Direction, Cause, JumpRecord};
+use crate::experiment::record::{Cause, Direction, JumpRecord};
 use crate::physics::theory::flat;
 
 /// Where the surface is.
@@ -177,7 +177,7 @@ impl Journey {
             Place::On(_) => LOCATED * atlas.chart.law.range * (before.stress - after.stress).abs() / atlas.chart.law.surface_energy,
         };
         let jump = JumpRecord {
-            branch: direction,
+            direction: direction,
             mean_displacement: at,
             from: atlas.pattern_at(self.place, at),
             to: atlas.pattern_at(next, at),

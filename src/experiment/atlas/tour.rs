@@ -3,7 +3,7 @@
 use super::cycle::Journey;
 use super::{Atlas, End, Leg, Place, Unmapped};
 use crate::experiment::flat_branch::FlatBranch;
-use crate::experiment::record::{Branch, StateRecord};
+use crate::experiment::record::{Direction, StateRecord};
 use crate::experiment::run::{Landing, LoopRun, Outcome, Report};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::walk::guard::{Guard, slides_on};
@@ -61,12 +61,12 @@ impl Atlas {
                 }
                 let (state, gap) = told?;
                 let half = (start - u0) / (start - turn);
-                let fraction = 0.5 * if leg.direction == Branch::Approach { half } else { 2.0 - half };
+                let fraction = 0.5 * if leg.direction == Direction::Approach { half } else { 2.0 - half };
                 observe(Report::State { record: &state, fraction });
                 run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
                 if i == 0 && leg.begins {
-                    let (branch, pattern) = (state.branch, state.pattern);
-                    run.landings.push(Landing { branch, mean_displacement: u0, pattern, gap });
+                    let (branch, pattern) = (state.direction, state.pattern);
+                    run.landings.push(Landing { direction: branch, mean_displacement: u0, pattern, gap });
                 }
                 run.record.states.push(state);
             }
@@ -115,7 +115,7 @@ impl Tour<'_> {
     fn state(&mut self, leg: &Leg, u0: f64, cancel: &Cancel) -> Result<(StateRecord, Array2<f64>), Unmapped> {
         let began = Instant::now();
         let spent = self.transforms();
-        let mut record = StateRecord { branch: leg.direction, ..StateRecord::placeholder(u0) };
+        let mut record = StateRecord { direction: leg.direction, ..StateRecord::placeholder(u0) };
         let gap = match leg.place {
             Place::Flat => self.flat(&mut record),
             Place::On(i) => self.patterned(i, &mut record, cancel)?,

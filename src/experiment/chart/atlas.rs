@@ -48,7 +48,7 @@ fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
         Place::On(i) => atlas.branches()[i].pattern,
     };
     StateRecord {
-        branch: leg.direction,
+        direction: leg.direction,
         stress: at.stress,
         stress_over_max: at.stress / model.law.traction_max(),
         energy: at.energy,

@@ -1,7 +1,7 @@
 //! How far a loop is from the reference, and what went wrong in it.
 
 use super::{Measured, Point};
-use crate::experiment::record::{Branch, JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::run::Outcome;
 use crate::numerics::vector::max_abs;
 use crate::physics::mesh_rule;
@@ -135,7 +135,7 @@ pub(super) fn compare(measured: &Measured, truth: &Measured) -> Comparison {
 
 /// The longest common sequence of jumps (branch, pattern before and after), in order.
 fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord, &'a JumpRecord)> {
-    let same = |i: usize, j: usize| (a[i].branch, a[i].from, a[i].to) == (b[j].branch, b[j].from, b[j].to);
+    let same = |i: usize, j: usize| (a[i].direction, a[i].from, a[i].to) == (b[j].direction, b[j].from, b[j].to);
     let mut length = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in (0..a.len()).rev() {
         for j in (0..b.len()).rev() {
@@ -160,8 +160,8 @@ fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord,
 fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<String> {
     let (ours, theirs) = (&measured.record, &truth.record);
     let mut faults = Vec::new();
-    for branch in [Branch::Approach, Branch::Retraction] {
-        let reached = |record: &LoopRecord, p: Pattern| record.jumps.iter().any(|j| j.branch == branch && j.to == p);
+    for branch in [Direction::Approach, Direction::Retraction] {
+        let reached = |record: &LoopRecord, p: Pattern| record.jumps.iter().any(|j| j.direction == branch && j.to == p);
         for pattern in [Pattern::Bulge, Pattern::Ridge, Pattern::Dimple, Pattern::Contact, Pattern::Other, Pattern::Flat] {
             if reached(theirs, pattern) && !reached(ours, pattern) {
                 faults.push(format!("{pattern} skipped on {branch}"));
@@ -240,14 +240,14 @@ fn in_short(reason: &str) -> String {
 fn stress_error(measured: &Measured, truth: &Measured) -> f64 {
     let away = (2.0 * measured.point.step).max(0.1 * truth.law.range);
     let (mut sum, mut count) = (0.0, 0);
-    let mut curve = [Branch::Approach, Branch::Retraction].map(|branch| Curve::new(&truth.record.states, branch));
+    let mut curve = [Direction::Approach, Direction::Retraction].map(|branch| Curve::new(&truth.record.states, branch));
     for state in &measured.record.states {
         let u = state.mean_displacement;
         let jumps = measured.record.jumps.iter().chain(&truth.record.jumps);
-        if jumps.filter(|j| j.branch == state.branch).any(|j| (j.mean_displacement - u).abs() < away) {
+        if jumps.filter(|j| j.direction == state.direction).any(|j| (j.mean_displacement - u).abs() < away) {
             continue;
         }
-        if let Some((stress, pattern)) = curve[usize::from(state.branch == Branch::Retraction)].at(u)
+        if let Some((stress, pattern)) = curve[usize::from(state.direction == Direction::Retraction)].at(u)
             && pattern == state.pattern
         {
             sum += (state.stress - stress).powi(2);
@@ -263,8 +263,8 @@ struct Curve<'a> {
 }
 
 impl<'a> Curve<'a> {
-    fn new(states: &'a [StateRecord], branch: Branch) -> Self {
-        let mut states: Vec<_> = states.iter().filter(|s| s.branch == branch).collect();
+    fn new(states: &'a [StateRecord], branch: Direction) -> Self {
+        let mut states: Vec<_> = states.iter().filter(|s| s.direction == branch).collect();
         states.sort_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement));
         Self { states }
     }

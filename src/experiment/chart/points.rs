@@ -7,7 +7,7 @@ use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule::{SAFE, mu_rho};
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use std::collections::HashMap;
 use std::fmt;
 
@@ -242,14 +242,7 @@ impl Predictor {
     }
 
     fn typical(&self, point: &Point) -> f64 {
-        let per_increment = match point.method {
-            MethodKind::NewtonKrylov => 60.0,
-            MethodKind::Lbfgs => 70.0,
-            MethodKind::ConjugateGradients => 60.0,
-            MethodKind::Fire => 110.0,
-            MethodKind::GfmdTuned => 150.0,
-            MethodKind::Gfmd => 420.0,
-        };
+        let per_increment = point.method.transforms();
         let n = point.points as f64;
         let all = if point.line { n } else { n * n };
         let (all, way) = match point.model {

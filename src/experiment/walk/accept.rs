@@ -37,7 +37,7 @@ impl Walk {
         let stiffness = self.state.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
         let length = self.model.grid.length;
         self.record = StateRecord {
-            branch: self.direction,
+            direction: self.direction,
             mean_displacement: self.state.mean_displacement,
             stress: self.state.stress,
             stress_over_max: self.state.stress / law.traction_max(),

@@ -5,7 +5,7 @@ use crate::experiment::atlas::{Explorer, Rest};
 use crate::experiment::contest::{mixture, shares};
 use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::plan;
-use crate::experiment::record::{Branch, Cause, JumpRecord};
+use crate::experiment::record::{Cause, Direction, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::physics::pattern::Pattern;
@@ -47,8 +47,8 @@ impl Walk {
         let k = (self.start - here) / self.step;
         let short = self.short.unwrap_or(f64::INFINITY).min(self.longest());
         match self.direction {
-            Branch::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
-            Branch::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
+            Direction::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
+            Direction::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
         }
     }
 
@@ -315,7 +315,7 @@ impl Walk {
         let pattern = self.pattern();
         if !self.method.locates() && pattern != before.pattern {
             observe(Happening::Jump(JumpRecord {
-                branch: self.direction,
+                direction: self.direction,
                 mean_displacement: self.state.mean_displacement,
                 from: before.pattern,
                 to: pattern,

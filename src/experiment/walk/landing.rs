@@ -314,7 +314,7 @@ impl Walk {
         // Nothing else happened on the way.
         self.record.mean_displacement = self.state.mean_displacement;
         observe(Happening::Jump(JumpRecord {
-            branch: self.direction,
+            direction: self.direction,
             mean_displacement: self.state.mean_displacement,
             from,
             to,

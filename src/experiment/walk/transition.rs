@@ -3,7 +3,7 @@
 use super::landing::EVENT;
 use super::{Happening, Walk, problem};
 use crate::experiment::flat_branch::FlatBranch;
-use crate::experiment::record::{Branch, Cause, JumpRecord};
+use crate::experiment::record::{Cause, Direction, JumpRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::physics::mesh_rule;
@@ -25,7 +25,7 @@ impl Walk {
     pub(super) fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
         let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
         let Some(flat) = self.flat.filter(|_| weak) else { return false };
-        let side = if self.direction == Branch::Approach { 1.0 } else { -1.0 };
+        let side = if self.direction == Direction::Approach { 1.0 } else { -1.0 };
         let (here, before) = (self.state.mean_displacement, self.state.mean_displacement + side * APART * self.model.law.range);
         if to == Pattern::Flat {
             return flat.state(before, 0).stop != Stop::Stable;
@@ -67,7 +67,7 @@ impl Walk {
         let stress = flat.state(at, 0).stress;
         let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
         observe(Happening::Jump(JumpRecord {
-            branch: self.direction,
+            direction: self.direction,
             mean_displacement: at,
             from: if leaves { Pattern::Flat } else { pattern },
             to: if leaves { pattern } else { Pattern::Flat },

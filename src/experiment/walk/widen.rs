@@ -5,7 +5,7 @@ use crate::experiment::plan::Reduction;
 use crate::experiment::scene::Scene;
 use crate::numerics::cancel::Cancel;
 use crate::solver::Stop;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 /// A walk on the whole cell that takes over from one on a part.
 pub struct Widened {

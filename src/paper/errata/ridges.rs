@@ -8,7 +8,7 @@ use crate::experiment::run::run_planned;
 use crate::experiment::scene::Points;
 use crate::paper::walked::{completed, refused};
 use crate::physics::theory::{flat, ridge, units::Units};
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 use std::f64::consts::{LN_2, PI};
 
 pub(super) fn equation_22() -> Erratum {

@@ -3,7 +3,7 @@
 use super::{CHART_COLUMNS, write_chart_csv};
 use crate::experiment::chart::{Chart, Errors, Judged, Model, Point, Precision, Skipped, Verdict};
 use crate::experiment::plan::Reduction;
-use crate::solver::method::MethodKind;
+use crate::solver::methods::MethodKind;
 
 fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
     let point =

@@ -1,14 +1,14 @@
 //! The legend: beneath its diagram or, where all diagrams of a page speak of the same, beneath the page. So it covers nothing.
 
 use super::svg::{Anchor, GROUND, Place, Sheet, frame, ink, rectangle, set, solid, width};
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::plot::panel::{Colour, Panel, Role, Symbol};
 use crate::plot::style::{Rgb, Stroke, pointing, stroke};
 
 /// How an entry looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Look {
-    Line(Role, Colour, Option<Branch>),
+    Line(Role, Colour, Option<Direction>),
     Symbol(Symbol, Colour, bool),
     Area(Colour),
     Jump(Colour),

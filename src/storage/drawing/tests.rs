@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::experiment::chart::Chart;
-use crate::experiment::record::{Branch, LoopRecord};
+use crate::experiment::record::{Direction, LoopRecord};
 use crate::experiment::scene::Model;
 use crate::paper::Figure;
 use crate::paper::figure::Finding;
@@ -49,8 +49,8 @@ fn everything() -> Panel {
             series("flat state", Role::Guide, None, Colour::Grey, |t| [4.0 * t, 0.4 * (9.0 * t).sin()]),
         ],
         arrows: vec![
-            Arrow { tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, direction: Branch::Approach },
-            Arrow { tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, direction: Branch::Retraction },
+            Arrow { tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, direction: Direction::Approach },
+            Arrow { tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, direction: Direction::Retraction },
         ],
         labels: vec![Label { at: [2.0, -0.8], text: "ridge, p~ = -(4/pi)^{1/3} u~^{2/3}".to_owned(), ..Label::default() }],
         insets: vec![
@@ -245,7 +245,7 @@ fn a_loop_becomes_an_svg_and_a_png() {
         let [red, green, blue] = colour.on(crate::plot::style::Ground::Light);
         picture.pixels().filter(|p| p.0 == [red, green, blue]).count()
     };
-    let [approach, retraction] = [Branch::Approach, Branch::Retraction].map(|direction| of(Colour::of(direction)));
+    let [approach, retraction] = [Direction::Approach, Direction::Retraction].map(|direction| of(Colour::of(direction)));
     assert!(approach > 2000 && retraction > 2000, "approach {approach} and retraction {retraction} pixels");
 }
 

@@ -102,7 +102,7 @@ impl ViewState {
 
     fn add_state(&mut self, state: StateRecord) {
         self.moved_to(state.mean_displacement);
-        self.branch = state.branch;
+        self.branch = state.direction;
         // Who has been all the way down is told nothing new.
         self.hint &= state.mean_displacement > self.limits.0;
         self.curve.push(&state, &self.model.law);

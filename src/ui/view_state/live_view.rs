@@ -1,6 +1,6 @@
 //! The live loop, ready to draw.
 
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::worker::protocol::{LiveState, RunId};
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ pub struct LiveView {
     /// The loop with its numbers.
     pub state: Arc<LiveState>,
     /// Its pieces: direction, and (u0/rho, stress/sigma_max).
-    pub pieces: Vec<(Branch, Vec<[f64; 2]>)>,
+    pub pieces: Vec<(Direction, Vec<[f64; 2]>)>,
     /// Its jumps: u0/rho, and stress/sigma_max before and after.
     pub jumps: Vec<(f64, [f64; 2])>,
 }

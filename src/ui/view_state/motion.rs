@@ -1,7 +1,7 @@
 //! How u0 is moved: by hand, by key, by itself.
 
 use super::ViewState;
-use crate::experiment::record::Branch;
+use crate::experiment::record::Direction;
 use crate::worker::protocol::{Command, Sweep};
 
 impl ViewState {
@@ -12,7 +12,7 @@ impl ViewState {
             return;
         }
         if u0 != self.actual {
-            self.branch = if u0 < self.actual { Branch::Approach } else { Branch::Retraction };
+            self.branch = if u0 < self.actual { Direction::Approach } else { Direction::Retraction };
         }
         self.target = u0;
         self.motion += 1;
@@ -76,14 +76,14 @@ impl ViewState {
 
     /// One increment in the present direction.
     pub fn increment(&mut self) {
-        self.step(if self.branch == Branch::Approach { -1.0 } else { 1.0 });
+        self.step(if self.branch == Direction::Approach { -1.0 } else { 1.0 });
     }
 
     /// Turns round.
     pub fn reverse(&mut self) {
         let (sweep, branch) = match self.branch {
-            Branch::Approach => (Sweep::Retract, Branch::Retraction),
-            Branch::Retraction => (Sweep::Approach, Branch::Approach),
+            Direction::Approach => (Sweep::Retract, Direction::Retraction),
+            Direction::Retraction => (Sweep::Approach, Direction::Approach),
         };
         if self.sweep.is_some() {
             self.play(sweep);

@@ -29,7 +29,7 @@ impl ViewState {
     /// Selects the state after a jump.
     pub fn select_jump(&mut self, index: usize) {
         let Some(jump) = self.record.jumps.get(index) else { return };
-        let landed = |s: &&StateRecord| s.branch == jump.branch && s.mean_displacement == jump.mean_displacement;
+        let landed = |s: &&StateRecord| s.direction == jump.direction && s.mean_displacement == jump.mean_displacement;
         self.selection = self.record.states.iter().rfind(landed).map(|state| Selection { state: state.clone(), jump: Some(index) });
     }
 
@@ -47,7 +47,7 @@ impl ViewState {
 
     fn jump_at(&self, state: &StateRecord) -> Option<usize> {
         let off = |jump: &JumpRecord| (jump.mean_displacement - state.mean_displacement).abs();
-        let near = |jump: &JumpRecord| jump.branch == state.branch && off(jump) <= AT_JUMP * self.rho();
+        let near = |jump: &JumpRecord| jump.direction == state.direction && off(jump) <= AT_JUMP * self.rho();
         self.record.jumps.iter().rposition(near)
     }
 }
