@@ -15,8 +15,9 @@ use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::System;
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
-use tackscope::solver::method::{Method, Problem, Slides};
+use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
+use tackscope::solver::problem::{Problem, Slides};
 use tackscope::storage::{presets, scene_file};
 
 const COARSE: usize = 64;

@@ -9,10 +9,10 @@ mod adapt;
 mod curve;
 mod cycle;
 mod explorer;
-mod tour;
 mod trace;
 
 pub use curve::{Branch, Point};
+pub(super) use cycle::Journey;
 pub use cycle::{Cycle, Leg, Place};
 pub(super) use explorer::{Explorer, Rest};
 pub use trace::End;
@@ -53,12 +53,12 @@ pub struct Unmapped(pub String);
 #[derive(Clone, Debug)]
 pub struct Atlas {
     chart: Chart,
-    ridge: Sector,
-    square: Sector,
+    pub(super) ridge: Sector,
+    pub(super) square: Sector,
     explorer: Explorer,
     flat_limits: Option<(f64, f64)>,
     cancel: Cancel,
-    branches: Vec<Branch>,
+    pub(super) branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
     landings: Vec<[Option<Place>; 2]>,
     /// Where it may land from the lower and the upper limit of the flat state, most often first.
@@ -307,7 +307,7 @@ impl Atlas {
     }
 
     /// The mechanics of branch `i`.
-    fn system_of(&self, i: usize) -> &System {
+    pub(super) fn system_of(&self, i: usize) -> &System {
         self.sector_of(&self.branches[i]).system()
     }
 }

@@ -1,12 +1,13 @@
 //! The error bar of a finished loop: how far its loss and its jumps are from those of a finer mesh.
 //!
-//! What a mesh is worth is known beforehand only as a bound ([`super::plan::mesh_error`]): the errors of two scenes on equally fine
+//! What a mesh is worth is known beforehand only as a bound ([`super::mesh::mesh_error`]): the errors of two scenes on equally fine
 //! meshes differ by a factor of ten. Afterwards a second, finer mesh tells. The error falls exponentially with the number of points, so
 //! that of the finer mesh hardly counts beside that of the loop.
 
 use super::atlas::Atlas;
 use super::ledger::LOSS_MIN;
-use super::plan::{Reduction, chart, flat_error, next_fast};
+use super::mesh::{flat_error, next_fast};
+use super::plan::{Reduction, chart};
 use super::record::JumpRecord;
 use super::run::{LoopRun, Outcome, run_reduced};
 use super::scene::{Model, Points, Range, Scene, Turn};

@@ -2,9 +2,11 @@
 //! will stand before the walk has gone there.
 
 use super::atlas::{Atlas, Chart, Cycle, Place, Unmapped};
+use super::mesh;
 use super::plan;
+use super::planned::rivals;
 use super::record::{Direction, JumpRecord, StateRecord};
-use super::run::{RivalLoop, rivals};
+use super::run::RivalLoop;
 use super::scene::{Model, Scene, Turn};
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
@@ -158,7 +160,7 @@ fn chart_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Chart, 
         return Err(unmapped("the atlas holds square cells on flat ground"));
     }
     let (length, law) = (model.grid.length, model.law);
-    let points = plan::next_fast((mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32));
+    let points = mesh::next_fast((mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32));
     if points > POINTS_MAX {
         return Err(unmapped(&format!("a live loop would need {points} points a side")));
     }
@@ -183,7 +185,7 @@ impl LiveLoop {
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
             rivals: Vec::new(),
-            predicted_error: plan::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
+            predicted_error: mesh::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
             points: square,
         };
         let mut known: Vec<(Place, bool)> = Vec::new();

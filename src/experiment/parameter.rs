@@ -4,9 +4,20 @@
 //! squares, products and counts finite, and refuse nothing that can be computed. What ties two values together (a turn below its
 //! start) is in [`super::scene::Scene::model`].
 
-use super::scene::SceneError;
 use crate::physics::roughness::WAVES_MAX;
 use std::ops::RangeInclusive;
+
+/// A value of the scene that is not allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} = {value}: {allowed}")]
+pub struct SceneError {
+    /// Dotted key, as in `cell.points`.
+    pub key: String,
+    /// The offending value.
+    pub value: String,
+    /// What is allowed, and so how to mend it.
+    pub allowed: String,
+}
 
 /// A number of the scene file.
 #[derive(Debug)]

@@ -1,12 +1,10 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
-use super::atlas::{Atlas, Cycle, Unmapped};
 use super::contest::Share;
-use super::error_bar::error_bar;
 use super::ledger::Ledger;
-use super::plan::{Plan, Reduction, Road, chart};
+use super::plan::Reduction;
 use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
-use super::scene::{Model, Scene, SceneError, Turn};
+use super::scene::{Scene, SceneError, Turn};
 use super::walk::{Counts, Happening, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
@@ -27,7 +25,7 @@ pub struct LoopRun {
     pub landings: Vec<Landing>,
     /// Why it was not computed as it was meant to be, in words, if it was not.
     pub deviation: Option<String>,
-    /// Relative error of loss and jumps as a finer mesh tells it ([`error_bar`]); `None` unless it was asked.
+    /// Relative error of loss and jumps as a finer mesh tells it ([`super::error_bar`]); `None` unless it was asked.
     pub error_bar: Option<f64>,
     /// The loops of other landings, if it is contested where the surface lands.
     pub rivals: Vec<RivalLoop>,
@@ -119,70 +117,8 @@ pub fn run_loop(
     run_reduced(scene, method, Reduction::Whole, cancel, observe)
 }
 
-/// Runs the closed loop on the road of `plan`, with its error bar and the loops of other landings; where an atlas finds that it does not
-/// hold this scene, on the whole cell.
-///
-/// # Errors
-/// As [`run_loop`].
-pub fn run_planned(
-    scene: &Scene,
-    method: MethodKind,
-    plan: &Plan,
-    cancel: &Cancel,
-    observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
-    let (mut run, model) = (run_on_road(scene, method, plan, cancel, observe)?, scene.model()?);
-    run.error_bar = error_bar(scene, &model, &run, cancel);
-    run.rivals = rival_loops(scene, &model, &run, cancel);
-    Ok(run)
-}
-
-/// The loops of other landings of a contested one.
-fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
-    let Turn::At(turn) = scene.drive.turn else { return Vec::new() };
-    if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
-        return Vec::new();
-    }
-    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
-    atlas.obey(cancel);
-    // Its landings are known once it has been round.
-    let _ = atlas.cycle(scene.drive.start, turn);
-    rivals(&mut atlas, &run.record.jumps, scene.drive.start, turn)
-}
-
-/// The loops from `start` to `turn` and back that `atlas` knows beside the one with these `jumps`.
-pub(super) fn rivals(atlas: &mut Atlas, jumps: &[JumpRecord], start: f64, turn: f64) -> Vec<RivalLoop> {
-    let contested: Vec<_> = jumps.iter().filter(|jump| !jump.landings.is_empty()).collect();
-    let loss = |cycle: Result<Cycle, Unmapped>| cycle.ok().map(|cycle| cycle.dissipated_energy);
-    let others = atlas.contested_cycles(start, turn).into_iter();
-    let others = others.filter(|(landing, _)| contested.iter().all(|jump| jump.to != landing.pattern));
-    others.map(|(landing, cycle)| RivalLoop { landing, dissipated_energy: loss(cycle) }).collect()
-}
-
-fn run_on_road(
-    scene: &Scene,
-    method: MethodKind,
-    plan: &Plan,
-    cancel: &Cancel,
-    observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
-    let chart = match plan.road {
-        Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe),
-        Road::Atlas(chart) => chart,
-    };
-    let model = scene.model()?;
-    let mut atlas = Atlas::new(chart);
-    let toured = match scene.drive.turn {
-        Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for uneven ground".to_owned())),
-    };
-    toured.or_else(|reason| {
-        let run = run_loop(scene, method, cancel, observe)?;
-        Ok(LoopRun { deviation: Some(walked_after_all(&reason.to_string())), ..run })
-    })
-}
-
-fn walked_after_all(reason: &str) -> String {
+/// Why a loop is not what was planned.
+pub(super) fn walked_after_all(reason: &str) -> String {
     format!("walked on the whole cell after all: {reason}")
 }
 

@@ -1,7 +1,9 @@
 //! What to compute: the scene, as a file or the window describes it.
 
+pub use super::parameter::SceneError;
+
+use super::mesh::{next_fast, points_for};
 use super::parameter::{self, Parameter, number};
-use super::plan::{next_fast, points_for};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
@@ -126,18 +128,6 @@ impl Model {
         let words: Vec<_> = law.into_iter().chain(ground).collect();
         (!words.is_empty()).then(|| words.join("; "))
     }
-}
-
-/// A value of the scene that is not allowed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} = {value}: {allowed}")]
-pub struct SceneError {
-    /// Dotted key, as in `cell.points`.
-    pub key: String,
-    /// The offending value.
-    pub value: String,
-    /// What is allowed, and so how to mend it.
-    pub allowed: String,
 }
 
 /// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second

@@ -3,8 +3,9 @@
 use super::figure::{Axis, Colour, Content, Finding, Inset, Panel, Role, Series};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::{self, Wish};
+use crate::experiment::planned::run_planned;
 use crate::experiment::record::{Cause, Direction, LoopRecord};
-use crate::experiment::run::{Landing, LoopRun, Report, run_planned};
+use crate::experiment::run::{Landing, LoopRun, Report};
 use crate::experiment::scene::{Model, Scene};
 use crate::paper::walked::{completed, refused};
 use crate::physics::law::Law;

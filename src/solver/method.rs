@@ -4,8 +4,8 @@ use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::newton::{NewtonEnd, NewtonLimits, held, sliding_basis, solve};
+use super::problem::Problem;
 use crate::numerics::cancel::Cancel;
-use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 
 /// Carries a state from one mean displacement to a near one.
@@ -30,28 +30,6 @@ pub trait Method: Send {
         ws: &mut Workspace,
         cancel: &Cancel,
     ) -> Result<Equilibrium, Lost>;
-}
-
-/// What every method needs to know of the problem.
-#[derive(Clone, Copy, Debug)]
-pub struct Problem<'s> {
-    /// The mechanics.
-    pub system: &'s System,
-    /// Diagonal approximate inverse of the Hessian.
-    pub preconditioner: &'s Preconditioner,
-    /// Whether patterns can slide.
-    pub slides: Slides,
-}
-
-/// Whether patterns can slide over the ground, which gives modes without stiffness that say nothing about stability.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slides {
-    /// Uneven ground holds them.
-    Never,
-    /// Flat ground under a fine mesh.
-    Freely,
-    /// Flat ground under a coarse mesh, which may pin them: where it does the modes are real and stay.
-    UnlessPinned,
 }
 
 /// Why a branch was not followed.

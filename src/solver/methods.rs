@@ -1,4 +1,4 @@
-//! Every relaxation method: one row of [`METHODS`] each, and a variant of [`MethodKind`] to name it by.
+//! Every relaxation method: one row of the table `METHODS` each, and a variant of [`MethodKind`] to name it by.
 
 use super::descent::Descent;
 use super::gfmd::Gfmd;

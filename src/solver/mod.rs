@@ -13,6 +13,7 @@ pub mod gfmd_tuned;
 pub mod method;
 pub mod methods;
 pub mod newton;
+pub mod problem;
 pub mod release;
 pub mod sector;
 pub mod stability;

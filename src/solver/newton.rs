@@ -1,6 +1,6 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
-use super::method::{Problem, Slides};
+use super::problem::{Problem, Slides};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
 use crate::numerics::vector::{add, dot, norm, orthonormalise, project_out};

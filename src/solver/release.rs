@@ -3,8 +3,8 @@
 //! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over it; where it then comes to rest is a
 //! matter of luck. Here the velocity always points along the force.
 
-use super::method::{Problem, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
+use super::problem::{Problem, Slides};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::preconditioner::Preconditioner;

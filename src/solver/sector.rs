@@ -6,8 +6,9 @@
 mod fold;
 
 use super::equilibrium::Stiffness;
-use super::method::{Lost, Problem, Slides};
+use super::method::Lost;
 use super::newton::{NewtonEnd, NewtonLimits, descend};
+use super::problem::{Problem, Slides};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};

@@ -9,8 +9,8 @@
 //! last proof still holds, and costs nothing.
 
 use super::equilibrium::Stiffness;
-use super::method::Slides;
 use super::newton::sliding_basis;
+use super::problem::Slides;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::lanczos::lowest;

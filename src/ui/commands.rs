@@ -1,7 +1,7 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the keyboard.
 
 use super::action::{Action, FileTask, Tab, ViewOptions};
-use super::number_text;
+use super::number;
 use super::scene_edit;
 use super::tabs::TABS;
 use super::toolbar::SPEEDS;
@@ -97,7 +97,7 @@ fn all(state: &ViewState) -> Vec<Command> {
 /// What these words find: every word somewhere in the name. A number alone is a u0, in ranges.
 pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
     let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
-    let place = number_text::parse(words).filter(|u0| (low..=high).contains(u0));
+    let place = number::parse(words).filter(|u0| (low..=high).contains(u0));
     let go = place.map(|u0| Command::new(&format!("Go to u₀ = {u0} ρ"), "", Action::SetTarget(u0 * state.rho())));
     let wanted: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &Command| {

@@ -4,21 +4,17 @@ use super::action::Action;
 use super::ground;
 use super::law_picker;
 use super::mu_rho_slider;
-use super::number_text;
+use super::number::{SEED_MAX, field, number, whole};
 use super::scene_edit::{self, Follows};
 use super::u0_slider;
 use super::view_state::ViewState;
-use crate::experiment::parameter::{self, Parameter};
+use crate::experiment::parameter;
 use crate::experiment::plan::Wish;
 use crate::experiment::record::Direction;
 use crate::experiment::scene::{Points, Scene, Turn};
 use crate::physics::law::Shape;
 use crate::solver::methods::MethodKind;
-use egui::{ComboBox, DragValue, Response, RichText, Ui};
-use std::ops::RangeInclusive;
-
-/// Largest seed that a number typed into a field still means exactly.
-pub const SEED_MAX: u64 = 1 << 53;
+use egui::{ComboBox, Response, RichText, Ui};
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -40,41 +36,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).strong());
-}
-
-/// A field for a number, typed or dragged, with a point or a comma before its decimals.
-fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
-    DragValue::new(value).custom_parser(number_text::parse).update_while_editing(false)
-}
-
-/// A value with a name, typed or dragged; what is typed is taken exactly.
-pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
-    let mut edited = value;
-    let mut changed = false;
-    let speed = (value.abs() * 0.005).max(1e-4);
-    labelled(ui, &parameter.title(), |ui| {
-        let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
-        let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
-        let response = ui.add(drag);
-        changed = response.changed();
-        response
-    });
-    (changed && edited != value).then_some(edited)
-}
-
-/// The same for a whole number.
-pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
-    let mut edited = value;
-    labelled(ui, name, |ui| ui.add(field(&mut edited).range(range).speed(0.05)));
-    (edited != value).then_some(edited)
-}
-
-/// A name on the left, and on the right what it names.
-fn labelled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) {
-    ui.horizontal(|ui| {
-        let label = ui.label(name);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| add(ui).labelled_by(label.id));
-    });
 }
 
 fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {

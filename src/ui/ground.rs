@@ -1,7 +1,7 @@
 //! The rigid counter-surface: which, and its numbers. Lengths in ranges of the law.
 
 use super::action::Action;
-use super::controls::{SEED_MAX, number, whole};
+use super::number::{SEED_MAX, number, whole};
 use super::scene_edit;
 use super::view_state::ViewState;
 use crate::experiment::parameter::{self, Parameter};

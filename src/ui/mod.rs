@@ -31,7 +31,7 @@ mod keys;
 mod law_picker;
 mod loop_plot;
 mod mu_rho_slider;
-mod number_text;
+mod number;
 mod paper;
 mod profile;
 mod saved_state;

@@ -7,6 +7,7 @@ use super::time_steps;
 use super::view_state::ViewState;
 use crate::experiment::forecast::{Forecast, forecast};
 use crate::experiment::record::Direction;
+use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
 use crate::plot::panel::Panel;
 use crate::plot::style::Ground;
@@ -18,19 +19,6 @@ use egui_plot::{
 
 /// Lower end of the axis (E*/L): a strip of the unstable side is always in sight.
 const LOWEST: f64 = -0.4;
-
-/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic one.
-const LINEAR: f64 = 0.1;
-
-/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft pattern and a pressed one are seen.
-pub fn eigenvalue_scale(eigenvalue: f64) -> f64 {
-    (eigenvalue / LINEAR).asinh()
-}
-
-/// The eigenvalue at a place of that axis.
-pub fn eigenvalue_at(place: f64) -> f64 {
-    LINEAR * place.sinh()
-}
 
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {

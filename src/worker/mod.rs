@@ -13,4 +13,5 @@ mod run_loop;
 pub mod session;
 pub mod signals;
 
-pub use run_loop::{Output, Worker};
+pub use protocol::Output;
+pub use run_loop::Worker;

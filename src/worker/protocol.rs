@@ -364,3 +364,11 @@ pub enum Event {
         remedy: String,
     },
 }
+
+/// What a session hands out.
+pub enum Output {
+    /// For the series.
+    Event(Event),
+    /// For the mailbox.
+    Frame(RunId, Frame),
+}

@@ -3,7 +3,7 @@
 use super::aside::Aside;
 use super::end::{Ending, end};
 use super::live::Live;
-use super::protocol::{Command, Errand, Event, Frame, Page, RunId};
+use super::protocol::{Command, Errand, Event, Frame, Output, Page, RunId};
 use super::session::Session;
 use super::{measure, paper};
 use crate::numerics::cancel::Cancel;
@@ -184,14 +184,6 @@ fn guarded(session: &mut Session, post: &Post, job: impl FnOnce(&mut Session, &m
             remedy: "It rests on the last good state. Please save the scene and report it.".into(),
         });
     }
-}
-
-/// What a session hands out.
-pub enum Output {
-    /// For the series.
-    Event(Event),
-    /// For the mailbox.
-    Frame(RunId, Frame),
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
 
 use super::course::Course;
-use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
-use super::run_loop::Output;
+use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Output, Ready, RunId, Speed, Sweep};
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{SceneError, Turn};
 use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk, Widened};

@@ -1,9 +1,11 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
 use tackscope::experiment::atlas::{Atlas, Cycle, End};
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, mesh_error, next_fast, plan};
+use tackscope::experiment::mesh::{mesh_error, next_fast};
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, plan};
+use tackscope::experiment::planned::run_planned;
 use tackscope::experiment::record::JumpRecord;
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_planned, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_reduced};
 use tackscope::experiment::scene::{Points, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Law, Morse, Shape};

@@ -1,8 +1,9 @@
 //! Where a surface lands when its branch ends: the same place for every seed, on every road, or several that are said.
 
 use tackscope::experiment::plan::{Reduction, Wish, plan};
+use tackscope::experiment::planned::run_planned;
 use tackscope::experiment::record::Cause;
-use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
 use tackscope::experiment::scene::{Points, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Mie, Morse, Shape};

@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::experiment::plan::{Reduction, Wish, plan};
+use tackscope::experiment::planned::run_planned;
 use tackscope::experiment::record::{Cause, Direction, JumpRecord};
-use tackscope::experiment::run::{LoopRun, Outcome, run_planned, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
 use tackscope::experiment::scene::{Drive, Points, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;

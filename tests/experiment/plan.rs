@@ -4,8 +4,10 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
 use tackscope::experiment::error_bar::{measured_error, reference};
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, next_fast, plan, refusal};
-use tackscope::experiment::run::{run_planned, run_reduced};
+use tackscope::experiment::mesh::next_fast;
+use tackscope::experiment::plan::{Reduction, Road, Wish, chart, plan, refusal};
+use tackscope::experiment::planned::run_planned;
+use tackscope::experiment::run::run_reduced;
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
@@ -50,7 +52,7 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         };
         assert!(plan.predicted_error <= 1.5 * target.max(1e-4), "{}", plan.words);
         let Turn::At(turn) = scene.drive.turn else { unreachable!() };
-        let finer = chart(&model.law, model.grid.length, tackscope::experiment::plan::next_fast(n * 3 / 2));
+        let finer = chart(&model.law, model.grid.length, tackscope::experiment::mesh::next_fast(n * 3 / 2));
         let loops = [coarse, finer].map(|chart| Atlas::new(chart).cycle(scene.drive.start, turn));
         match loops {
             [Ok(a), Ok(b)] => {

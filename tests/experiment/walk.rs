@@ -238,8 +238,8 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
 fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode() {
     use tackscope::experiment::walk::{Progress, Walk};
     use tackscope::numerics::vector::{add, dot, norm};
-    use tackscope::solver::method::Slides;
     use tackscope::solver::newton::sliding_basis;
+    use tackscope::solver::problem::Slides;
     let mut walk = Walk::new(&preset("fig2"), MethodKind::NewtonKrylov).unwrap();
     walk.set_target(1.34);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}

@@ -192,7 +192,7 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
 #[test]
 fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_space() {
     use tackscope::numerics::cancel::Cancel;
-    use tackscope::solver::method::Slides;
+    use tackscope::solver::problem::Slides;
     use tackscope::solver::stability::Tracker;
     for (grid, seed) in [(Grid::square(60.0, 8), 8), (Grid::line(90.0, 32), 9), (Grid::square(40.0, 10), 10)] {
         let system = system(grid);

@@ -1,5 +1,6 @@
 //! The walls of the house: which room may name what. Read from the sources, so that a wall cannot fall unnoticed.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -271,6 +272,79 @@ fn sources() -> Vec<(String, String)> {
         }
     }
     files
+}
+
+/// A file right under its room, together with the folder of the same name: `experiment/walk` for `experiment/walk/advance.rs`. None for
+/// the room's own mod.rs, which only lists and re-exports.
+fn unit(module: &[&str]) -> Option<String> {
+    (module.len() > 1).then(|| module[..2].join("/"))
+}
+
+/// Which units each unit names, tests aside.
+fn arrows(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
+    let modules = |path: &str| -> Vec<String> {
+        path.trim_end_matches(".rs").split('/').filter(|part| *part != "mod").map(str::to_owned).collect()
+    };
+    let known: BTreeSet<String> =
+        files.iter().filter_map(|(path, _)| unit(&modules(path).iter().map(String::as_str).collect::<Vec<_>>())).collect();
+    let mut arrows: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (path, text) in files {
+        let module = modules(path);
+        let here: Vec<&str> = module.iter().map(String::as_str).collect();
+        let Some(from) = unit(&here) else { continue };
+        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for segments in paths(&tokens(&code(text, false))) {
+            let supers = segments.iter().take_while(|s| *s == "super").count();
+            let stem = match segments[0].as_str() {
+                "crate" => &here[..0],
+                "super" if supers <= here.len() => &here[..here.len() - supers],
+                _ => continue,
+            };
+            let named: Vec<&str> = stem.iter().copied().chain(segments[supers.max(1)..].iter().map(String::as_str)).collect();
+            if let Some(to) = unit(&named).filter(|to| known.contains(to) && *to != from) {
+                arrows.entry(from.clone()).or_default().insert(to);
+            }
+        }
+    }
+    arrows
+}
+
+/// Units that can be reached from themselves.
+fn circles(arrows: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    let reaches_itself = |start: &String| {
+        let mut open: Vec<&String> = arrows[start].iter().collect();
+        let mut seen = BTreeSet::new();
+        while let Some(unit) = open.pop() {
+            if seen.insert(unit) {
+                open.extend(arrows.get(unit).into_iter().flatten());
+            }
+        }
+        seen.contains(start)
+    };
+    arrows.keys().filter(|start| reaches_itself(start)).cloned().collect()
+}
+
+#[test]
+fn no_files_depend_on_each_other_in_a_circle() {
+    let arrows = arrows(&sources());
+    assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > 300, "the arrows were not found");
+    assert!(arrows["experiment/walk"].contains("solver/method") && arrows["ui/app"].contains("ui/loop_plot"));
+    assert_eq!(circles(&arrows), Vec::<String>::new());
+}
+
+#[test]
+fn a_circle_of_files_is_found() {
+    let file = |path: &str, text: &str| (path.to_owned(), text.to_owned());
+    let files = [
+        file("a/one.rs", "use super::two::f;"),
+        file("a/two/deep.rs", "use super::super::three::{g, h};"),
+        file("a/two.rs", "mod deep;"),
+        file("a/three.rs", "fn f() { crate::a::one::f() }"),
+        file("a/four.rs", "use super::one::f;\n#[cfg(test)]\nuse super::five::f;"),
+        file("a/five.rs", "use super::four::f;"),
+        file("a/mod.rs", "pub use one::f;"),
+    ];
+    assert_eq!(circles(&arrows(&files)), ["a/one", "a/three", "a/two"]);
 }
 
 #[test]

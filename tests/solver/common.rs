@@ -15,8 +15,9 @@ use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::{System, Workspace};
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
-use tackscope::solver::method::{Lost, Method, Problem, Slides};
+use tackscope::solver::method::{Lost, Method};
 use tackscope::solver::methods::MethodKind;
+use tackscope::solver::problem::{Problem, Slides};
 use tackscope::storage::{presets, scene_file};
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.

@@ -8,9 +8,10 @@ use tackscope::physics::system::Workspace;
 use tackscope::solver::branch::{History, distance};
 use tackscope::solver::descent::Descent;
 use tackscope::solver::equilibrium::{Cost, Equilibrium};
-use tackscope::solver::method::{Lost, Method, Problem};
+use tackscope::solver::method::{Lost, Method};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
+use tackscope::solver::problem::Problem;
 use tackscope::solver::{Stop, branch};
 
 /// A method that climbs: each state is rougher than the one before, and said to be converged.

@@ -15,7 +15,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::{System, Workspace};
-use tackscope::solver::method::Slides;
+use tackscope::solver::problem::Slides;
 use tackscope::solver::stability::Tracker;
 
 const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };

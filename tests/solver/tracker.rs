@@ -12,8 +12,8 @@ use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::{System, carried};
-use tackscope::solver::method::Slides;
 use tackscope::solver::methods::MethodKind;
+use tackscope::solver::problem::Slides;
 use tackscope::solver::stability::{Tracker, random_smooth};
 use tackscope::storage::presets;
 

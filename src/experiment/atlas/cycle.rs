@@ -16,7 +16,7 @@ pub enum Place {
 
 impl Place {
     /// Row of the landings.
-    pub(super) fn row(self) -> usize {
+    pub(in crate::experiment) fn row(self) -> usize {
         match self {
             Place::Flat => 0,
             Place::On(i) => i + 1,
@@ -109,7 +109,7 @@ impl Atlas {
 }
 
 /// A loop under way: asked in turns for the next leg and for the jump at its end.
-pub(super) struct Journey {
+pub(in crate::experiment) struct Journey {
     /// Goals still ahead: the turn, then the start.
     goals: Vec<(Direction, f64)>,
     place: Place,
@@ -121,7 +121,7 @@ pub(super) struct Journey {
 }
 
 impl Journey {
-    pub(super) fn new(atlas: &Atlas, start: f64, turn: f64) -> Result<Self, Unmapped> {
+    pub(in crate::experiment) fn new(atlas: &Atlas, start: f64, turn: f64) -> Result<Self, Unmapped> {
         if flat::stiffness_min(&atlas.chart.law, atlas.chart.length, start) < 0.0 {
             return Err(Unmapped(format!("the flat state is not stable at the start, u0 = {start}")));
         }
@@ -130,7 +130,7 @@ impl Journey {
     }
 
     /// The next stretch of a branch; `None` when the loop is at its end.
-    pub(super) fn leg(&mut self, atlas: &Atlas) -> Option<Leg> {
+    pub(in crate::experiment) fn leg(&mut self, atlas: &Atlas) -> Option<Leg> {
         let &(direction, goal) = self.goals.last()?;
         let up = direction == Direction::Retraction;
         self.end = atlas.end(self.place, self.here, up).filter(|(at, _)| if up { *at < goal } else { *at > goal });
@@ -142,12 +142,12 @@ impl Journey {
     }
 
     /// True if the last leg ends in a jump.
-    pub(super) fn jumps_next(&self) -> bool {
+    pub(in crate::experiment) fn jumps_next(&self) -> bool {
         self.end.is_some()
     }
 
     /// The jump at the end of the last leg; `None` if it ended at a goal.
-    pub(super) fn jump(&mut self, atlas: &mut Atlas) -> Result<Option<JumpRecord>, Unmapped> {
+    pub(in crate::experiment) fn jump(&mut self, atlas: &mut Atlas) -> Result<Option<JumpRecord>, Unmapped> {
         let Some((at, cause)) = self.end.take() else {
             self.goals.pop();
             return Ok(None);
@@ -177,7 +177,7 @@ impl Journey {
             Place::On(_) => LOCATED * atlas.chart.law.range * (before.stress - after.stress).abs() / atlas.chart.law.surface_energy,
         };
         let jump = JumpRecord {
-            direction: direction,
+            direction,
             mean_displacement: at,
             from: atlas.pattern_at(self.place, at),
             to: atlas.pattern_at(next, at),
@@ -194,7 +194,7 @@ impl Journey {
 
     /// # Errors
     /// The loop has come back to its start on another branch than it left.
-    pub(super) fn closed(&self) -> Result<(), Unmapped> {
+    pub(in crate::experiment) fn closed(&self) -> Result<(), Unmapped> {
         match self.place {
             Place::Flat => Ok(()),
             Place::On(_) => {

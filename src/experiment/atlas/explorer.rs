@@ -9,8 +9,8 @@ use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
-use crate::solver::method::Slides;
 use crate::solver::newton::NewtonState;
+use crate::solver::problem::Slides;
 use crate::solver::release::{Release, Slice};
 
 /// Root mean square kick along the soft mode, in ranges; the same as the walk's.

@@ -1,7 +1,8 @@
 //! Which points a chart has, and what they may cost.
 
 use super::Measured;
-use crate::experiment::plan::{Reduction, Road, Wish, next_fast, plan};
+use crate::experiment::mesh::next_fast;
+use crate::experiment::plan::{Reduction, Road, Wish, plan};
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
 use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;

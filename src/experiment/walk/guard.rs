@@ -1,7 +1,7 @@
 //! The watch over a quarter cell: a state that is stable among even fields may still give way to a mode of another symmetry.
 
 use super::Walk;
-use crate::experiment::plan::next_fast;
+use crate::experiment::mesh::next_fast;
 use crate::experiment::scene::Model;
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
@@ -10,7 +10,7 @@ use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{System, Workspace};
 use crate::solver::equilibrium::Stiffness;
-use crate::solver::method::Slides;
+use crate::solver::problem::Slides;
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 

@@ -11,8 +11,8 @@ use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
-use crate::solver::method::Slides;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, sliding_basis, solve};
+use crate::solver::problem::Slides;
 use crate::solver::release::{Release, Slice};
 use rand::Rng;
 

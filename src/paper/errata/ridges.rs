@@ -4,7 +4,7 @@ use super::super::scenes;
 use super::super::task::{Stopped, Task};
 use super::{Erratum, Evidence};
 use crate::experiment::plan::{Wish, plan};
-use crate::experiment::run::run_planned;
+use crate::experiment::planned::run_planned;
 use crate::experiment::scene::Points;
 use crate::paper::walked::{completed, refused};
 use crate::physics::theory::{flat, ridge, units::Units};

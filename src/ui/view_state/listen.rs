@@ -6,10 +6,9 @@ use crate::experiment::live_loop::Sample;
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
-use crate::plot::curve::Curve;
+use crate::plot::curve::{Curve, eigenvalue_scale};
 use crate::plot::loop_panel::loss;
 use crate::ui::scene_edit;
-use crate::ui::stability::eigenvalue_scale;
 use crate::worker::protocol::{Event, Frame, LiveState, RunId};
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! A loop of the atlas as a record: every increment a state solved, measured and watched, like the walk's.
 
-use super::cycle::Journey;
-use super::{Atlas, End, Leg, Place, Unmapped};
+use super::atlas::{Atlas, End, Journey, Leg, Place, Unmapped};
 use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::record::{Direction, StateRecord};
 use crate::experiment::run::{Landing, LoopRun, Outcome, Report};

@@ -1,0 +1,78 @@
+//! Numbers as people type them, and the fields they are typed into.
+
+use crate::experiment::parameter::Parameter;
+use egui::{DragValue, Response, Ui};
+use std::ops::RangeInclusive;
+
+/// Largest seed that a number typed into a field still means exactly.
+pub const SEED_MAX: u64 = 1 << 53;
+
+/// The finite number that a text means: with a point or a comma before its decimals, blanks between its digits, and either minus.
+///
+/// One comma alone is a decimal comma; with more, or beside a point, nobody can tell, and it is no number.
+pub fn parse(text: &str) -> Option<f64> {
+    let plain: String = text.chars().filter(|c| !c.is_whitespace()).map(|c| if c == '−' { '-' } else { c }).collect();
+    let plain = if plain.matches(',').count() == 1 && !plain.contains('.') { plain.replace(',', ".") } else { plain };
+    plain.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// A field for a number, typed or dragged, with a point or a comma before its decimals.
+pub fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).custom_parser(parse).update_while_editing(false)
+}
+
+/// A value with a name, typed or dragged; what is typed is taken exactly.
+pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
+    let mut edited = value;
+    let mut changed = false;
+    let speed = (value.abs() * 0.005).max(1e-4);
+    labelled(ui, &parameter.title(), |ui| {
+        let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
+        let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
+        let response = ui.add(drag);
+        changed = response.changed();
+        response
+    });
+    (changed && edited != value).then_some(edited)
+}
+
+/// The same for a whole number.
+pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
+    let mut edited = value;
+    labelled(ui, name, |ui| ui.add(field(&mut edited).range(range).speed(0.05)));
+    (edited != value).then_some(edited)
+}
+
+/// A name on the left, and on the right what it names.
+pub fn labelled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) {
+    ui.horizontal(|ui| {
+        let label = ui.label(name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| add(ui).labelled_by(label.id));
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_decimal_comma_is_a_decimal_point() {
+        assert_eq!(parse("0,15"), Some(0.15));
+        assert_eq!(parse(" −1,5e−3 "), Some(-1.5e-3));
+        assert_eq!(parse("1 000,5"), Some(1000.5));
+        for unclear in ["1,000,000", "1,000.5", "", ",", "nan", "inf", "1e999", "three"] {
+            assert_eq!(parse(unclear), None, "{unclear}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_number_is_read_as_it_was_written_with_either_sign_of_decimals(x in any::<f64>().prop_filter("finite", |x| x.is_finite())) {
+            for text in [format!("{x}"), format!("{x:e}")] {
+                prop_assert_eq!(parse(&text), Some(x));
+                prop_assert_eq!(parse(&text.replace('.', ",")), Some(x));
+            }
+        }
+    }
+}
