@@ -1,4 +1,4 @@
-//! Floor 5: the command line (clap) and terminal progress. No physics formulas.
+//! Floor 7: the command line (clap) and terminal progress. No physics formulas.
 //!
 //! Exit codes: 0 done, 2 bad input (nothing was computed) or something that could not be written, 3 not converged, 130 interrupted
 //! (Ctrl-C, SIGTERM, SIGHUP); after 3 and 130 everything computed so far is written, after 2 all of it that could be. Results go to

@@ -1,4 +1,4 @@
-//! Floor 4: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels; and the signals that ask the process to end. The caller passes `wake`, called whenever something new can be received.
+//! Floor 6: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels; and the signals that ask the process to end. The caller passes `wake`, called whenever something new can be received.
 
 mod aside;
 mod course;
