@@ -56,16 +56,16 @@ pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
 fn samples(record: &LoopRecord, way: f64, spacing: f64) -> Vec<[f64; 2]> {
     let landed = record.jumps.last().map(|jump| (jump.direction, jump.mean_displacement));
     let mut found: Vec<[f64; 2]> = Vec::new();
-    let mut direction = None;
-    for StateRecord { direction: branch, mean_displacement, stiffness_min, .. } in record.states.iter().rev() {
+    let mut newest = None;
+    for StateRecord { direction, mean_displacement, stiffness_min, .. } in record.states.iter().rev() {
         let gone = way * mean_displacement;
-        if *direction.get_or_insert(*branch) != *branch || !stiffness_min.is_finite() {
+        if *newest.get_or_insert(*direction) != *direction || !stiffness_min.is_finite() {
             break;
         }
         if found.last().is_none_or(|newer| newer[0] - gone >= spacing) {
             found.push([gone, *stiffness_min]);
         }
-        if found.len() == 3 || landed == Some((*branch, *mean_displacement)) {
+        if found.len() == 3 || landed == Some((*direction, *mean_displacement)) {
             break;
         }
     }

@@ -240,8 +240,8 @@ impl<'s> Drive<'s> {
         if fresh && std::mem::take(landed) {
             let gap = walk.gap();
             let record = walk.record();
-            let (branch, mean_displacement, pattern) = (record.direction, record.mean_displacement, record.pattern);
-            run.landings.push(Landing { direction: branch, mean_displacement, pattern, gap });
+            let (direction, mean_displacement, pattern) = (record.direction, record.mean_displacement, record.pattern);
+            run.landings.push(Landing { direction, mean_displacement, pattern, gap });
         }
         let record = walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {

@@ -64,8 +64,8 @@ impl Atlas {
                 observe(Report::State { record: &state, fraction });
                 run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
                 if i == 0 && leg.begins {
-                    let (branch, pattern) = (state.direction, state.pattern);
-                    run.landings.push(Landing { direction: branch, mean_displacement: u0, pattern, gap });
+                    let (direction, pattern) = (state.direction, state.pattern);
+                    run.landings.push(Landing { direction, mean_displacement: u0, pattern, gap });
                 }
                 run.record.states.push(state);
             }

@@ -1,8 +1,6 @@
 //! What the paper shows as values: its figures, made of diagrams, its table, and numbers held against numbers from elsewhere.
 
-use std::borrow::Cow;
-
-pub use crate::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Page, Panel, Role, Series, Symbol};
+use crate::plot::panel::{Page, Panel};
 
 /// One figure of the paper, computed.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +20,7 @@ pub struct Figure {
 impl Figure {
     /// What its picture shows.
     pub fn page(&self) -> Page<'_> {
-        Page { title: format!("Fig. {}: {}", self.number, self.title), caption: Vec::new(), panels: Cow::Borrowed(&self.panels) }
+        Page::new(&format!("Fig. {}: {}", self.number, self.title), Vec::new(), self.panels.as_slice())
     }
 }
 

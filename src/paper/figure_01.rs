@@ -1,11 +1,12 @@
 //! Fig. 1: the model from the side, drawn from a solved state.
 
-use super::figure::{Area, Arrow, Axis, Colour, Figure, Finding, Label, Panel, Role, Series};
+use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::experiment::record::Direction;
 use crate::experiment::walk::{Happening, Progress, Walk};
 use crate::physics::indenter::Indenter;
+use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::solver::methods::MethodKind;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -111,9 +112,15 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
-    let arrow =
-        |from: f64, to: f64| Arrow { tail: [at[0], from], head: [at[0], to], colour: Colour::Ink, direction: Direction::Approach };
+    let arrow = |from: f64, to: f64| Arrow {
+        name: "",
+        tail: [at[0], from],
+        head: [at[0], to],
+        colour: Colour::Ink,
+        direction: Direction::Approach,
+    };
     let left_arrow = |from: f64, to: f64| Arrow {
+        name: "",
         tail: [0.8 * left, from],
         head: [0.8 * left, to],
         colour: Colour::Ink,

@@ -1,6 +1,6 @@
 //! Fig. 4: where the flat surface gives way, against the size of the cell.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::experiment::record::Direction;
@@ -12,6 +12,7 @@ use crate::physics::law::{Law, Morse, Shape};
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{Evaluation, System};
 use crate::physics::theory::flat;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};

@@ -1,11 +1,12 @@
 //! Fig. 5: the elastic energy of a ridge at zero range.
 
-use super::figure::{Axis, Colour, Content, Figure, Finding, Inset, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::ridge_elements::{self, Sample};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED, THIN_CONSTANT, THIN_CONSTANT_PRINTED};
 use crate::physics::theory::ridge;
+use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 5,

@@ -1,11 +1,12 @@
 //! Fig. 6: the width of a ridge at zero range against displacement.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::ridge_elements;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 6,

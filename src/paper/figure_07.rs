@@ -1,7 +1,7 @@
 //! Fig. 7: the ridge alone, for two ranges of adhesion, against the ridge of zero range.
 
 use super::Entry;
-use super::figure::{Arrow, Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::line_cell::{ends, ridges, run, scene, thinned, units};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::Reduction;
@@ -10,6 +10,7 @@ use crate::experiment::run::LoopRun;
 use crate::experiment::scene::Scene;
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
+use crate::plot::panel::{Arrow, Axis, Colour, Panel, Role, Series, Symbol};
 use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -148,7 +149,7 @@ fn jumps(run: &LoopRun, length: f64, colour: Colour) -> Vec<Arrow> {
     let arrow = |jump: &crate::experiment::record::JumpRecord| {
         let u0 = jump.mean_displacement;
         let at = |stress| [units.reduce(u0), units.pressure(stress, u0)];
-        Arrow { tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.direction }
+        Arrow { name: "", tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.direction }
     };
     run.record.jumps.iter().map(arrow).collect()
 }

@@ -1,7 +1,7 @@
 //! Fig. 8: what a coarse mesh does to the ridge: jumps that belong to the mesh from point to point.
 
 use super::Entry;
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series};
+use super::figure::{Figure, Finding};
 use super::line_cell::{ends, reduced, run, scene, units};
 use super::task::{Stopped, Task};
 use crate::experiment::plan::Reduction;
@@ -10,6 +10,7 @@ use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Range, Scene};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 8,
@@ -51,7 +52,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             ..Series::default()
         };
         panels.push(Panel {
-            title: format!("({}) μ_ρ = {mu_rho}", char::from(b'a' + i as u8)),
+            title: format!("({}) μ_ρ = {mu_rho}", letter(i)),
             x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),
             y: Axis::linear("p̃ = p u₀/γ").from_to(-0.8, 0.1),
             series: vec![exact, path(&run, Direction::Approach), path(&run, Direction::Retraction)],
@@ -107,11 +108,11 @@ fn exact(displacement: f64) -> Option<[f64; 2]> {
 }
 
 /// The path of one direction, jumps as vertical lines.
-fn path(run: &LoopRun, branch: Direction) -> Series {
+fn path(run: &LoopRun, direction: Direction) -> Series {
     let units = units(LENGTH);
-    let points = run.record.states.iter().filter(|s| s.direction == branch).map(|s| reduced(&units, s)).collect();
-    let line = Series::line(&branch.to_string(), Role::Simulation, Colour::of(branch), points);
-    Series { direction: Some(branch), ..line }
+    let points = run.record.states.iter().filter(|s| s.direction == direction).map(|s| reduced(&units, s)).collect();
+    let line = Series::line(&direction.to_string(), Role::Simulation, Colour::of(direction), points);
+    Series { direction: Some(direction), ..line }
 }
 
 /// Jumps that the continuum does not have.

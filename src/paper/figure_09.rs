@@ -1,12 +1,13 @@
 //! Fig. 9: the elastic energy of dimple and bulge at zero range.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::ridge_elements::unsolved;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Pattern};
 use crate::physics::theory::discs::Kind;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::solver::boundary_elements::{self, Estimate};
 
 pub(super) const ENTRY: Entry = Entry {

@@ -1,6 +1,6 @@
 //! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::experiment::atlas::Atlas;
@@ -10,6 +10,7 @@ use crate::physics::pattern::Pattern;
 use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::units::Units;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 10,

@@ -1,6 +1,6 @@
 //! Fig. 11: what a loop loses, against the range of the adhesion.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::line_cell::{scene, units};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes, walked};
@@ -11,6 +11,7 @@ use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{dissipation, flat, ridge};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use std::f64::consts::{PI, SQRT_2};
 
 pub(super) const ENTRY: Entry = Entry {

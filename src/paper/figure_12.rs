@@ -1,10 +1,11 @@
 //! Fig. 12: force against displacement of a Hertzian tip.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series};
+use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::tips::{self, TIP, Tip};
 use super::{Entry, scenes};
 use crate::physics::theory::tabor;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 12,

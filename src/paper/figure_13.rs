@@ -1,10 +1,11 @@
 //! Fig. 13: pull-off force and dissipated energy of a Hertzian tip against the mesh.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::tips::{self, Order, TIP, Tip, Way};
 use super::{Entry, scenes};
 use crate::experiment::scene::Turn;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 13,

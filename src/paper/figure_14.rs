@@ -1,6 +1,6 @@
 //! Fig. 14: the cohesive law that rough ground shows from far away.
 
-use super::figure::{Axis, Colour, Figure, Finding, Panel, Role, Series, Symbol};
+use super::figure::{Figure, Finding};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
 use crate::experiment::measured_law::{Fit, MeasuredLaw, Row, fit};
@@ -8,6 +8,7 @@ use crate::experiment::record::Direction;
 use crate::experiment::record::LoopRecord;
 use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 14,

@@ -1,6 +1,6 @@
 //! A loop on flat ground as the paper draws it in Figs 2 and 3: pressure over the largest traction against u0/rho, with gap maps.
 
-use super::figure::{Axis, Colour, Content, Finding, Inset, Panel, Role, Series};
+use super::figure::Finding;
 use super::task::{Stopped, Task};
 use crate::experiment::plan::{self, Wish};
 use crate::experiment::planned::run_planned;
@@ -14,6 +14,7 @@ use crate::physics::pattern::centre::{rolled, shift_to_middle};
 use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
+use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series};
 use crate::solver::methods::MethodKind;
 use ndarray::Array2;
 
@@ -136,8 +137,8 @@ pub(super) fn findings(run: &LoopRun, model: &Model) -> Vec<Finding> {
 }
 
 /// "flat, bulge, ridge, dimple, flat": the patterns of one branch in their order.
-pub(super) fn chain(record: &LoopRecord, branch: Direction) -> String {
-    let jumps: Vec<_> = record.jumps.iter().filter(|jump| jump.direction == branch).collect();
+pub(super) fn chain(record: &LoopRecord, direction: Direction) -> String {
+    let jumps: Vec<_> = record.jumps.iter().filter(|jump| jump.direction == direction).collect();
     let words: Vec<_> =
         jumps.first().map(|jump| jump.from).into_iter().chain(jumps.iter().map(|jump| jump.to)).map(Pattern::word).collect();
     words.join(", ")

@@ -35,8 +35,8 @@ pub(super) fn reduced(units: &Units, state: &StateRecord) -> [f64; 2] {
 }
 
 /// (u~, p~) of the ridges of one direction.
-pub(super) fn ridges(run: &LoopRun, units: &Units, branch: Direction) -> Vec<[f64; 2]> {
-    let states = run.record.states.iter().filter(|s| s.direction == branch && s.pattern == Pattern::Ridge);
+pub(super) fn ridges(run: &LoopRun, units: &Units, direction: Direction) -> Vec<[f64; 2]> {
+    let states = run.record.states.iter().filter(|s| s.direction == direction && s.pattern == Pattern::Ridge);
     states.map(|state| reduced(units, state)).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Speed against accuracy as a diagram: error of the dissipated energy against what the loop cost, both logarithmic.
 
-use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::ticks::digits;
 use crate::experiment::chart::{self, Chart, Judged, Model, Point, Verdict};
 use crate::experiment::plan::Reduction;
@@ -166,7 +166,7 @@ impl<'a> ChartPanel<'a> {
         let failures = failures(self.rows);
         let letters = self.rows.iter().filter_map(|row| {
             let Verdict::Failed { what, .. } = &row.verdict else { return None };
-            let text = letter(failures.iter().position(|known| known == what)?);
+            let text = letter(failures.iter().position(|known| known == what)?).to_string();
             Some(Label { at: self.place(row)?, text, colour: mark(&row.point).0, side: [1, 1] })
         });
         let mut told: Vec<String> = Vec::new();
@@ -208,17 +208,11 @@ fn failures(rows: &[Judged]) -> Vec<&str> {
     list
 }
 
-/// a, b, c, ...
-pub fn letter(index: usize) -> String {
-    char::from_u32('a' as u32 + index.min(25) as u32).unwrap_or('z').to_string()
-}
-
 /// The picture of a whole chart, against both costs.
 pub fn page(chart: &Chart, title: &str) -> Page<'static> {
     let floor = chart.reference.as_ref().map(|reference| reference.errors.dissipated_energy);
     let panels = [Cost::Transforms, Cost::Time].map(|cost| ChartPanel::new(&chart.rows, floor, cost).panel());
-    let title = format!("Speed against accuracy: {}", title.chars().take(90).collect::<String>());
-    Page { title, caption: caption(chart), panels: panels.to_vec().into() }
+    Page::new(&format!("Speed against accuracy: {title}"), caption(chart), panels.to_vec())
 }
 
 /// The caption of a whole chart: its reference, what was left out, what the letters mean.

@@ -125,8 +125,8 @@ mod tests {
 
     const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range: 2.0 };
 
-    fn state(branch: Direction, u0: f64, stress_over_max: f64) -> StateRecord {
-        StateRecord { direction: branch, stress_over_max, ..StateRecord::placeholder(u0) }
+    fn state(direction: Direction, u0: f64, stress_over_max: f64) -> StateRecord {
+        StateRecord { direction, stress_over_max, ..StateRecord::placeholder(u0) }
     }
 
     #[test]

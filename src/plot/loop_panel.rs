@@ -16,8 +16,6 @@ const POINTS: usize = 600;
 const CLOSE: f64 = 2e-3;
 /// Pieces of curve shorter than this share of the axis bear no name, which would not fit.
 const NAMED: f64 = 0.07;
-/// Letters of a title, at most: somebody else writes it.
-const TITLE: usize = 90;
 /// What is left free at the ends of both axes, in shares of what is shown.
 const MARGIN: [f64; 2] = [0.02, 0.06];
 
@@ -50,8 +48,7 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
 
 /// The picture of what was recorded under the scene's title; `error` is the relative error to be stated of its loss.
 pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>) -> Page<'static> {
-    let caption = vec![caption(record, &model.law, error)];
-    Page { title: title.chars().take(TITLE).collect(), caption, panels: vec![loop_panel(record, model)].into() }
+    Page::new(title, vec![caption(record, &model.law, error)], vec![loop_panel(record, model)])
 }
 
 /// Approach and retraction by growing u0, each broken at its jumps.
@@ -132,7 +129,7 @@ pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
     let arrow = |jump: &JumpRecord| {
         let at = |stress: f64| [jump.mean_displacement / law.range, stress / law.traction_max()];
         let (tail, head) = (at(jump.stress_before), at(jump.stress_after));
-        Arrow { tail, head, colour: Colour::JUMP, direction: jump.direction }
+        Arrow { name: "jump", tail, head, colour: Colour::JUMP, direction: jump.direction }
     };
     jumps.iter().map(arrow).collect()
 }
@@ -191,7 +188,7 @@ pub(crate) mod tests {
         Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
     }
 
-    fn state(branch: Direction, pattern: Pattern, u0: f64) -> StateRecord {
+    fn state(direction: Direction, pattern: Pattern, u0: f64) -> StateRecord {
         let law = law();
         let over_max = match pattern {
             Pattern::Flat => law.at(u0).traction / law.traction_max(),
@@ -200,7 +197,7 @@ pub(crate) mod tests {
             _ => 0.55 * u0.powf(0.6),
         };
         StateRecord {
-            direction: branch,
+            direction,
             mean_displacement: u0,
             stress: over_max * law.traction_max(),
             stress_over_max: over_max,
@@ -224,12 +221,12 @@ pub(crate) mod tests {
         let approach = [(Flat, 4.2, 3.1), (Bulge, 3.1, 2.6), (Ridge, 2.6, 1.7), (Dimple, 1.7, 0.8), (Flat, 0.8, 0.2)];
         let retraction = [(Flat, 0.2, 0.8), (Dimple, 0.8, 2.3), (Ridge, 2.3, 3.5), (Bulge, 3.5, 3.8), (Flat, 3.8, 4.2)];
         let mut record = LoopRecord::default();
-        for (branch, legs) in [(Direction::Approach, approach), (Direction::Retraction, retraction)] {
+        for (direction, legs) in [(Direction::Approach, approach), (Direction::Retraction, retraction)] {
             for (k, (pattern, from, to)) in legs.into_iter().enumerate() {
                 if let Some(before) = record.states.last().filter(|_| k > 0).cloned() {
-                    let after = state(branch, pattern, from);
+                    let after = state(direction, pattern, from);
                     record.jumps.push(JumpRecord {
-                        direction: branch,
+                        direction,
                         mean_displacement: from,
                         from: before.pattern,
                         to: pattern,
@@ -241,8 +238,8 @@ pub(crate) mod tests {
                         landings: Vec::new(),
                     });
                 }
-                let first = usize::from(branch == Direction::Retraction && k == 0);
-                record.states.extend((first..=20).map(|i| state(branch, pattern, from + (to - from) * i as f64 / 20.0)));
+                let first = usize::from(direction == Direction::Retraction && k == 0);
+                record.states.extend((first..=20).map(|i| state(direction, pattern, from + (to - from) * i as f64 / 20.0)));
             }
         }
         record

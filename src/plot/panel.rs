@@ -15,6 +15,21 @@ pub struct Page<'a> {
     pub panels: Cow<'a, [Panel]>,
 }
 
+/// Letters of a title, at most: somebody else may have written it.
+const TITLE_MAX: usize = 120;
+
+impl<'a> Page<'a> {
+    /// Diagrams under a title and the lines of a caption.
+    pub fn new(title: &str, caption: Vec<String>, panels: impl Into<Cow<'a, [Panel]>>) -> Self {
+        Self { title: title.chars().take(TITLE_MAX).collect(), caption, panels: panels.into() }
+    }
+}
+
+/// a, b, c, ...
+pub fn letter(index: usize) -> char {
+    char::from(b'a' + index.min(25) as u8)
+}
+
 /// One diagram.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
@@ -34,6 +49,17 @@ pub struct Panel {
     pub labels: Vec<Label>,
     /// Smaller pictures inside the diagram.
     pub insets: Vec<Inset>,
+}
+
+impl Panel {
+    /// Its heading as the one at `index` of a page: with its letter where there are several and it has none of its own.
+    pub fn heading(&self, index: usize, several: bool) -> String {
+        let title = self.title.trim();
+        if !several || title.starts_with('(') {
+            return title.to_owned();
+        }
+        format!("({}) {title}", letter(index)).trim_end().to_owned()
+    }
 }
 
 /// An axis.
@@ -56,6 +82,11 @@ impl Axis {
     /// A logarithmic axis that shows what the data need.
     pub fn logarithmic(label: &str) -> Self {
         Self { label: label.to_owned(), logarithmic: true, range: None }
+    }
+
+    /// A value as it is shown: its logarithm where the axis is logarithmic. Not finite where it has no place.
+    pub fn shown(&self, value: f64) -> f64 {
+        if self.logarithmic { value.log10() } else { value }
     }
 
     /// The same, showing `low` to `high`.
@@ -190,8 +221,10 @@ pub struct Area {
 }
 
 /// An arrow.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Arrow {
+    /// Its name in the legend; empty is not listed.
+    pub name: &'static str,
     /// Where it starts.
     pub tail: [f64; 2],
     /// Where it points.

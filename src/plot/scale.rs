@@ -19,7 +19,7 @@ pub struct Scale {
 impl Scale {
     /// The scale of an axis over these data.
     pub fn new(axis: &Axis, data: impl Iterator<Item = f64>) -> Self {
-        let shown = |v: f64| if axis.logarithmic { v.log10() } else { v };
+        let shown = |v: f64| axis.shown(v);
         let given = axis.range.map(|[low, high]| (shown(low.min(high)), shown(low.max(high))));
         let (low, high) = match given {
             Some((low, high)) if low.is_finite() && high.is_finite() && high > low => (low, high),

@@ -105,7 +105,7 @@ pub fn stroke(role: Role, colour: Colour, ground: Ground) -> Stroke {
 }
 
 /// `share` of `b` in `a`.
-pub fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
+fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|k| (f64::from(a[k]) + share * (f64::from(b[k]) - f64::from(a[k]))).round() as u8)
 }
 

@@ -73,7 +73,7 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             if let Some((pattern, sample)) = state.foreseen() {
                 let stress = sample.stress / state.model.law.traction_max();
                 let words = format!("ahead: {pattern}, stable\n{stress:.3} σₘₐₓ\n{:.2} E*/L", sample.stiffness_min);
-                let colour = super::theme::palette(ui.visuals().dark_mode).live;
+                let colour = super::theme::palette(super::theme::ground(ui)).live;
                 ui.label(RichText::new(words).small().color(colour))
                     .on_hover_text("read off the atlas; the walk is on its way there");
             }
@@ -101,7 +101,7 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
     mu_rho_slider::show(ui, state, actions);
     if state.model.mu_rho > 0.5 {
-        let warn = super::theme::palette(ui.visuals().dark_mode).warn;
+        let warn = super::theme::palette(super::theme::ground(ui)).warn;
         ui.colored_label(warn, "Above 0.5 the mesh lies: jumps are too late.");
     }
     ui.horizontal(|ui| {

@@ -2,6 +2,7 @@
 
 use super::theme;
 use super::typeset::{append, set};
+use crate::plot::legend::{Look, entries};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
@@ -120,8 +121,7 @@ pub fn show(
 
 /// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is logarithmic.
 pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
-    let shown = |axis: &Axis, v: f64| if axis.logarithmic { v.log10() } else { v };
-    let at = |p: [f64; 2]| [shown(&panel.x, p[0]), shown(&panel.y, p[1])];
+    let at = |p: [f64; 2]| [panel.x.shown(p[0]), panel.y.shown(p[1])];
     for area in &panel.areas {
         let colour = colour(area.colour, ground);
         for piece in area.spans.split(|span| !span.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
@@ -182,8 +182,7 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
 /// Draws a line through places of the plot, broken where one is not finite.
 fn draw_line(plot: &mut PlotUi<'_>, series: &Series, placed: &[[f64; 2]], ground: Ground) {
     let stroke = stroke(series.role, series.colour, ground);
-    let [red, green, blue] = stroke.colour;
-    let colour = Color32::from_rgb(red, green, blue);
+    let colour = theme::rgb(stroke.colour);
     let style = stroke.dash.map_or(LineStyle::Solid, |[on, _]| LineStyle::Dashed { length: on as f32 });
     let every = plot.plot_bounds().width() / MARKS;
     for piece in placed.split(|p| !p.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
@@ -217,21 +216,26 @@ fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, filled: bool) -> P
 /// The legend: every name once.
 pub fn legend(ui: &mut Ui, panel: &Panel) {
     let ground = theme::ground(ui);
-    let face = |series: &Series| match (series.symbol, series.role, series.direction) {
-        (Some(symbol), ..) => face(symbol, series.filled),
-        (None, _, Some(direction)) => face(pointing(direction), true),
-        (None, Role::Simulation, _) => "▬",
-        (None, Role::Printed | Role::Unstable, _) => "┅",
-        (None, Role::Theory | Role::Forecast | Role::Guide, _) => "—",
-    };
-    let series = panel.series.iter().map(|s| {
-        let [red, green, blue] = if s.symbol.is_some() { s.colour.on(ground) } else { stroke(s.role, s.colour, ground).colour };
-        (face(s), Color32::from_rgb(red, green, blue), s.name.as_str())
-    });
-    let jumps = panel.arrows.iter().filter(|arrow| arrow.colour == Colour::JUMP);
-    let jumps = jumps.map(|arrow| ("↕", colour(arrow.colour, ground), "jump"));
-    let areas = panel.areas.iter().map(|a| ("■", colour(a.colour, ground), a.name.as_str()));
-    let entries: Vec<(&str, Color32, &str)> = series.chain(jumps).chain(areas).collect();
+    let entries: Vec<(&str, Color32, String)> = entries(panel)
+        .into_iter()
+        .map(|(name, look)| {
+            let (face, rgb) = match look {
+                Look::Symbol(symbol, colour, filled) => (face(symbol, filled), colour.on(ground)),
+                Look::Area(colour) => ("■", colour.on(ground)),
+                Look::Arrow(colour) => ("↕", colour.on(ground)),
+                Look::Line(role, colour, direction) => {
+                    let plain = match role {
+                        Role::Simulation => "▬",
+                        Role::Printed | Role::Unstable => "┅",
+                        Role::Theory | Role::Forecast | Role::Guide => "—",
+                    };
+                    let face = direction.map_or(plain, |direction| face(pointing(direction), true));
+                    (face, stroke(role, colour, ground).colour)
+                }
+            };
+            (face, theme::rgb(rgb), name)
+        })
+        .collect();
     ui.scope(|ui| {
         // Rows as high as the letters.
         ui.spacing_mut().interact_size.y = 0.0;
@@ -241,19 +245,15 @@ pub fn legend(ui: &mut Ui, panel: &Panel) {
 }
 
 /// Symbols, colours and names, in as many rows as they need.
-fn rows(ui: &mut Ui, entries: &[(&str, Color32, &str)]) {
+fn rows(ui: &mut Ui, entries: &[(&str, Color32, String)]) {
     let text = ui.visuals().text_color();
     ui.horizontal_wrapped(|ui| {
-        let mut told: Vec<&str> = Vec::new();
-        for &(face, colour, name) in entries {
-            if !name.is_empty() && !told.contains(&name) {
-                told.push(name);
-                // One label, so that no line is broken between a symbol and its name.
-                let mut words = set(face, 11.0, colour);
-                append(&mut words, &format!(" {name}"), 11.0, text);
-                ui.add(egui::Label::new(words).extend());
-                ui.add_space(6.0);
-            }
+        for (face, colour, name) in entries {
+            // One label, so that no line is broken between a symbol and its name.
+            let mut words = set(face, 11.0, *colour);
+            append(&mut words, &format!(" {name}"), 11.0, text);
+            ui.add(egui::Label::new(words).extend());
+            ui.add_space(6.0);
         }
     });
 }
@@ -282,6 +282,5 @@ fn face(symbol: Symbol, filled: bool) -> &'static str {
 }
 
 fn colour(colour: Colour, ground: Ground) -> Color32 {
-    let [red, green, blue] = colour.on(ground);
-    Color32::from_rgb(red, green, blue)
+    theme::rgb(colour.on(ground))
 }

@@ -12,7 +12,7 @@ const BALL: f32 = 7.0;
 
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let Some(well) = &state.well else {
         ui.label(RichText::new("No well yet: it is measured where the surface rests.").weak());
         return;

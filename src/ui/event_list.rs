@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         ui.label(RichText::new("No jump yet.").weak());
         return;
     }
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let selected = state.selection.as_ref().and_then(|selection| selection.jump);
     let marked = selected.map(|index| jumps.len() - index);
     let colour = ui.visuals().selection.bg_fill.gamma_multiply(0.55);

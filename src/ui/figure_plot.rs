@@ -3,7 +3,7 @@
 use super::diagram;
 use super::typeset::set;
 use crate::paper::Figure;
-use crate::plot::panel::{Content, Panel};
+use crate::plot::panel::{Content, Panel, letter};
 use crate::plot::typeset::number;
 use crate::storage::picture::{common_scale, gap_image};
 use egui::{Color32, ColorImage, Id, Rect, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2};
@@ -20,14 +20,8 @@ pub fn figure(ui: &mut Ui, figure: &Figure) {
         ui.columns(columns, |uis| {
             for (column, panel) in panels.iter().enumerate() {
                 let index = row * columns + column;
-                let letter = char::from(b'a' + (index % 26) as u8);
-                let named = panel.title.is_empty() || panel.title.starts_with('(');
-                let heading = match (several, named) {
-                    (true, true) if panel.title.is_empty() => format!("({letter})"),
-                    (true, false) => format!("({letter}) {}", panel.title),
-                    _ => panel.title.clone(),
-                };
-                let name = format!("Fig. {} diagram {letter}", figure.number);
+                let heading = panel.heading(index, several);
+                let name = format!("Fig. {} diagram {}", figure.number, letter(index));
                 self::panel(&mut uis[column], panel, &heading, &name, (figure.number, index));
             }
         });

@@ -150,7 +150,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
         return;
     }
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    let colour = theme::palette(true).jump;
+    let colour = theme::palette(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(s.map(|p| to_screen(picture, band, p)), Stroke::new(width, colour));
     };
@@ -195,7 +195,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
     let at = index as f32 + 0.5;
     let ends = if along_x { [[0.0, at], [nx as f32, at]] } else { [[at, 0.0], [at, ny as f32]] };
     let ends = ends.map(|p| to_screen(picture, band, p));
-    let colour = theme::palette(true).retraction;
+    let colour = theme::palette(crate::plot::style::Ground::Dark).retraction;
     ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(3.0, Color32::from_black_alpha(120)), 7.0, 5.0));
     ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(1.5, colour), 7.0, 5.0));
 }

@@ -13,7 +13,7 @@ const WIDTH: f32 = 216.0;
 pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action>) {
     let Some(selection) = &state.selection else { return };
     let s = &selection.state;
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     // In the corner that the curve of a loop leaves free, unless the state itself is there.
     let ([left, bottom], [right, top]) = state.axes();
     let there = s.mean_displacement / state.rho() > 0.5 * (left + right) && s.stress_over_max > 0.45 * (bottom + top);

@@ -32,7 +32,7 @@ fn card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
     let name = shape.word().replace('_', " ");
     response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, selected, format!("law {name}")));
     let visuals = ui.style().interact_selectable(&response, selected);
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let fill = if selected { ui.visuals().selection.bg_fill.gamma_multiply(0.55) } else { ui.visuals().faint_bg_color };
     painter.rect(

@@ -19,7 +19,7 @@ const JUMPS_MAX: usize = 24;
 
 /// Draws heading, legend and plot, of this height in all.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     heading(ui, state, actions, &palette);
     let panel = panel(state);
     let top = ui.cursor().top();

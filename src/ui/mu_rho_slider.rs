@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 fn paint(ui: &Ui, state: &ViewState, rail: Rect, x_of: &dyn Fn(f64) -> f32, response: &egui::Response) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let painter = ui.painter();
     painter.rect_filled(rail, 3.0, ui.visuals().widgets.inactive.bg_fill);
     let zone = Rect::from_min_max(pos2(x_of(0.5), rail.top() - 4.0), pos2(rail.right(), rail.bottom() + 4.0));

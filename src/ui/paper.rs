@@ -117,7 +117,7 @@ fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         });
     } else if let Some(why) = &paper.stuck {
         ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new(format!("Not there: {why}.")).color(theme::palette(ui.visuals().dark_mode).warn));
+            ui.label(RichText::new(format!("Not there: {why}.")).color(theme::palette(theme::ground(ui)).warn));
             if ui.button("Compute").clicked() {
                 actions.push(Action::OpenPage(paper.page));
             }
@@ -127,7 +127,7 @@ fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// The figure's paragraph and findings.
 fn words(ui: &mut Ui, figure: &Figure) {
-    let (text, palette) = (ui.visuals().text_color(), theme::palette(ui.visuals().dark_mode));
+    let (text, palette) = (ui.visuals().text_color(), theme::palette(theme::ground(ui)));
     if !figure.words.is_empty() {
         ui.add_space(4.0);
         ui.label(set(&figure.words, 12.5, text));
@@ -155,7 +155,7 @@ fn finding(ui: &mut Ui, finding: &Finding, palette: &Palette) {
 }
 
 fn errata(ui: &mut Ui, errata: &[Erratum]) {
-    let (text, palette) = (ui.visuals().text_color(), theme::palette(ui.visuals().dark_mode));
+    let (text, palette) = (ui.visuals().text_color(), theme::palette(theme::ground(ui)));
     ui.label(RichText::new("Found without either formula: by roots, integrals, measurements, a loop.").weak());
     for erratum in errata {
         ui.add_space(5.0);

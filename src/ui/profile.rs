@@ -67,7 +67,7 @@ fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (b
     let along = |z: &dyn Fn(usize) -> f64| -> Vec<Pos2> { (0..=n).map(|i| pos2(x_of(i), y_of(z(i % n)))).collect() };
     let soft = along(&|i| gap[i] + height[i]);
     let rigid = along(&|i| height[i]);
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     fill(ui, &soft, frame.top(), palette.elastomer);
     fill(ui, &rigid, frame.bottom(), palette.indenter);
     let painter = ui.painter().with_clip_rect(frame);

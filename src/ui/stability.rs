@@ -88,7 +88,7 @@ fn decade(eigenvalue: f64) -> String {
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, ground: Ground) {
-    let palette = &theme::palette(ground == Ground::Dark);
+    let palette = &theme::palette(ground);
     let (low, high) = (plot.plot_bounds().min(), plot.plot_bounds().max());
     let (left, right) = (low[0], high[0]);
     let below = FilledArea::new("unstable", &[left, right], &[low[1]; 2], &[0.0; 2]);

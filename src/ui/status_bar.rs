@@ -12,7 +12,7 @@ use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     if let Some(failure) = &state.failure {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("⚠").color(palette.warn).strong());
@@ -42,14 +42,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         model(ui, state);
         if let Some(live) = &state.live {
             part(ui, "");
-            let colour = theme::palette(ui.visuals().dark_mode).live;
+            let colour = theme::palette(theme::ground(ui)).live;
             ui.label(RichText::new(live.words()).color(colour));
         }
     });
 }
 
 fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
     ui.label(RichText::new(now.pattern.word()).strong());
     let (text, colour) = if relaxing { ("jumping, no equilibrium".to_owned(), palette.jump) } else { stability(now, &palette) };

@@ -2,7 +2,7 @@
 
 use crate::experiment::record::Direction;
 use crate::plot::panel::Colour;
-use crate::plot::style::Ground;
+use crate::plot::style::{Ground, Rgb};
 use egui::{Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals};
 use std::sync::Arc;
 
@@ -33,22 +33,20 @@ pub struct Palette {
     pub now: Color32,
 }
 
+/// A colour of the diagrams as the toolkit has it.
+pub fn rgb([red, green, blue]: Rgb) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
 /// The ground of the present theme.
 pub fn ground(ui: &egui::Ui) -> Ground {
     if ui.visuals().dark_mode { Ground::Dark } else { Ground::Light }
 }
 
-/// The colours of the present theme.
-pub fn palette(dark: bool) -> Palette {
-    let ground = if dark { Ground::Dark } else { Ground::Light };
-    let of = |colour: Colour| {
-        let [red, green, blue] = colour.on(ground);
-        Color32::from_rgb(red, green, blue)
-    };
-    let pick = |light: [u8; 3], bright: [u8; 3]| {
-        let [red, green, blue] = if dark { bright } else { light };
-        Color32::from_rgb(red, green, blue)
-    };
+/// The colours on a ground.
+pub fn palette(ground: Ground) -> Palette {
+    let of = |colour: Colour| rgb(colour.on(ground));
+    let pick = |light: Rgb, dark: Rgb| rgb(if ground == Ground::Dark { dark } else { light });
     Palette {
         approach: of(Colour::of(Direction::Approach)),
         retraction: of(Colour::of(Direction::Retraction)),
@@ -98,7 +96,7 @@ fn dark() -> Visuals {
     let mut v = Visuals::dark();
     v.panel_fill = Color32::from_rgb(27, 30, 36);
     v.window_fill = Color32::from_rgb(33, 37, 44);
-    v.extreme_bg_color = Color32::from_rgb(18, 20, 25);
+    v.extreme_bg_color = rgb(Ground::Dark.colour());
     v.faint_bg_color = Color32::from_rgb(34, 38, 45);
     v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(206, 211, 219));
     v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(52, 57, 66));
@@ -114,7 +112,7 @@ fn light() -> Visuals {
     let mut v = Visuals::light();
     v.panel_fill = Color32::from_rgb(246, 247, 249);
     v.window_fill = Color32::WHITE;
-    v.extreme_bg_color = Color32::WHITE;
+    v.extreme_bg_color = rgb(Ground::Light.colour());
     v.faint_bg_color = Color32::from_rgb(236, 239, 243);
     v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(42, 46, 54));
     v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(212, 216, 222));

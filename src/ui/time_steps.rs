@@ -14,7 +14,7 @@ const MARKS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 
 /// Button, progress and map.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     ui.horizontal_wrapped(|ui| {
         if state.measuring == Some(Measurement::TimeSteps) {
             if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {

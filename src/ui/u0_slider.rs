@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     }
     accessibility(ui, state, actions, &response);
 
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     ticks(ui, state, rail, &y_of);
     let painter = ui.painter();
     painter.rect_filled(rail, 4.0, ui.visuals().widgets.inactive.bg_fill);
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
 
 /// "target" and "actual" beside their marks, pushed apart where they would overlap.
 fn words(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
-    let palette = theme::palette(ui.visuals().dark_mode);
+    let palette = theme::palette(theme::ground(ui));
     let x = rail.center().x + 31.0;
     let (mut target_y, mut actual_y) = (target.y, actual.y);
     if (target_y - actual_y).abs() < 14.0 {

@@ -93,14 +93,14 @@ fn on_a_coarse_mesh_that_pins_the_ridge_all_but_a_few_forecasts_contain_the_jump
 }
 
 /// A record of flat states on the way to `u0`, as the walk would leave it.
-fn flat_states(branch: Direction, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
+fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
     let scene = fig2(16);
     let model = scene.model().unwrap();
     let first = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap().record().clone();
     let states = path
         .iter()
         .map(|&mean_displacement| StateRecord {
-            direction: branch,
+            direction,
             mean_displacement,
             pattern,
             stiffness_min: flat::stiffness_min(&model.law, model.grid.length, mean_displacement),

@@ -133,8 +133,8 @@ fn in_deep_compression_nothing_jumps() {
         run.record.jumps
     );
     // Going down and coming up it is the same surface: its softest mode too, which the tracking must not lose.
-    let at = |branch: Direction| {
-        let near = |s: &&StateRecord| s.direction == branch && (s.mean_displacement + 3.0).abs() < 1e-9;
+    let at = |direction: Direction| {
+        let near = |s: &&StateRecord| s.direction == direction && (s.mean_displacement + 3.0).abs() < 1e-9;
         run.record.states.iter().find(near).cloned().unwrap()
     };
     let (down, up) = (at(Direction::Approach), at(Direction::Retraction));

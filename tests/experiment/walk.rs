@@ -27,8 +27,8 @@ fn fig2() -> &'static LoopRun {
     RUN.get_or_init(|| newton(&preset("fig2")))
 }
 
-fn sequence(run: &LoopRun, branch: Direction) -> Vec<Pattern> {
-    let jumps: Vec<_> = run.record.jumps.iter().filter(|j| j.direction == branch).collect();
+fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
+    let jumps: Vec<_> = run.record.jumps.iter().filter(|j| j.direction == direction).collect();
     jumps.first().map(|j| j.from).into_iter().chain(jumps.iter().map(|j| j.to)).collect()
 }
 

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::paper::figure::{Content, Panel};
 use tackscope::paper::{Entry, GALLERY, Size, Stopped, TABLES, Task, scenes};
+use tackscope::plot::panel::{Content, Panel};
 use tackscope::storage::presets;
 
 fn check_panel(number: usize, panel: &Panel) {

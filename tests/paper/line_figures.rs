@@ -1,8 +1,9 @@
 //! Figs 4, 7, 8 and 11 of the paper at quick size: every judged number agrees, and differences shrink with the range.
 
 use tackscope::numerics::cancel::Cancel;
-use tackscope::paper::figure::{Figure, Role};
+use tackscope::paper::figure::Figure;
 use tackscope::paper::{GALLERY, Size, Stopped, Task};
+use tackscope::plot::panel::Role;
 
 fn figure(number: usize) -> Figure {
     let entry = GALLERY.iter().find(|entry| entry.number == number).unwrap();

@@ -130,8 +130,8 @@ pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
 }
 
 /// Patterns visited on one direction.
-pub fn visited(run: &LoopRun, branch: Direction) -> Vec<Pattern> {
-    run.record.jumps.iter().filter(|j| j.direction == branch).map(|j| j.to).collect()
+pub fn visited(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
+    run.record.jumps.iter().filter(|j| j.direction == direction).map(|j| j.to).collect()
 }
 
 /// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target` by way of `turn`.

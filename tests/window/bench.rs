@@ -129,12 +129,12 @@ impl Bench {
     }
 
     /// The solver reaches the flat state at `u0`: its closed form.
-    pub fn reach(&mut self, u0: f64, branch: Direction) {
+    pub fn reach(&mut self, u0: f64, direction: Direction) {
         let run = self.state().run;
         let law = self.model.law;
         let stress = law.at(u0).traction;
         let state = StateRecord {
-            direction: branch,
+            direction,
             mean_displacement: u0,
             stress,
             stress_over_max: stress / law.traction_max(),

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use tackscope::experiment::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::errata::{Erratum, Evidence};
-use tackscope::paper::figure::{Area, Arrow, Axis, Colour, Content, Finding, Inset, Label, Panel, Role, Series, Symbol};
+use tackscope::paper::figure::Finding;
 use tackscope::paper::overlay::ZeroRange;
 use tackscope::paper::{Figure, GALLERY, Size, Task};
+use tackscope::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol};
 use tackscope::worker::protocol::{Command, Event, Page, PaperNews};
 
 fn opened() -> Bench {
@@ -49,7 +50,13 @@ fn made_up(number: usize) -> Figure {
         y: Axis::linear("u_c/rho"),
         areas: vec![Area { name: "loss".to_owned(), colour: Colour::Gold, spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]] }],
         series: vec![series(Role::Simulation, Some(Symbol::Circle)), series(Role::Theory, None), series(Role::Printed, None)],
-        arrows: vec![Arrow { tail: [1.0, 1.0], head: [10.0, 2.0], colour: Colour::Red, direction: Direction::Retraction }],
+        arrows: vec![Arrow {
+            name: "jump",
+            tail: [1.0, 1.0],
+            head: [10.0, 2.0],
+            colour: Colour::Red,
+            direction: Direction::Retraction,
+        }],
         labels: vec![Label { at: [10.0, 2.0], text: "here".to_owned(), ..Label::default() }],
         insets: vec![
             Inset {

@@ -263,8 +263,8 @@ struct Curve<'a> {
 }
 
 impl<'a> Curve<'a> {
-    fn new(states: &'a [StateRecord], branch: Direction) -> Self {
-        let mut states: Vec<_> = states.iter().filter(|s| s.direction == branch).collect();
+    fn new(states: &'a [StateRecord], direction: Direction) -> Self {
+        let mut states: Vec<_> = states.iter().filter(|s| s.direction == direction).collect();
         states.sort_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement));
         Self { states }
     }

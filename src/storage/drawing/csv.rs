@@ -1,8 +1,7 @@
 //! Figures, tables and findings as CSV.
 
 use crate::paper::figure::{Figure, Finding, Table};
-use crate::plot::chart_panel::letter;
-use crate::plot::panel::{Axis, Content, Panel, Role};
+use crate::plot::panel::{Axis, Content, Panel, Role, letter};
 use crate::storage::export::{number, quoted};
 use crate::storage::{Failure, files};
 use ndarray::Array2;
@@ -97,7 +96,7 @@ fn titled(panel: &Panel) -> String {
 fn named_panels(figure: &Figure) -> Vec<(String, &Panel)> {
     let mut list = Vec::new();
     for (i, panel) in figure.panels.iter().enumerate() {
-        let name = letter(i);
+        let name = letter(i).to_string();
         let inner = panel.insets.iter().filter_map(|inset| match &inset.content {
             Content::Diagram(panel) => Some(&**panel),
             Content::Map { .. } => None,

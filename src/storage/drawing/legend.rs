@@ -1,18 +1,9 @@
 //! The legend: beneath its diagram or, where all diagrams of a page speak of the same, beneath the page. So it covers nothing.
 
 use super::svg::{Anchor, GROUND, Place, Sheet, frame, ink, rectangle, set, solid, width};
-use crate::experiment::record::Direction;
-use crate::plot::panel::{Colour, Panel, Role, Symbol};
+use crate::plot::legend::{Look, entries};
+use crate::plot::panel::{Colour, Panel, Symbol};
 use crate::plot::style::{Rgb, Stroke, pointing, stroke};
-
-/// How an entry looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Look {
-    Line(Role, Colour, Option<Direction>),
-    Symbol(Symbol, Colour, bool),
-    Area(Colour),
-    Jump(Colour),
-}
 
 /// The entries in order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,20 +26,7 @@ const TEXT: f64 = 12.5;
 impl Legend {
     /// The legend of one diagram.
     pub(super) fn of(panel: &Panel, size: f64) -> Self {
-        let series = panel.series.iter().map(|s| {
-            let line = Look::Line(s.role, s.colour, s.direction);
-            (s.name.clone(), s.symbol.map_or(line, |symbol| Look::Symbol(symbol, s.colour, s.filled)))
-        });
-        let jumps = panel.arrows.iter().filter(|arrow| arrow.colour == Colour::JUMP);
-        let jumps = jumps.map(|arrow| ("jump".to_owned(), Look::Jump(arrow.colour)));
-        let areas = panel.areas.iter().map(|area| (area.name.clone(), Look::Area(area.colour)));
-        let mut entries: Vec<(String, Look)> = Vec::new();
-        for entry in series.chain(jumps).chain(areas) {
-            if !entry.0.is_empty() && !entries.contains(&entry) {
-                entries.push(entry);
-            }
-        }
-        Self { entries, size }
+        Self { entries: entries(panel), size }
     }
 
     /// One legend for all diagrams, if it says nothing twice in two ways: no look has two names.
@@ -117,7 +95,7 @@ impl Legend {
                         sheet.fill(&rectangle(sides), colour.on(GROUND), GROUND.opacity());
                         sheet.line(&frame(sides), solid(colour.on(GROUND), 0.8 * self.size));
                     }
-                    Look::Jump(colour) => {
+                    Look::Arrow(colour) => {
                         arrow(sheet, [middle[0], y + 8.0 * self.size], [middle[0], y - 8.0 * self.size], colour, self.size)
                     }
                 }

@@ -17,7 +17,6 @@ pub(super) use svg::escaped;
 use super::picture::write_png;
 use super::{Failure, files};
 use crate::paper::figure::Table;
-use crate::plot::chart_panel::letter;
 use crate::plot::panel::{Page, Panel};
 use legend::Legend;
 use std::path::Path;
@@ -73,15 +72,6 @@ fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
     write_png(path, &sheet.pixels().map_err(|error| Failure::write(path, error))?)
 }
 
-/// The heading of a diagram: with its letter where there are several and it has none of its own.
-fn heading(panel: &Panel, index: usize, several: bool) -> String {
-    let (title, letter) = (panel.title.trim(), letter(index));
-    if !several || title.starts_with('(') {
-        return title.to_owned();
-    }
-    format!("({letter}) {title}").trim_end().to_owned()
-}
-
 fn page_sheet(page: &Page<'_>) -> Sheet {
     let panels = &*page.panels;
     let columns = match panels.len() {
@@ -123,7 +113,7 @@ fn page_sheet(page: &Page<'_>) -> Sheet {
             let Some(panel) = panels.get(index) else { break };
             let x = EDGE + column as f64 * (wide + BETWEEN);
             let sides = [x, y, x + wide, y + tall(row)];
-            panel::draw(&mut sheet, panel, &heading(panel, index, panels.len() > 1), sides, (&own(panel), room(row)), 1.0);
+            panel::draw(&mut sheet, panel, &panel.heading(index, panels.len() > 1), sides, (&own(panel), room(row)), 1.0);
         }
         y += tall(row) + BETWEEN;
     }

@@ -2,7 +2,7 @@
 
 use super::clip::{self, Sides};
 use super::legend::{self, Legend, MARK, SYMBOL, scaled};
-use super::svg::{Anchor, GRID, GROUND, PAPER, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width};
+use super::svg::{Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width};
 use crate::plot::panel::{Area, Arrow, Axis, Content, Inset, Label, Panel, Role, Series};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{MARKS, marked, pointing, stroke};
@@ -143,7 +143,7 @@ impl Plot<'_> {
         let gap = 4.0 * self.size;
         let [x, y] = [x + right * (half + gap), y - up * (high + gap)];
         let clear = clip::polygon(&rectangle([x - half, y - high, x + half, y + high]), self.sides);
-        sheet.fill(&clear, PAPER, 0.7);
+        sheet.fill(&clear, GROUND.colour(), 0.7);
         sheet.words([x, y], &runs, WORD * self.size, label.colour.on(GROUND), Anchor::Middle);
     }
 
@@ -203,7 +203,7 @@ impl Plot<'_> {
         match &inset.content {
             Content::Diagram(panel) => {
                 let sides = [left, top, left + wide, top + high];
-                sheet.fill(&rectangle(sides), PAPER, 0.9);
+                sheet.fill(&rectangle(sides), GROUND.colour(), 0.9);
                 let size = 0.8 * self.size;
                 let legend = Legend::of(panel, size);
                 let room = legend.height(wide - 12.0 * size);
@@ -221,7 +221,7 @@ impl Plot<'_> {
                 let room = width(&runs, WORD * self.size) + 6.0 * self.size;
                 if !letter.is_empty() {
                     let tall = 1.3 * WORD * self.size;
-                    sheet.fill(&rectangle([left, top, left + room, top + tall]), PAPER, 1.0);
+                    sheet.fill(&rectangle([left, top, left + room, top + tall]), GROUND.colour(), 1.0);
                     sheet.line(&frame([left, top, left + room, top + tall]), solid(ink(), 0.7 * self.size));
                     sheet.words([left + 0.5 * room, top + 0.5 * tall], &runs, WORD * self.size, ink(), Anchor::Middle);
                 }

@@ -20,7 +20,6 @@ static FONT: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets
 
 /// Pictures are on paper.
 pub(super) const GROUND: Ground = Ground::Light;
-pub(super) const PAPER: Rgb = [255; 3];
 pub(super) const GRID: Rgb = [0xe8; 3];
 pub(super) const RULE: Rgb = [0xb4; 3];
 
@@ -148,7 +147,7 @@ impl Sheet {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
              font-family=\"DejaVu Sans, Verdana, sans-serif\" xml:space=\"preserve\">\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n{}</svg>\n",
-            hex(PAPER),
+            hex(GROUND.colour()),
             self.marks
         )
     }

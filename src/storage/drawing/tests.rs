@@ -49,8 +49,8 @@ fn everything() -> Panel {
             series("flat state", Role::Guide, None, Colour::Grey, |t| [4.0 * t, 0.4 * (9.0 * t).sin()]),
         ],
         arrows: vec![
-            Arrow { tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, direction: Direction::Approach },
-            Arrow { tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, direction: Direction::Retraction },
+            Arrow { name: "jump", tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, direction: Direction::Approach },
+            Arrow { name: "jump", tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, direction: Direction::Retraction },
         ],
         labels: vec![Label { at: [2.0, -0.8], text: "ridge, p~ = -(4/pi)^{1/3} u~^{2/3}".to_owned(), ..Label::default() }],
         insets: vec![
