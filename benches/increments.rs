@@ -11,13 +11,12 @@ use tackscope::experiment::scene::{Points, Scene};
 use tackscope::experiment::walk::{Happening, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
-use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::System;
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
-use tackscope::solver::problem::{Problem, Slides};
 use tackscope::storage::{presets, scene_file};
 
 const COARSE: usize = 64;
@@ -64,17 +63,14 @@ fn carried(z: &[f64], n: usize) -> Vec<f64> {
 fn relaxed(name: &'static str, mut method: Box<dyn Method>, n: usize, states: &[Equilibrium]) -> Row {
     let model = scene(n).model().expect("valid");
     let system = System::new(model.grid, model.law, &model.indenter);
-    let mut preconditioner = Preconditioner::new(&system, 0.25 * model.law.at(model.law.equilibrium_gap()).stiffness);
-    let mut ws = system.workspace();
+    let mut mechanics = Mechanics::new(system, Slides::Freely);
     let mut history = History::default();
-    states.iter().for_each(|state| history.push(state.mean_displacement, state.field.clone()));
+    states.iter().for_each(|state| history.push(&state.state));
     let from = states.last().expect("a state");
-    system.evaluate(&from.field, from.mean_displacement, &mut vec![0.0; system.dimension()], &mut ws);
-    preconditioner.refresh(&system, &mut ws);
-    let problem = Problem { system: &system, preconditioner: &preconditioner, slides: Slides::Freely };
+    mechanics.refresh(&from.fields);
     let (wall, processor) = (Instant::now(), ProcessTime::now());
-    let to = from.mean_displacement + STEP;
-    let cost = method.follow(&problem, &history, from, to, &mut ws, &Cancel::default()).expect("stays on its branch").cost;
+    let to = from.state.mean_displacement + STEP;
+    let cost = method.follow(&mut mechanics, &history, from, to).expect("stays on its branch").cost;
     Row {
         name,
         transforms: cost.transforms as f64,
@@ -97,8 +93,9 @@ struct Row {
 
 /// The mean over counted increments of Newton's method in the walk with some numbers, checks of stability and all, from a state of the coarse mesh.
 fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, StateRecord)) -> Row {
-    let state = Equilibrium { field: carried(&state.field, n), soft_mode: Vec::new(), ..state.clone() };
-    let start = state.mean_displacement;
+    let mut state = Equilibrium { soft_mode: Vec::new(), ..state.clone() };
+    state.state.amplitudes = carried(&state.state.amplitudes, n);
+    let start = state.state.mean_displacement;
     let walk =
         Walk::begun(&scene(n), MethodKind::NewtonKrylov.build(1), Reduction::Whole, precision, &Cancel::default()).expect("valid");
     let mut walk = walk.standing_on(state, record.clone());
@@ -107,7 +104,7 @@ fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, Sta
     let mut reached = Vec::new();
     for warm in 1..=WARM {
         walked(&mut walk, place(warm));
-        reached.push(walk.state().clone());
+        reached.push(walk.here().clone());
     }
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let states = walked(&mut walk, place(WARM + COUNTED));
@@ -131,7 +128,7 @@ fn main() {
     let mut walk = Walk::new(&scene(COARSE), MethodKind::NewtonKrylov).expect("valid");
     walked(&mut walk, 0.3);
     walked(&mut walk, 1.8);
-    let start = (walk.state().clone(), walk.record().clone());
+    let start = (walk.here().clone(), walk.record().clone());
     println!("a {}", walk.record().pattern);
     println!("double, mixed, single: the walk with these numbers; newton: its method alone; paper: 200 time steps alone");
     println!("what        n  transforms  iterations  wall ms  processor ms");

@@ -23,6 +23,7 @@ use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{System, carried};
 use crate::physics::theory::flat;
+use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
 use trace::trace;
@@ -85,9 +86,9 @@ impl Atlas {
     /// Lets `cancel` interrupt every solve from now on; what is under way is then lost.
     pub fn obey(&mut self, cancel: &Cancel) {
         for sector in [&mut self.ridge, &mut self.square] {
-            sector.cancel = cancel.clone();
+            sector.mechanics.cancel = cancel.clone();
         }
-        self.explorer.cancel = cancel.clone();
+        self.explorer.mechanics.cancel = cancel.clone();
         self.cancel = cancel.clone();
     }
 
@@ -103,7 +104,7 @@ impl Atlas {
 
     /// Transforms spent so far: on the line, on the quarter cell, and there on releases.
     pub fn transforms(&self) -> [usize; 3] {
-        [self.ridge.transforms(), self.square.transforms(), self.explorer.transforms()]
+        [&self.ridge.mechanics, &self.square.mechanics, &self.explorer.mechanics].map(Mechanics::transforms)
     }
 
     /// Lower and upper limit of the flat state (length); `None` where it is always stable.
@@ -159,7 +160,7 @@ impl Atlas {
             }
             Place::On(i) => {
                 let node = self.branches[i].end(up);
-                (node.u0, node.energy)
+                (node.state.mean_displacement, node.state.energy)
             }
         }
     }
@@ -215,11 +216,14 @@ impl Atlas {
         let mode = match branch.ends[usize::from(up)] {
             End::Fold => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
-                return Err(Unmapped(format!("the ridge meanders at u0 = {:.4}: only the whole cell holds that", node.u0)));
+                return Err(Unmapped(format!(
+                    "the ridge meanders at u0 = {:.4}: only the whole cell holds that",
+                    node.state.mean_displacement
+                )));
             }
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
-        Ok((carried(&node.z, own, explorer.system()), mode))
+        Ok((carried(&node.state.amplitudes, own, explorer.system()), mode))
     }
 
     /// The place of a state at rest: a known branch, or a new one traced from it both ways.
@@ -249,11 +253,11 @@ impl Atlas {
         let z = carried(&landed, self.explorer.system(), sector.system());
         let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
-        let mut first = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
-        if !(first.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
+        let (mut first, fields) = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
+        if !(first.state.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
             return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is not what the release found")));
         }
-        sector.sharpen(&mut first);
+        sector.sharpen(&mut first, &fields);
         if first.breaking < 0.0 {
             return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is unstable")));
         }
@@ -281,12 +285,12 @@ impl Atlas {
     fn pin(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
         let near = 1e-3 * self.chart.law.range;
         let branch = &self.branches[i];
-        if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.u0 - u0).abs() < near) {
+        if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near) {
             return Ok(());
         }
         let guess = branch.guess(u0);
         let sector = if branch.is_ridge { &mut self.ridge } else { &mut self.square };
-        let node = sector.node(u0, guess, None, NODE)?;
+        let (node, _) = sector.node(u0, guess, None, NODE)?;
         self.branches[i].insert(node);
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The flat state on flat ground: a closed form that costs nothing, stable up to where Eq. 8 says.
 
 use crate::physics::law::Law;
+use crate::physics::system::System;
 use crate::physics::theory::flat::{limits, stiffness_min};
 use crate::solver::Stop;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
@@ -20,26 +21,24 @@ impl FlatBranch {
         Self { law, length, unstable: limits(&law, length) }
     }
 
-    /// The flat state at gap `u0`, exact, as amplitudes of the given dimension.
-    pub fn state(&self, u0: f64, dimension: usize) -> Equilibrium {
-        let response = self.law.at(u0);
+    /// The flat state of a `system` of this law and cell at gap `u0`, exact.
+    pub fn state(&self, system: &System, u0: f64) -> Equilibrium {
         let value = stiffness_min(&self.law, self.length, u0) / self.length;
-        Equilibrium {
-            mean_displacement: u0,
-            field: vec![0.0; dimension],
-            residual: 0.0,
-            stress: response.traction,
-            energy: response.energy,
-            stiffness_min: Some(Stiffness { value, error: 0.0 }),
-            soft_mode: Vec::new(),
-            stop: match value >= 0.0 {
-                // So deep in the wall that the law overflows.
-                _ if !response.energy.is_finite() || !value.is_finite() => Stop::NotConverged,
-                true => Stop::Stable,
-                false => Stop::Unstable,
-            },
-            cost: Cost::default(),
-        }
+        let stop = if self.is_finite(u0, value) { Stop::Stable } else { Stop::NotConverged };
+        let mut flat = Equilibrium::unmeasured(system.uniform(u0), 0.0, stop, Cost::default());
+        flat.measured(Stiffness { value, error: 0.0 }, Vec::new());
+        flat
+    }
+
+    /// True if the flat state at gap `u0` is stable.
+    pub fn is_stable(&self, u0: f64) -> bool {
+        let value = stiffness_min(&self.law, self.length, u0);
+        value >= 0.0 && self.is_finite(u0, value)
+    }
+
+    /// False so deep in the wall that the law overflows.
+    fn is_finite(&self, u0: f64, stiffness: f64) -> bool {
+        stiffness.is_finite() && self.law.at(u0).energy.is_finite()
     }
 
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and the first unstable double found

@@ -292,9 +292,9 @@ fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) ->
         Place::Flat => flat::stiffness_min(&chart.law, chart.length, u0),
         Place::On(i) => {
             let nodes = &atlas.branches()[i].nodes;
-            let k = nodes.partition_point(|n| n.u0 < u0).clamp(1, nodes.len() - 1);
+            let k = nodes.partition_point(|n| n.state.mean_displacement < u0).clamp(1, nodes.len() - 1);
             let (a, b) = (&nodes[k - 1], &nodes[k]);
-            let t = ((u0 - a.u0) / (b.u0 - a.u0)).clamp(0.0, 1.0);
+            let t = ((u0 - a.state.mean_displacement) / (b.state.mean_displacement - a.state.mean_displacement)).clamp(0.0, 1.0);
             let softest = |n: &crate::solver::sector::Node| n.own.min(n.breaking) * chart.length;
             softest(a) + t * (softest(b) - softest(a))
         }

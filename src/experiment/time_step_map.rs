@@ -8,13 +8,12 @@ use super::scene::{Model, Scene, SceneError};
 use super::walk::{Progress as Walked, Walk};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, project_out, scale};
-use crate::physics::system::Workspace;
 use crate::solver::branch::History;
+use crate::solver::equilibrium::Equilibrium;
 use crate::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
+use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::method::{Lost, Method};
 use crate::solver::methods::MethodKind;
-use crate::solver::newton::sliding_basis;
-use crate::solver::problem::Slides;
 use crate::solver::stability::random_amplitudes;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -83,7 +82,8 @@ pub struct Survey {
     targets: Vec<f64>,
     walk: Walk,
     model: Model,
-    ws: Workspace,
+    /// Of the dynamics, beside that of the walk.
+    mechanics: Mechanics,
     rng: Pcg64,
     run: Option<Run>,
 }
@@ -91,7 +91,7 @@ pub struct Survey {
 /// One perturbation under way.
 struct Run {
     gfmd: Gfmd,
-    state: crate::solver::equilibrium::Equilibrium,
+    state: Equilibrium,
     size: f64,
     steps: usize,
 }
@@ -104,6 +104,9 @@ impl Survey {
     pub fn new(scene: &Scene, turn: f64) -> Result<Self, SceneError> {
         let walk = Walk::new(scene, MethodKind::NewtonKrylov)?;
         let (from, down) = (scene.drive.start, scene.drive.start - turn);
+        let mut mechanics = walk.mechanics().clone();
+        // A pattern that slides, driven by what its residual left, is no oscillation that grows.
+        mechanics.slides = Slides::Freely;
         let ratio = (TIME_STEPS.1 / TIME_STEPS.0).powf(1.0 / (ROWS - 1) as f64);
         Ok(Self {
             targets: (0..COLUMNS).map(|i| from - down * (i as f64 + 0.5) / COLUMNS as f64).collect(),
@@ -114,7 +117,7 @@ impl Survey {
                 bounds: Vec::new(),
                 columns: COLUMNS,
             },
-            ws: walk.system().workspace(),
+            mechanics,
             model: walk.model().clone(),
             rng: Pcg64::seed_from_u64(scene.seed),
             walk,
@@ -151,18 +154,16 @@ impl Survey {
     }
 
     fn begin_column(&mut self) {
-        let (system, state) = (self.walk.system(), self.walk.state());
-        let mut gradient = vec![0.0; state.field.len()];
-        system.evaluate(&state.field, state.mean_displacement, &mut gradient, &mut self.ws);
-        let stiffest = self.ws.stiffness.iter().fold(f64::NEG_INFINITY, |most, k| most.max(*k));
+        let (system, here) = (self.walk.system(), self.walk.here());
+        let stiffest = here.fields.stiffness.iter().fold(f64::NEG_INFINITY, |most, k| most.max(*k));
         // The first wave's entry of the inverse inertia 1/(q E*/2 + k) tells k.
         let first = 2 * system.grid().ny;
-        let k = 1.0 / self.walk.problem().preconditioner.diagonal()[first] - system.elastic()[first];
+        let k = 1.0 / self.mechanics.preconditioner.diagonal()[first] - system.elastic()[first];
         // Where nothing is stiffer than k, not the longest wave sets the limit but the shortest.
         let shortest = system.elastic().iter().fold(0.0f64, |most, e| most.max(*e));
         let limit = 2.0 / ((stiffest + shortest) / (k + shortest)).sqrt();
         self.map.bounds.push(limit.min(time_step_limit(system, stiffest, k)));
-        self.map.displacements.push(state.mean_displacement);
+        self.map.displacements.push(here.state.mean_displacement);
     }
 
     fn perturbed(&mut self, time_step: f64) -> Run {
@@ -171,21 +172,21 @@ impl Survey {
         let mut kick = random_amplitudes(system, &mut self.rng);
         let length = norm(&kick);
         scale(&mut kick, size / length);
-        let mut state = self.walk.state().clone();
-        add(&mut state.field, 1.0, &kick);
+        let mut state = self.walk.here().clone();
+        add(&mut state.state.amplitudes, 1.0, &kick);
         let budget = GfmdBudget { ramp: 0, relax: SLICE, time_step, damping: 0.0, temperature: 0.0 };
         Run { gfmd: Gfmd::with_budget(budget, 0), state, size, steps: 0 }
     }
 
     fn go_on(&mut self, mut run: Run, cancel: &Cancel) -> Progress {
-        let u0 = run.state.mean_displacement;
-        let grown = match run.gfmd.follow(&self.walk.problem(), &History::default(), &run.state, u0, &mut self.ws, cancel) {
+        let u0 = run.state.state.mean_displacement;
+        self.mechanics.cancel = cancel.clone();
+        let grown = match run.gfmd.follow(&mut self.mechanics, &History::default(), &run.state, u0) {
             Ok(state) => {
                 run.state = state;
-                // A pattern that slides, driven by what its residual left, is no oscillation that grows.
-                let (mut away, here) = (run.state.field.clone(), &self.walk.state().field);
-                add(&mut away, -1.0, here);
-                project_out(&mut away, &sliding_basis(self.walk.system(), here, Slides::Freely, &mut self.ws));
+                let (mut away, here) = (run.state.state.amplitudes.clone(), self.walk.here());
+                add(&mut away, -1.0, &here.state.amplitudes);
+                project_out(&mut away, &self.mechanics.sliding_basis(&here.state.amplitudes, &here.fields));
                 norm(&away) > GROWTH * run.size
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,

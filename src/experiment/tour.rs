@@ -10,6 +10,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
 use crate::solver::Stop;
+use crate::solver::mechanics::Mechanics;
 use crate::solver::sector::{Measured, Node};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
@@ -38,15 +39,16 @@ impl Atlas {
         observe: &mut dyn FnMut(Report<'_>),
     ) -> Result<LoopRun, Unmapped> {
         let law = model.law;
-        let well = law.at(law.equilibrium_gap()).stiffness;
         let tracker = Tracker::new(Pcg64::seed_from_u64(scene.seed));
         let start = scene.drive.start;
         let mut journey = Journey::new(self, start, turn)?;
         self.obey(cancel);
+        let mut whole = Mechanics::new(System::new(model.grid, model.law, &model.indenter), slides_on(model));
+        whole.cancel = cancel.clone();
         let mut tour = Tour {
             atlas: self,
             model,
-            guard: Guard::new(System::new(model.grid, model.law, &model.indenter), 0.25 * well, slides_on(model), tracker),
+            guard: Guard::new(whole, tracker),
             flat: FlatBranch::new(law, model.grid.length),
             last: None,
         };
@@ -54,7 +56,7 @@ impl Atlas {
         while let Some(leg) = journey.leg(tour.atlas) {
             let edge = journey.jumps_next().then_some(HAIR * law.range);
             for (i, u0) in stations(&leg, start, scene.drive.step, edge, tour.fold(&leg)).enumerate() {
-                let told = tour.state(&leg, u0, cancel);
+                let told = tour.state(&leg, u0);
                 if cancel.requested() {
                     break;
                 }
@@ -111,13 +113,13 @@ impl Tour<'_> {
     }
 
     /// The state of `leg` at `u0`, with its gap field.
-    fn state(&mut self, leg: &Leg, u0: f64, cancel: &Cancel) -> Result<(StateRecord, Array2<f64>), Unmapped> {
+    fn state(&mut self, leg: &Leg, u0: f64) -> Result<(StateRecord, Array2<f64>), Unmapped> {
         let began = Instant::now();
         let spent = self.transforms();
         let mut record = StateRecord { direction: leg.direction, ..StateRecord::placeholder(u0) };
         let gap = match leg.place {
             Place::Flat => self.flat(&mut record),
-            Place::On(i) => self.patterned(i, &mut record, cancel)?,
+            Place::On(i) => self.patterned(i, &mut record)?,
         };
         record.stress_over_max = record.stress / self.model.law.traction_max();
         record.contact_area = contact_area(gap.view(), &self.model.law);
@@ -127,15 +129,15 @@ impl Tour<'_> {
     }
 
     fn flat(&self, record: &mut StateRecord) -> Array2<f64> {
-        let state = self.flat.state(record.mean_displacement, 0);
-        let stiffness = state.stiffness_min.expect("closed form");
-        (record.stress, record.energy, record.residual) = (state.stress, state.energy, state.residual);
+        let flat = self.flat.state(&self.guard.mechanics.system, record.mean_displacement);
+        let stiffness = flat.stiffness_min.expect("closed form");
+        (record.stress, record.energy, record.residual) = (flat.state.stress, flat.state.energy, flat.residual);
         (record.stiffness_min, record.stiffness_error) = (stiffness.value * self.model.grid.length, stiffness.error);
-        (record.pattern, record.model, record.stop) = (Pattern::Flat, "flat, closed form", state.stop);
-        Array2::from_elem(self.model.grid.shape(), record.mean_displacement)
+        (record.pattern, record.model, record.stop) = (Pattern::Flat, "flat, closed form", flat.stop);
+        flat.fields.gap
     }
 
-    fn patterned(&mut self, i: usize, record: &mut StateRecord, cancel: &Cancel) -> Result<Array2<f64>, Unmapped> {
+    fn patterned(&mut self, i: usize, record: &mut StateRecord) -> Result<Array2<f64>, Unmapped> {
         let (u0, length) = (record.mean_displacement, self.model.grid.length);
         let before = self.last.take().filter(|(place, _)| *place == Place::On(i)).map(|(_, node)| node);
         if before.is_none() {
@@ -144,25 +146,26 @@ impl Tour<'_> {
         let branch = &self.atlas.branches[i];
         let (guess, is_ridge) = (branch.guess(u0), branch.is_ridge);
         let sector = if is_ridge { &mut self.atlas.ridge } else { &mut self.atlas.square };
-        let Measured { node, residual, mut stiffness } = sector
+        let Measured { node, residual, mut stiffness, .. } = sector
             .measure(u0, guess, before.as_ref(), TOLERANCE)
             .map_err(|lost| Unmapped(format!("the state at u0 = {u0:.4} was not found ({lost:?})")))?;
         let square = self.atlas.square.system();
-        let z = carried(&node.z, self.atlas.system_of(i), square);
+        let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
-        let all = self.guard.check(&gap, u0, cancel);
+        let all = self.guard.check(&gap, u0);
+        let cancelled = self.guard.mechanics.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the branch.
         let at_end = stiffness.value * length <= SOFT;
-        if all.value < 0.0 && !at_end && !cancel.requested() {
+        if all.value < 0.0 && !at_end && !cancelled {
             return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
         }
-        if all.value.is_nan() && !cancel.requested() {
+        if all.value.is_nan() && !cancelled {
             return Err(Unmapped(format!("at u0 = {u0:.4} the stability against all modes was not decided")));
         }
         if all.value >= 0.0 {
             stiffness = stiffness.among(all);
         }
-        (record.stress, record.energy, record.residual) = (node.stress, node.energy, residual);
+        (record.stress, record.energy, record.residual) = (node.state.stress, node.state.energy, residual);
         (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, stiffness.error * length);
         record.pattern = classify(gap.view(), &self.model.law, true);
         record.model = if is_ridge { "ridge on half a line" } else { "quarter cell" };

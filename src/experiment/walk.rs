@@ -24,15 +24,14 @@ use super::record::{Cause, Direction, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
-use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace};
+use crate::physics::system::{State, System};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
+use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::method::Method;
 use crate::solver::methods::MethodKind;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
-use crate::solver::problem::{Problem, Slides};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
 use guard::{Guard, slides_on, with_coarse};
@@ -78,17 +77,15 @@ pub struct Walk {
     model: Model,
     step: f64,
     start: f64,
-    system: System,
-    preconditioner: Preconditioner,
-    slides: Slides,
+    mechanics: Mechanics,
     method: Box<dyn Method>,
     flat: Option<FlatBranch>,
     /// On a quarter cell: the watch over modes of other symmetry.
     guard: Option<Guard>,
     rng: Pcg64,
     tracker: Tracker,
-    ws: Workspace,
-    state: Equilibrium,
+    /// Where it stands.
+    here: Equilibrium,
     record: StateRecord,
     history: History,
     barrier: Option<Barrier>,
@@ -165,41 +162,33 @@ impl Walk {
         }
         let system =
             if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
-        let well = model.law.at(model.law.equilibrium_gap()).stiffness;
-        let constant = well * if system.is_flat() || even { 0.25 } else { 0.04 };
-        let preconditioner = Preconditioner::new(&system, constant);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
-        let guard =
-            (reduction == Reduction::Quarter).then(|| Guard::new(System::whole(&system), constant, slides, tracker(0x9a4d)));
-        let flat = (system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
+        let guard = even.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
+        let mut mechanics = Mechanics::new(system, if even { Slides::Never } else { slides });
+        mechanics.cancel = cancel.clone();
+        let flat = (mechanics.system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
+        let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
         let start = scene.drive.start;
-        let state = Equilibrium {
-            mean_displacement: start,
-            field: vec![0.0; system.dimension()],
-            residual: 0.0,
-            stress: model.law.at(start).traction,
-            energy: model.law.at(start).energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost::default(),
+        let here = match flat {
+            Some(flat) => flat.state(&mechanics.system, start),
+            None => {
+                let uniform = vec![0.0; mechanics.system.dimension()];
+                solved(&mut mechanics, &mut tracker, uniform, start)
+            }
         };
-        let rng = Pcg64::seed_from_u64(scene.seed);
         let mut walk = Self {
             step: scene.drive.step,
             start,
-            preconditioner,
-            slides: if even { Slides::Never } else { slides },
+            mechanics,
             method,
             flat,
             guard,
-            tracker: with_coarse(tracker(0x5eed), &system, constant),
-            rng,
-            ws: system.workspace(),
-            history: History::starting(start, state.field.clone()),
+            tracker,
+            rng: Pcg64::seed_from_u64(scene.seed),
+            history: History::starting(&here.state),
             record: StateRecord::placeholder(start),
-            state,
+            here,
             barrier: None,
             bracket: f64::INFINITY,
             halve: false,
@@ -215,10 +204,9 @@ impl Walk {
             step_began: Instant::now(),
             seen: Cost::default(),
             looked: 0,
-            system,
             model,
         };
-        walk.rest_at_start(cancel);
+        walk.accept(&mut |_| {});
         Ok(walk)
     }
 
@@ -251,11 +239,14 @@ impl Walk {
     }
 
     /// The same walk on another state of its scene.
-    pub fn standing_on(mut self, state: Equilibrium, record: StateRecord) -> Self {
-        self.target = state.mean_displacement;
+    pub fn standing_on(mut self, mut state: Equilibrium, record: StateRecord) -> Self {
+        let State { mean_displacement, amplitudes, .. } = state.state.clone();
+        // It may come from another mesh, or have been moved.
+        state.fields = self.mechanics.uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement)).fields;
+        self.target = mean_displacement;
         self.direction = record.direction;
-        self.history = History::starting(state.mean_displacement, state.field.clone());
-        (self.state, self.record) = (state, record);
+        self.history = History::starting(&state.state);
+        (self.here, self.record) = (state, record);
         self
     }
 
@@ -264,9 +255,9 @@ impl Walk {
         &self.model
     }
 
-    /// The mechanics.
+    /// Law, ground and cell.
     pub fn system(&self) -> &System {
-        &self.system
+        &self.mechanics.system
     }
 
     /// The method's name.
@@ -279,14 +270,14 @@ impl Walk {
         &self.record
     }
 
-    /// The state it stands on.
-    pub fn state(&self) -> &Equilibrium {
-        &self.state
+    /// The equilibrium it stands on.
+    pub fn here(&self) -> &Equilibrium {
+        &self.here
     }
 
-    /// What a method needs to know of the problem.
-    pub(super) fn problem(&self) -> Problem<'_> {
-        problem(&self.system, &self.preconditioner, self.slides)
+    /// The mechanics, ready for where it stands.
+    pub(super) fn mechanics(&self) -> &Mechanics {
+        &self.mechanics
     }
 
     /// What was spent so far.
@@ -296,12 +287,15 @@ impl Walk {
     }
 
     fn transforms(&self) -> usize {
-        self.looked + self.ws.transforms + self.tracker.coarse_transforms() + self.guard.as_ref().map_or(0, Guard::transforms)
+        self.looked
+            + self.mechanics.transforms()
+            + self.tracker.coarse_transforms()
+            + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
     /// Mean displacement now; during a jump, that of the jump.
     pub fn displacement(&self) -> f64 {
-        self.jumping.as_ref().map_or(self.state.mean_displacement, |jumping| jumping.release.u0)
+        self.jumping.as_ref().map_or(&self.here.state, |jumping| &jumping.release.at.state).mean_displacement
     }
 
     /// Where it is going.
@@ -317,7 +311,8 @@ impl Walk {
     /// Does one bounded piece of work.
     pub fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
         self.step_began = Instant::now();
-        let progress = self.work(cancel, observe);
+        self.mechanics.cancel = cancel.clone();
+        let progress = self.work(observe);
         self.pause_clock();
         progress
     }
@@ -329,15 +324,15 @@ impl Walk {
         self.step_began = now;
     }
 
-    fn work(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+    fn work(&mut self, observe: &mut dyn FnMut(Happening)) -> Progress {
         if let Some(jumping) = self.jumping.take() {
-            return self.relax(jumping, cancel, observe);
+            return self.relax(jumping, observe);
         }
-        let here = self.state.mean_displacement;
+        let here = self.here.state.mean_displacement;
         if here == self.target {
             return Progress::Resting;
         }
-        if cancel.requested() {
+        if self.cancelled() {
             return Progress::Cancelled;
         }
         let direction = if self.target < here { Direction::Approach } else { Direction::Retraction };
@@ -346,39 +341,28 @@ impl Walk {
             (self.barrier, self.before, self.short) = (None, None, None);
         }
         match self.flat {
-            Some(flat) if self.state.is_uniform() => self.step_flat(flat, cancel, observe),
-            _ => self.step_patterned(cancel, observe),
+            Some(flat) if self.here.is_uniform() => self.step_flat(flat, observe),
+            _ => self.step_patterned(observe),
         }
     }
 
-    fn rest_at_start(&mut self, cancel: &Cancel) {
-        match self.flat {
-            Some(flat) => self.state = flat.state(self.start, self.system.dimension()),
-            None => self.solve_here(cancel),
-        }
-        self.accept(&mut |_| {});
-    }
-
-    /// Solves at the present u0 from the present field, and measures what was found.
-    fn solve_here(&mut self, cancel: &Cancel) {
-        let (u0, z) = (self.state.mean_displacement, self.state.field.clone());
-        let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&self.system) };
-        let found = solve(&problem(&self.system, &self.preconditioner, self.slides), z, u0, limits, &mut self.ws, cancel);
-        self.state.residual = found.residual;
-        (self.state.energy, self.state.stress) = (found.at.energy, found.at.stress);
-        self.state.field = found.z;
-        self.state.stop = match found.end {
-            NewtonEnd::Converged => Stop::Stable,
-            NewtonEnd::Cancelled => Stop::Cancelled,
-            _ => Stop::NotConverged,
-        };
-        let (stiffness, mode) =
-            self.tracker.check(&self.system, &self.state.field, self.slides, &self.preconditioner, &mut self.ws, cancel);
-        self.state.measured(stiffness, mode);
-        self.history = History::starting(u0, self.state.field.clone());
+    /// True once somebody asked to stop.
+    fn cancelled(&self) -> bool {
+        self.mechanics.cancel.requested()
     }
 }
 
-fn problem<'s>(system: &'s System, preconditioner: &'s Preconditioner, slides: Slides) -> Problem<'s> {
-    Problem { system, preconditioner, slides }
+/// The equilibrium at `u0` that Newton's method finds from the amplitudes `z`, measured, or as far as it came.
+fn solved(mechanics: &mut Mechanics, tracker: &mut Tracker, z: Vec<f64>, u0: f64) -> Equilibrium {
+    let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&mechanics.system) };
+    let found = solve(mechanics, z, u0, limits);
+    let stop = match found.end {
+        NewtonEnd::Converged => Stop::Stable,
+        NewtonEnd::Cancelled => Stop::Cancelled,
+        _ => Stop::NotConverged,
+    };
+    let mut state = Equilibrium::unmeasured(found.at, found.residual, stop, Cost::default());
+    let (stiffness, mode) = tracker.check(mechanics, &state.state.amplitudes, &state.fields);
+    state.measured(stiffness, mode);
+    state
 }

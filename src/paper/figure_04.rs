@@ -10,15 +10,15 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Morse, Shape};
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{Evaluation, System};
+use crate::physics::system::System;
 use crate::physics::theory::flat;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::gfmd::{Gfmd, GfmdBudget};
+use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::method::{Lost, Method};
-use crate::solver::problem::{Problem, Slides};
 use crate::solver::stability::random_smooth;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -145,19 +145,20 @@ impl Surface {
     fn gives_way(&self, u0: f64, cancel: &Cancel) -> Result<bool, Stopped> {
         // An inertia above all that pulls back or pushes on: then the default time step suits every gap.
         let preconditioner = Preconditioner::new(&self.system, self.system.law().at(u0).stiffness.abs());
-        let problem = Problem { system: &self.system, preconditioner: &preconditioner, slides: Slides::Never };
+        let mut mechanics = Mechanics::with_preconditioner(preconditioner, self.system.clone(), Slides::Never);
+        mechanics.cancel = cancel.clone();
         let budget = GfmdBudget { ramp: 1, relax: STEPS - 1, temperature: 0.0, ..GfmdBudget::default() };
-        let (mut gfmd, mut ws) = (Gfmd::with_budget(budget, 4), self.system.workspace());
-        let nothing = Evaluation { energy: f64::NAN, stress: f64::NAN };
-        let mut state = Equilibrium::unmeasured(u0, self.noise.clone(), f64::NAN, nothing, Stop::NotConverged, Cost::default());
+        let mut gfmd = Gfmd::with_budget(budget, 4);
+        let noisy = mechanics.at(self.noise.clone(), u0);
+        let mut state = Equilibrium::unmeasured(noisy, f64::NAN, Stop::NotConverged, Cost::default());
         let start = System::roughness(&self.noise);
         let mut calm = f64::NAN;
         for look in 1..=LOOKS {
-            state = gfmd.follow(&problem, &History::default(), &state, u0, &mut ws, cancel).map_err(|lost| match lost {
+            state = gfmd.follow(&mut mechanics, &History::default(), &state, u0).map_err(|lost| match lost {
                 Lost::Cancelled => Stopped::Cancelled,
                 lost => Stopped::Failed(format!("dynamics from noise at u0 = {u0:.4}: {lost:?}")),
             })?;
-            let now = System::roughness(&state.field);
+            let now = System::roughness(&state.state.amplitudes);
             if look == CALM {
                 calm = now;
             }

@@ -4,7 +4,7 @@
 //! mean(gamma'' cos(k) cos(l) cos(k') cos(l')) is the mean of D at (k +- k', l +- l'). All soft modes live among the longest waves:
 //! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
 
-use super::system::{System, Workspace};
+use super::system::{Fields, System, Workspace};
 use crate::numerics::vector::{add, dot, scale};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 
@@ -106,10 +106,10 @@ impl LowBlock {
         self.factor.clear();
     }
 
-    /// Assembles and factorises at the state at which `ws` was last evaluated. One transform.
-    pub fn refresh(&mut self, system: &System, ws: &mut Workspace) {
+    /// Assembles and factorises for a surface with these `fields`. One transform.
+    pub fn refresh(&mut self, system: &System, fields: &Fields, ws: &mut Workspace) {
         let mut d = vec![0.0; system.dimension()];
-        let mean = system.stiffness_amplitudes(&mut d, ws);
+        let mean = system.stiffness_amplitudes(fields, &mut d, ws);
         self.assemble(system, &d, mean);
     }
 

@@ -5,7 +5,7 @@
 //! gamma'': mean(gamma'' 2 cos a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
 
 use super::low_block::{Class, LowBlock};
-use super::system::{System, Workspace};
+use super::system::{Fields, System, Workspace};
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -85,15 +85,15 @@ impl Preconditioner {
         self.factor.clear();
     }
 
-    /// Assembles and factorises the block at the state at which `ws` was last evaluated. One transform.
+    /// Assembles and factorises the block of a surface with these `fields`. One transform.
     ///
     /// Pivots are kept above a share of the softest elastic stiffness: along a sliding or an unstable mode the inverse is bounded,
     /// and stays positive. The longest waves come last, so that only they are touched.
-    pub fn refresh(&mut self, system: &System, ws: &mut Workspace) {
+    pub fn refresh(&mut self, system: &System, fields: &Fields, ws: &mut Workspace) {
         if let Some(block) = &mut self.even {
-            return block.refresh(system, ws);
+            return block.refresh(system, fields, ws);
         }
-        let stiffness = stiffness_spectrum(system, ws);
+        let stiffness = stiffness_spectrum(system, fields, ws);
         let n = 2 * self.modes.len();
         let floor = 0.02 * system.grid().q1();
         self.factor.clear();
@@ -208,11 +208,11 @@ impl Mode {
     }
 }
 
-/// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness at the last evaluated state, by wave numbers in units of 2 pi/L of
+/// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness, by wave numbers in units of 2 pi/L of
 /// either sign, short of the end of the mesh's spectrum. One transform.
-fn stiffness_spectrum(system: &System, ws: &mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<> {
+fn stiffness_spectrum(system: &System, fields: &Fields, ws: &mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<> {
     let mut d = vec![0.0; system.dimension()];
-    d[0] = system.stiffness_amplitudes(&mut d, ws);
+    d[0] = system.stiffness_amplitudes(fields, &mut d, ws);
     let ny = system.grid().ny as i64;
     move |[k, l]| {
         let at = |k: i64, l: i64| {

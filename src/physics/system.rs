@@ -40,28 +40,48 @@ pub struct System {
     gradient: Vec<[f64; 2]>,
 }
 
-/// Working memory and the last evaluated fields of one solver.
+/// Working memory of one solver; what it holds between two calls means nothing.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// Gap g (length), shape (ny, nx), at the last evaluation.
-    pub gap: Array2<f64>,
-    /// Traction gamma'(g) there (E*).
-    pub traction: Array2<f64>,
-    /// Stiffness gamma''(g) there (E* per length).
-    pub stiffness: Array2<f64>,
     /// Transforms done so far.
     pub transforms: usize,
     field: Array2<f64>,
     scratch: TransformScratch,
 }
 
-/// Scalars of one evaluation.
-#[derive(Clone, Copy, Debug)]
-pub struct Evaluation {
+/// A surface at a mean displacement, with its energy and stress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Mean displacement u0 (length).
+    pub mean_displacement: f64,
+    /// Amplitudes z of u - u0 (length).
+    pub amplitudes: Vec<f64>,
     /// Energy per area V (E* times length).
     pub energy: f64,
     /// Mean stress (E*), positive in tension.
     pub stress: f64,
+}
+
+/// What a law makes of the gap at every point; shapes (ny, nx) of [`System::shape`].
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// Gap g (length).
+    pub gap: Array2<f64>,
+    /// Traction gamma'(g) (E*).
+    pub traction: Array2<f64>,
+    /// Stiffness gamma''(g) (E* per length).
+    pub stiffness: Array2<f64>,
+}
+
+/// A state with its derivatives: the force, and the fields of which the Hessian is made.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The state.
+    pub state: State,
+    /// dV/dz at fixed u0 (E*).
+    pub gradient: Vec<f64>,
+    /// Gap, traction and stiffness.
+    pub fields: Fields,
 }
 
 impl System {
@@ -158,15 +178,7 @@ impl System {
 
     /// Fresh working memory.
     pub fn workspace(&self) -> Workspace {
-        let zeros = || Array2::zeros(self.shape());
-        Workspace {
-            gap: zeros(),
-            traction: zeros(),
-            stiffness: zeros(),
-            transforms: 0,
-            field: zeros(),
-            scratch: self.transforms.scratch(self.shape()),
-        }
+        Workspace { transforms: 0, field: Array2::zeros(self.shape()), scratch: self.transforms.scratch(self.shape()) }
     }
 
     /// q E*/2 of every amplitude entry (E* per length).
@@ -174,12 +186,12 @@ impl System {
         &self.elastic
     }
 
-    /// The gap field of amplitudes `z` at mean displacement `u0`, into `ws.gap`. One transform.
-    pub fn gap(&self, z: &[f64], u0: f64, ws: &mut Workspace) {
-        self.transforms.synthesise(z, u0, &mut ws.gap, &mut ws.scratch);
+    /// The gap field of amplitudes `z` at mean displacement `u0` into `gap`. One transform.
+    pub fn gap(&self, z: &[f64], u0: f64, gap: &mut Array2<f64>, ws: &mut Workspace) {
+        self.transforms.synthesise(z, u0, gap, &mut ws.scratch);
         ws.transforms += 1;
         if let Some(height) = &self.height {
-            ws.gap -= height;
+            *gap -= height;
         }
     }
 
@@ -194,44 +206,67 @@ impl System {
         gap
     }
 
-    /// Energy, mean stress and `gradient` dV/dz at (`z`, `u0`); leaves gap, traction and stiffness in `ws`. Two transforms.
-    pub fn evaluate(&self, z: &[f64], u0: f64, gradient: &mut [f64], ws: &mut Workspace) -> Evaluation {
-        self.gap(z, u0, ws);
-        let (gap, traction, stiffness) = (flat(&mut ws.gap), flat(&mut ws.traction), flat(&mut ws.stiffness));
+    /// The evaluation at amplitudes `z` and mean displacement `u0`. Two transforms.
+    pub fn at(&self, z: Vec<f64>, u0: f64, ws: &mut Workspace) -> Evaluation {
+        let zeros = || Array2::zeros(self.shape());
+        let gradient = vec![0.0; z.len()];
+        let state = State { mean_displacement: u0, amplitudes: z, energy: f64::NAN, stress: f64::NAN };
+        let mut at = Evaluation { state, gradient, fields: Fields { gap: zeros(), traction: zeros(), stiffness: zeros() } };
+        self.update(&mut at, ws);
+        at
+    }
+
+    /// The uniform surface at gap `u0` over flat ground, exact. No transform.
+    pub fn uniform(&self, u0: f64) -> Evaluation {
+        let (z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
+        let everywhere = |value: f64| Array2::from_elem(self.shape(), value);
+        let (gap, traction, stiffness) = (everywhere(u0), everywhere(response.traction), everywhere(response.stiffness));
+        Evaluation {
+            gradient: z.clone(),
+            state: State { mean_displacement: u0, amplitudes: z, energy: response.energy, stress: response.traction },
+            fields: Fields { gap, traction, stiffness },
+        }
+    }
+
+    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two transforms.
+    pub fn update(&self, at: &mut Evaluation, ws: &mut Workspace) {
+        let Evaluation { state, gradient, fields } = at;
+        self.gap(&state.amplitudes, state.mean_displacement, &mut fields.gap, ws);
+        let (gap, traction, stiffness) = (flat(&mut fields.gap), flat(&mut fields.traction), flat(&mut fields.stiffness));
         let points = gap.len() as f64;
         let adhesive = fill(&self.law, gap, traction, stiffness) / points;
-        let stress = self.transforms.analyse(&ws.traction, gradient, &mut ws.scratch);
+        state.stress = self.transforms.analyse(&fields.traction, gradient, &mut ws.scratch);
         ws.transforms += 1;
         let mut elastic = 0.0;
-        for ((g, z), e) in gradient.iter_mut().zip(z).zip(&self.elastic) {
+        for ((g, z), e) in gradient.iter_mut().zip(&state.amplitudes).zip(&self.elastic) {
             *g += e * z;
             elastic += e * z * z;
         }
-        Evaluation { energy: 0.5 * elastic + adhesive, stress }
+        state.energy = 0.5 * elastic + adhesive;
     }
 
-    /// The Hessian at the last evaluated state times `v`. Two transforms.
-    pub fn hessian(&self, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.transforms.multiply(v, &ws.stiffness, out, &mut ws.field, &mut ws.scratch);
+    /// The Hessian of a surface with these `fields` times `v`. Two transforms.
+    pub fn hessian(&self, fields: &Fields, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
+        self.transforms.multiply(v, &fields.stiffness, out, &mut ws.field, &mut ws.scratch);
         ws.transforms += 2;
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
         }
     }
 
-    /// Amplitudes of the stiffness gamma'' at the last evaluated state into `out`, and its mean: the derivative of the gradient and
-    /// of the stress with u0 at fixed amplitudes. One transform.
-    pub fn stiffness_amplitudes(&self, out: &mut [f64], ws: &mut Workspace) -> f64 {
+    /// Amplitudes of the stiffness gamma'' into `out`, and its mean: the derivative of the gradient and of the stress with u0 at fixed
+    /// amplitudes. One transform.
+    pub fn stiffness_amplitudes(&self, fields: &Fields, out: &mut [f64], ws: &mut Workspace) -> f64 {
         ws.transforms += 1;
-        self.transforms.analyse(&ws.stiffness, out, &mut ws.scratch)
+        self.transforms.analyse(&fields.stiffness, out, &mut ws.scratch)
     }
 
-    /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of
-    /// `gradient` at the last evaluated state. In deep compression the second scale rules. NaN if anything is. One transform.
-    pub fn residual(&self, gradient: &[f64], ws: &mut Workspace) -> f64 {
-        self.field(gradient, ws);
+    /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of the
+    /// gradient. In deep compression the second scale rules. NaN if anything is. One transform.
+    pub fn residual(&self, at: &Evaluation, ws: &mut Workspace) -> f64 {
+        self.field(&at.gradient, ws);
         let r = max_abs(flat(&mut ws.field));
-        let t = max_abs(flat(&mut ws.traction));
+        let t = at.fields.traction.as_slice().map_or(f64::NAN, max_abs);
         if t.is_nan() { t } else { r / self.law.traction_max().max(t) }
     }
 

@@ -1,6 +1,7 @@
 //! The recent states of a branch, and the prediction of the next one.
 
 use crate::numerics::vector::{add, norm};
+use crate::physics::system::State;
 
 /// Largest sum of |weights| of an extrapolation; the uniform cubic has 15, anything wilder amplifies noise.
 const WILDEST: f64 = 16.0;
@@ -13,17 +14,19 @@ pub struct History {
 
 impl History {
     /// A branch that begins at one state.
-    pub fn starting(u0: f64, z: Vec<f64>) -> Self {
-        Self { states: vec![(u0, z)] }
+    pub fn starting(state: &State) -> Self {
+        let mut history = Self::default();
+        history.push(state);
+        history
     }
 
     /// Adds a state; one at the same u0 is replaced.
-    pub fn push(&mut self, u0: f64, z: Vec<f64>) {
-        self.states.retain(|(u, _)| *u != u0);
+    pub fn push(&mut self, State { mean_displacement, amplitudes, .. }: &State) {
+        self.states.retain(|(u, _)| u != mean_displacement);
         if self.states.len() == 4 {
             self.states.remove(0);
         }
-        self.states.push((u0, z));
+        self.states.push((*mean_displacement, amplitudes.clone()));
     }
 
     /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not amplify noise; `None` where

@@ -1,7 +1,7 @@
 //! What a relaxation hands back.
 
 use super::Stop;
-use crate::physics::system::Evaluation;
+use crate::physics::system::{Evaluation, Fields, State};
 
 /// What was spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,16 +22,12 @@ impl std::ops::AddAssign for Cost {
 /// A state with the evidence for it.
 #[derive(Clone, Debug)]
 pub struct Equilibrium {
-    /// Mean displacement u0 (length).
-    pub mean_displacement: f64,
-    /// Amplitudes of u - u0 (length).
-    pub field: Vec<f64>,
+    /// The state.
+    pub state: State,
+    /// Its gap, traction and stiffness.
+    pub fields: Fields,
     /// max |residual traction| / max(sigma_max, max |traction|).
     pub residual: f64,
-    /// Mean stress (E*).
-    pub stress: f64,
-    /// Energy per area (E* times length).
-    pub energy: f64,
     /// Smallest Hessian eigenvalue, sliding modes removed (E* per length); `None` while not measured.
     pub stiffness_min: Option<Stiffness>,
     /// The mode that belongs to it, normalised to mean(v^2) = 1; empty while not measured.
@@ -73,23 +69,14 @@ impl Stiffness {
 
 impl Equilibrium {
     /// A state whose stability is not measured yet.
-    pub fn unmeasured(mean_displacement: f64, field: Vec<f64>, residual: f64, at: Evaluation, stop: Stop, cost: Cost) -> Self {
-        Self {
-            mean_displacement,
-            field,
-            residual,
-            stress: at.stress,
-            energy: at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop,
-            cost,
-        }
+    pub fn unmeasured(at: Evaluation, residual: f64, stop: Stop, cost: Cost) -> Self {
+        let Evaluation { state, fields, .. } = at;
+        Self { state, fields, residual, stiffness_min: None, soft_mode: Vec::new(), stop, cost }
     }
 
     /// True if the surface is uniform to the last bit.
     pub fn is_uniform(&self) -> bool {
-        self.field.iter().all(|z| *z == 0.0)
+        self.state.amplitudes.iter().all(|z| *z == 0.0)
     }
 
     /// Enters the measured stability; a state within tolerance is then known to be stable or not, or is refused.

@@ -7,12 +7,11 @@ use super::Stop;
 use super::branch::History;
 use super::descent::stiffest;
 use super::equilibrium::{Cost, Equilibrium};
+use super::mechanics::Mechanics;
 use super::method::{Lost, Method};
-use super::problem::Problem;
 use super::stability::random_amplitudes;
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm};
-use crate::physics::system::{System, Workspace};
+use crate::physics::system::System;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -77,60 +76,43 @@ impl Method for Gfmd {
         false
     }
 
-    fn follow(
-        &mut self,
-        problem: &Problem<'_>,
-        _branch: &History,
-        from: &Equilibrium,
-        u0: f64,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Result<Equilibrium, Lost> {
-        let (before, system, b) = (ws.transforms, problem.system, self.budget);
-        let mut z = from.field.clone();
-        self.velocity.resize(z.len(), 0.0);
-        let inverse_inertia = problem.preconditioner.diagonal();
-        let mut g = vec![0.0; z.len()];
+    fn follow(&mut self, mechanics: &mut Mechanics, _branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        let (before, b, precision) = (mechanics.transforms(), self.budget, mechanics.system.precision());
+        let (first, start, total) = (&from.state.amplitudes, from.state.mean_displacement, b.ramp + b.relax);
+        self.velocity.resize(first.len(), 0.0);
+        let inverse_inertia = mechanics.preconditioner.diagonal().to_vec();
         // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per amplitude.
-        let area = system.grid().length.powi(2);
-        let law = system.law();
+        let area = mechanics.system.grid().length.powi(2);
+        let law = mechanics.system.law();
         let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
         let kick = (3.0 * 2.0 * b.damping * thermal * b.time_step).sqrt();
-        let amplitude: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| kick * m.sqrt()).collect();
-        let mut limit = f64::INFINITY;
-        for step in 1..=b.ramp + b.relax {
-            if cancel.requested() {
+        let amplitude: Vec<f64> = inverse_inertia.iter().map(|m| kick * m.sqrt()).collect();
+        let ramp = |step: usize| start + (step as f64 / b.ramp as f64).min(1.0) * (u0 - start);
+        let mut at = mechanics.at(first.clone(), ramp(1));
+        let limit = 2.0 / stiffest(mechanics, &at.fields).sqrt();
+        for step in 1..=total {
+            if mechanics.cancel.requested() {
                 return Err(Lost::Cancelled);
             }
-            let share = (step as f64 / b.ramp as f64).min(1.0);
-            let u = from.mean_displacement + share * (u0 - from.mean_displacement);
-            system.evaluate(&z, u, &mut g, ws);
-            if step == 1 {
-                limit = 2.0 / stiffest(problem, ws).sqrt();
-            }
-            if !norm(&g).is_finite() {
+            if !norm(&at.gradient).is_finite() {
                 break;
             }
-            let noise = random_amplitudes(system, &mut self.rng);
+            let noise = random_amplitudes(&mechanics.system, &mut self.rng);
             let keep = 1.0 - b.damping * b.time_step;
-            for i in 0..z.len() {
-                self.velocity[i] = keep * self.velocity[i] - b.time_step * inverse_inertia[i] * g[i] + amplitude[i] * noise[i];
+            for (i, v) in self.velocity.iter_mut().enumerate() {
+                *v = keep * *v - b.time_step * inverse_inertia[i] * at.gradient[i] + amplitude[i] * noise[i];
             }
-            add(&mut z, b.time_step, &self.velocity);
+            add(&mut at.state.amplitudes, b.time_step, &self.velocity);
+            at.state.mean_displacement = if step < total { ramp(step + 1) } else { u0 };
+            mechanics.update(&mut at);
         }
-        let at = system.evaluate(&z, u0, &mut g, ws);
-        let residual = system.residual(&g, ws);
-        if !residual.is_finite() || !at.energy.is_finite() {
+        let residual = mechanics.residual(&at);
+        if !residual.is_finite() || !at.state.energy.is_finite() {
             self.velocity.fill(0.0);
             return Err(Lost::Diverged(if b.time_step < limit { TOO_HOT } else { TOO_LONG }));
         }
-        Ok(Equilibrium::unmeasured(
-            u0,
-            z,
-            residual,
-            at,
-            if residual <= system.precision().tolerance() { Stop::Stable } else { Stop::NotConverged },
-            Cost { iterations: b.ramp + b.relax, transforms: ws.transforms - before },
-        ))
+        let stop = if residual <= precision.tolerance() { Stop::Stable } else { Stop::NotConverged };
+        let cost = Cost { iterations: total, transforms: mechanics.transforms() - before };
+        Ok(Equilibrium::unmeasured(at, residual, stop, cost))
     }
 }

@@ -7,13 +7,11 @@ use super::Stop;
 use super::branch::History;
 use super::descent::{stiffest, tractions};
 use super::equilibrium::{Cost, Equilibrium};
+use super::mechanics::{Mechanics, Slides};
 use super::method::{Lost, Method, predicted};
-use super::newton::{centred, sliding_basis};
-use super::problem::{Problem, Slides};
+use super::newton::centred;
 use super::stability::random_smooth;
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, project_out, scale};
-use crate::physics::system::Workspace;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -52,71 +50,57 @@ impl Method for GfmdTuned {
         false
     }
 
-    fn follow(
-        &mut self,
-        problem: &Problem<'_>,
-        branch: &History,
-        from: &Equilibrium,
-        u0: f64,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Result<Equilibrium, Lost> {
-        let (before, system) = (ws.transforms, problem.system);
-        let (law, tolerance) = (system.law(), system.precision().tolerance());
-        let mut g = vec![0.0; from.field.len()];
-        let mut z = predicted(problem, branch, from, u0, ws);
-        system.evaluate(&z, u0, &mut g, ws);
-        let mut slides = sliding_basis(system, &z, problem.slides, ws);
-        let mut push = random_smooth(system, &mut self.rng);
+    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        let before = mechanics.transforms();
+        let (law, tolerance) = (*mechanics.system.law(), mechanics.system.precision().tolerance());
+        let guess = predicted(mechanics, branch, from, u0);
+        let mut at = mechanics.at(guess, u0);
+        let mut slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
+        let mut push = random_smooth(&mechanics.system, &mut self.rng);
         project_out(&mut push, &slides);
-        add(&mut z, PUSH * law.range / norm(&push), &push);
-        let mut velocity = vec![0.0; z.len()];
+        add(&mut at.state.amplitudes, PUSH * law.range / norm(&push), &push);
+        let mut velocity = vec![0.0; push.len()];
         for step in 0.. {
-            if cancel.requested() {
+            if mechanics.cancel.requested() {
                 return Err(Lost::Cancelled);
             }
-            let at = system.evaluate(&z, u0, &mut g, ws);
-            let force = norm(&g);
-            if !(force.is_finite() && at.energy.is_finite()) {
+            mechanics.update(&mut at);
+            let force = norm(&at.gradient);
+            if !(force.is_finite() && at.state.energy.is_finite()) {
                 return Err(Lost::Diverged("a jump overshot into the wall of the law"));
             }
             // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-            let goal = 0.5 * tolerance * tractions(system, ws);
+            let goal = 0.5 * tolerance * tractions(&law, &at.fields);
             let near = force <= goal;
             if near || step == BUDGET {
-                let residual = system.residual(&g, ws);
+                let residual = mechanics.residual(&at);
                 if residual <= tolerance || step == BUDGET {
-                    return Ok(Equilibrium::unmeasured(
-                        u0,
-                        z,
-                        residual,
-                        at,
-                        if residual <= tolerance { Stop::Stable } else { Stop::NotConverged },
-                        Cost { iterations: step, transforms: ws.transforms - before },
-                    ));
+                    let stop = if residual <= tolerance { Stop::Stable } else { Stop::NotConverged };
+                    let cost = Cost { iterations: step, transforms: mechanics.transforms() - before };
+                    return Ok(Equilibrium::unmeasured(at, residual, stop, cost));
                 }
             }
             if step % RECENTRE == 0 {
                 // Along them a pattern would creep for ever: the mesh holds it with next to nothing.
-                slides = sliding_basis(system, &z, problem.slides, ws);
+                slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
             }
-            project_out(&mut g, &slides);
-            if !near && problem.slides != Slides::Never && norm(&g) <= 0.1 * goal {
+            project_out(&mut at.gradient, &slides);
+            if !near && mechanics.slides != Slides::Never && norm(&at.gradient) <= 0.1 * goal {
                 // All that is left is the mesh's pull on a pattern between its points.
-                z = centred(system, &z, [false; 2]);
+                at.state.amplitudes = centred(&mechanics.system, &at.state.amplitudes, [false; 2]);
                 velocity.fill(0.0);
                 continue;
             }
-            let dt = TIME_STEP * 2.0 / stiffest(problem, ws).sqrt();
+            let dt = TIME_STEP * 2.0 / stiffest(mechanics, &at.fields).sqrt();
             let keep = 1.0 - DAMPING * dt.min(1.0);
-            for ((v, g), m) in velocity.iter_mut().zip(&g).zip(problem.preconditioner.diagonal()) {
+            for ((v, g), m) in velocity.iter_mut().zip(&at.gradient).zip(mechanics.preconditioner.diagonal()) {
                 *v = keep * *v - dt * m * g;
             }
             let moved = dt * norm(&velocity) / (STEP_MAX * law.range);
             if moved > 1.0 {
                 scale(&mut velocity, 1.0 / moved);
             }
-            add(&mut z, dt, &velocity);
+            add(&mut at.state.amplitudes, dt, &velocity);
         }
         unreachable!("the last step returns")
     }

@@ -3,10 +3,9 @@
 use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
-use super::newton::{NewtonEnd, NewtonLimits, held, sliding_basis, solve};
-use super::problem::Problem;
-use crate::numerics::cancel::Cancel;
-use crate::physics::system::{System, Workspace};
+use super::mechanics::Mechanics;
+use super::newton::{NewtonEnd, NewtonLimits, held, solve};
+use crate::physics::system::{State, System};
 
 /// Carries a state from one mean displacement to a near one.
 pub trait Method: Send {
@@ -17,19 +16,11 @@ pub trait Method: Send {
     /// budget per increment, which simply goes where it goes.
     fn locates(&self) -> bool;
 
-    /// From the newest state of `branch` to `u0`. Leaves `ws` evaluated at the result, whose stability is not measured yet.
+    /// From the newest state of `branch` to `u0`. The stability of the result is not measured yet.
     ///
     /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget gave. `Err` says that the
     /// branch was lost.
-    fn follow(
-        &mut self,
-        problem: &Problem<'_>,
-        branch: &History,
-        from: &Equilibrium,
-        u0: f64,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Result<Equilibrium, Lost>;
+    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost>;
 }
 
 /// Why a branch was not followed.
@@ -66,39 +57,25 @@ impl Method for NewtonKrylov {
         true
     }
 
-    fn follow(
-        &mut self,
-        problem: &Problem<'_>,
-        branch: &History,
-        from: &Equilibrium,
-        u0: f64,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Result<Equilibrium, Lost> {
-        let before = ws.transforms;
-        let guess = predicted(problem, branch, from, u0, ws);
-        let reach = reach(problem, from, &guess, u0);
-        let state = solve(problem, guess.clone(), u0, limits(problem.system, from), ws, cancel);
-        match state.end {
+    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        let before = mechanics.transforms();
+        let guess = predicted(mechanics, branch, from, u0);
+        let reach = reach(&mechanics.system, &from.state, &guess, u0);
+        let found = solve(mechanics, guess.clone(), u0, limits(&mechanics.system, from));
+        match found.end {
             NewtonEnd::Converged => {}
             // No sharper than usual, and still that.
-            NewtonEnd::Stalled if state.residual <= problem.system.precision().tolerance() => {}
+            NewtonEnd::Stalled if found.residual <= mechanics.system.precision().tolerance() => {}
             NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
             NewtonEnd::Stalled => return Err(Lost::Gone),
             NewtonEnd::Cancelled => return Err(Lost::Cancelled),
         }
-        let strayed = distance(&guess, &state.z) > reach;
-        if strayed || !audit(problem.system, from, u0, state.at.energy, state.at.stress) {
+        let strayed = distance(&guess, &found.at.state.amplitudes) > reach;
+        if strayed || !audit(&mechanics.system, &from.state, &found.at.state) {
             return Err(Lost::Gone);
         }
-        Ok(Equilibrium::unmeasured(
-            u0,
-            state.z,
-            state.residual,
-            state.at,
-            Stop::Stable,
-            Cost { iterations: state.steps, transforms: ws.transforms - before },
-        ))
+        let cost = Cost { iterations: found.steps, transforms: mechanics.transforms() - before };
+        Ok(Equilibrium::unmeasured(found.at, found.residual, Stop::Stable, cost))
     }
 }
 
@@ -111,25 +88,25 @@ fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
 }
 
 /// The branch's extrapolation to `u0`; where it has none, the state it stands on.
-pub(crate) fn predicted(problem: &Problem<'_>, branch: &History, from: &Equilibrium, u0: f64, ws: &mut Workspace) -> Vec<f64> {
-    let Some(mut guess) = branch.predict(u0) else { return from.field.clone() };
+pub(crate) fn predicted(mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Vec<f64> {
+    let Some(mut guess) = branch.predict(u0) else { return from.state.amplitudes.clone() };
     // Nothing corrects what no real field has: extrapolated again and again it would grow.
-    problem.system.make_real(&mut guess);
+    mechanics.system.make_real(&mut guess);
     // Nothing but symmetry holds a pattern in its place: extrapolated round-off would make it drift off.
-    let slides = !sliding_basis(problem.system, &from.field, problem.slides, ws).is_empty();
-    if slides { held(problem.system, &guess) } else { guess }
+    let slides = !mechanics.sliding_basis(&from.state.amplitudes, &from.fields).is_empty();
+    if slides { held(&mechanics.system, &guess) } else { guess }
 }
 
 /// How far (root mean square, length) from its prediction a state may be and still continue the branch.
 ///
 /// Without a second state there is no prediction to stray from; the audit alone decides. Where the branch is soft, a residual
 /// within tolerance leaves a thousandth of a range undecided.
-pub(super) fn reach(problem: &Problem<'_>, from: &Equilibrium, guess: &[f64], u0: f64) -> f64 {
-    let change = distance(guess, &from.field);
+pub(super) fn reach(system: &System, from: &State, guess: &[f64], u0: f64) -> f64 {
+    let change = distance(guess, &from.amplitudes);
     if change == 0.0 {
         return f64::INFINITY;
     }
-    STRAY * change + 0.1 * (u0 - from.mean_displacement).abs() + 1e-3 * problem.system.law().range
+    STRAY * change + 0.1 * (u0 - from.mean_displacement).abs() + 1e-3 * system.law().range
 }
 
 /// What a trapezoid may miss of the energy, over |d stress| |du0|: towards a fold, where the stress falls off like a square root, it is
@@ -137,9 +114,9 @@ pub(super) fn reach(problem: &Problem<'_>, from: &Equilibrium, guess: &[f64], u0
 const SMOOTH: f64 = 0.05;
 
 /// The energy audit: along a smooth branch dV = stress du0. A step across a jump pays with energy and is found out.
-pub(crate) fn audit(system: &System, from: &Equilibrium, u0: f64, energy: f64, stress: f64) -> bool {
-    let du = u0 - from.mean_displacement;
-    let missing = (energy - from.energy - 0.5 * (stress + from.stress) * du).abs();
-    let smooth = SMOOTH * (stress - from.stress).abs() + 1e-3 * system.law().traction_max();
+pub(crate) fn audit(system: &System, from: &State, to: &State) -> bool {
+    let du = to.mean_displacement - from.mean_displacement;
+    let missing = (to.energy - from.energy - 0.5 * (to.stress + from.stress) * du).abs();
+    let smooth = SMOOTH * (to.stress - from.stress).abs() + 1e-3 * system.law().traction_max();
     missing <= smooth * du.abs() + system.precision().rounding().max(1e-12) * system.law().surface_energy
 }

@@ -1,6 +1,6 @@
 //! Floor 2: equilibria along a branch, their stability, and the release after an instability.
 //!
-//! A state is a vector of amplitudes z (see [`crate::physics::system`]) at a mean displacement u0. Eigenvalues are of the Hessian
+//! A [`State`](crate::physics::system::State) is a vector of amplitudes z at a mean displacement u0. Eigenvalues are of the Hessian
 //! per area in the metric mean(v^2), in E* per length; where a record says E*/L they are multiplied by L. Knows neither scenes nor
 //! clocks. May use `physics` and `numerics`.
 
@@ -10,10 +10,10 @@ pub mod descent;
 pub mod equilibrium;
 pub mod gfmd;
 pub mod gfmd_tuned;
+pub mod mechanics;
 pub mod method;
 pub mod methods;
 pub mod newton;
-pub mod problem;
 pub mod release;
 pub mod sector;
 pub mod stability;

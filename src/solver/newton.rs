@@ -1,10 +1,9 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
-use super::problem::{Problem, Slides};
-use crate::numerics::cancel::Cancel;
-use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
-use crate::numerics::vector::{add, dot, norm, orthonormalise, project_out};
-use crate::physics::system::{Evaluation, System, Workspace};
+use super::mechanics::Mechanics;
+use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
+use crate::numerics::vector::{add, dot, norm, project_out};
+use crate::physics::system::{Evaluation, System};
 
 /// Tolerances of [`solve`].
 #[derive(Clone, Copy, Debug)]
@@ -45,12 +44,10 @@ pub enum NewtonEnd {
     Cancelled,
 }
 
-/// Where [`solve`] ended.
+/// Where [`solve`] or [`descend`] ended.
 #[derive(Clone, Debug)]
 pub struct NewtonState {
-    /// Amplitudes.
-    pub z: Vec<f64>,
-    /// Energy and stress there.
+    /// The surface, evaluated.
     pub at: Evaluation,
     /// max |residual traction| / max(sigma_max, max |traction|) there.
     pub residual: f64,
@@ -60,67 +57,52 @@ pub struct NewtonState {
     pub end: NewtonEnd,
 }
 
-/// Solves for equilibrium at `u0` from the guess `z`. Leaves the workspace evaluated at the result.
+/// Solves for equilibrium at `u0` from the guess `z`.
 ///
 /// Where patterns slide freely those directions are left out of the steps (not out of the residual).
-pub fn solve(
-    problem: &Problem<'_>,
-    mut z: Vec<f64>,
-    u0: f64,
-    limits: NewtonLimits,
-    ws: &mut Workspace,
-    cancel: &Cancel,
-) -> NewtonState {
-    let Problem { system, preconditioner, slides } = *problem;
-    let scale = system.law().traction_max();
+pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimits) -> NewtonState {
+    let scale = mechanics.system.law().traction_max();
     // Below it there is nothing but rounding to follow: whoever asks for less is told where it ends.
-    let goal = limits.tolerance.max(system.precision().floor());
-    let mut g = vec![0.0; z.len()];
-    let mut at = system.evaluate(&z, u0, &mut g, ws);
-    let mut force = norm(&g);
+    let goal = limits.tolerance.max(mechanics.system.precision().floor());
+    let mut at = mechanics.at(z, u0);
+    let mut force = norm(&at.gradient);
     let mut before = f64::INFINITY;
     for step in 0..=limits.steps {
-        let end = |end, residual, z| NewtonState { z, at, residual, steps: step, end };
-        if !force.is_finite() || !at.energy.is_finite() {
-            return end(NewtonEnd::Stalled, f64::NAN, z);
+        let end = |end, residual, at| NewtonState { at, residual, steps: step, end };
+        if !force.is_finite() || !at.state.energy.is_finite() {
+            return end(NewtonEnd::Stalled, f64::NAN, at);
         }
         // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
         if force <= goal * scale * 0.5 || step == limits.steps || force > 3.0 * before {
-            let residual = system.residual(&g, ws);
+            let residual = mechanics.residual(&at);
             if residual <= limits.tolerance {
-                return end(NewtonEnd::Converged, residual, z);
+                return end(NewtonEnd::Converged, residual, at);
             }
             if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
-                return end(NewtonEnd::Stalled, residual, z);
+                return end(NewtonEnd::Stalled, residual, at);
             }
         }
-        let removed = sliding_basis(system, &z, slides, ws);
-        project_out(&mut g, &removed);
+        let removed = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
+        let mut push = at.gradient.clone();
+        project_out(&mut push, &removed);
         let forcing = (0.15 * goal * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
-        let CgSolution { x: dz, end: cg_end, .. } = conjugate_gradients(
-            |v, out| system.hessian(v, out, ws),
-            &g,
-            |r, out| preconditioner.apply(r, out),
-            &removed,
-            cg,
-            cancel,
-        );
+        let CgSolution { x: dz, end: cg_end, .. } = mechanics.solve_linear(&at.fields, &push, &removed, cg);
         match cg_end {
-            CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, z),
-            CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, z),
+            CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, at),
+            CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, at),
             CgEnd::Converged | CgEnd::Budget => {}
         }
         before = force;
         // A step that leaves the domain of the law (a Mie law at zero gap) is shortened, never taken.
+        let z = at.state.amplitudes.clone();
         let mut length = 1.0;
         loop {
-            let mut trial = z.clone();
-            add(&mut trial, -length, &dz);
-            at = system.evaluate(&trial, u0, &mut g, ws);
-            force = norm(&g);
-            if at.energy.is_finite() && force.is_finite() || length < 0.02 {
-                z = trial;
+            at.state.amplitudes.copy_from_slice(&z);
+            add(&mut at.state.amplitudes, -length, &dz);
+            mechanics.update(&mut at);
+            force = norm(&at.gradient);
+            if at.state.energy.is_finite() && force.is_finite() || length < 0.02 {
                 break;
             }
             length *= 0.25;
@@ -131,37 +113,28 @@ pub fn solve(
 
 /// Descends to a minimum at `u0` from anywhere by Newton steps within a trust region: where the curvature is negative it goes to the
 /// region's edge along that direction (T. Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer
-/// than `radius` (root mean square, length). Leaves the workspace evaluated at the result.
-pub fn descend(
-    problem: &Problem<'_>,
-    mut z: Vec<f64>,
-    u0: f64,
-    radius: f64,
-    limits: NewtonLimits,
-    ws: &mut Workspace,
-    cancel: &Cancel,
-) -> NewtonState {
-    let system = problem.system;
-    let (scale, rounding) = (system.law().traction_max(), system.precision().rounding() * system.law().surface_energy);
-    let mut g = vec![0.0; z.len()];
-    let mut at = system.evaluate(&z, u0, &mut g, ws);
+/// than `radius` (root mean square, length).
+pub fn descend(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, radius: f64, limits: NewtonLimits) -> NewtonState {
+    let (law, precision) = (*mechanics.system.law(), mechanics.system.precision());
+    let (scale, rounding) = (law.traction_max(), precision.rounding() * law.surface_energy);
+    let mut at = mechanics.at(z, u0);
+    let mut trial = at.clone();
     let mut reach = radius;
     for step in 0..=limits.steps {
-        let force = norm(&g);
-        let residual = system.residual(&g, ws);
+        let force = norm(&at.gradient);
+        let residual = mechanics.residual(&at);
         let end = match residual <= limits.tolerance {
             true => Some(NewtonEnd::Converged),
-            false if cancel.requested() => Some(NewtonEnd::Cancelled),
+            false if mechanics.cancel.requested() => Some(NewtonEnd::Cancelled),
             false if step == limits.steps || !residual.is_finite() || reach < 1e-9 * radius => Some(NewtonEnd::Stalled),
             false => None,
         };
         if let Some(end) = end {
-            return NewtonState { z, at, residual, steps: step, end };
+            return NewtonState { at, residual, steps: step, end };
         }
-        let removed = sliding_basis(system, &z, problem.slides, ws);
+        let removed = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, limits.forcing), products: limits.products };
-        let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
-        let found = conjugate_gradients(apply, &g, |r, out| problem.preconditioner.apply(r, out), &removed, cg, cancel);
+        let found = mechanics.solve_linear(&at.fields, &at.gradient, &removed, cg);
         let mut dz = found.x;
         if found.end == CgEnd::NegativeCurvature {
             // To the edge: |x + t p| = reach.
@@ -171,45 +144,18 @@ pub fn descend(
         }
         let length = norm(&dz);
         let share = (reach / length).min(1.0);
-        let mut trial = z.clone();
-        add(&mut trial, -share, &dz);
-        let mut trial_g = vec![0.0; z.len()];
-        let trial_at = system.evaluate(&trial, u0, &mut trial_g, ws);
-        let lower = trial_at.energy < at.energy - rounding || trial_at.energy <= at.energy + rounding && norm(&trial_g) < force;
-        if lower {
-            (z, g, at) = (trial, trial_g, trial_at);
+        trial.state.amplitudes.copy_from_slice(&at.state.amplitudes);
+        add(&mut trial.state.amplitudes, -share, &dz);
+        mechanics.update(&mut trial);
+        let (before, after) = (at.state.energy, trial.state.energy);
+        if after < before - rounding || after <= before + rounding && norm(&trial.gradient) < force {
+            std::mem::swap(&mut at, &mut trial);
             reach = (2.0 * reach).min(radius);
         } else {
             reach = 0.25 * share * length;
-            system.evaluate(&z, u0, &mut g, ws);
         }
     }
     unreachable!("the last step returns")
-}
-
-/// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where nothing attracts. With five times as much a
-/// line of 16 points at mu_rho = 0.75 shows one of its 18 jumps of the mesh too few.
-const PINNED: f64 = 0.02;
-
-/// Orthonormal basis of the directions in which the pattern of `z` slides; none for a flat surface, one for a ridge. `ws` must be
-/// evaluated at the state where it depends on the mesh's pinning.
-pub fn sliding_basis(system: &System, z: &[f64], slides: Slides, ws: &mut Workspace) -> Vec<Vec<f64>> {
-    if slides == Slides::Never {
-        return Vec::new();
-    }
-    // A ridge carries a trace of its softest modulation, whose derivative is that modulation moved by a quarter wave: taken for a
-    // sliding mode it would hide the coming instability.
-    let weakest = 1e-3 * system.grid().q1() * norm(z);
-    let modes = system.sliding_modes(z).into_iter().filter(|m| norm(m) > weakest).collect();
-    let mut basis = orthonormalise(modes, 1e-6);
-    if slides == Slides::UnlessPinned {
-        let mut image = vec![0.0; z.len()];
-        basis.retain(|mode| {
-            system.hessian(mode, &mut image, ws);
-            (dot(mode, &image) * system.grid().length).abs() < PINNED
-        });
-    }
-    basis
 }
 
 /// `z` moved by less than a mesh spacing so that the pattern's centre lies, along each axis, on a mesh point or `between` two. There the

@@ -3,12 +3,10 @@
 //! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over it; where it then comes to rest is a
 //! matter of luck. Here the velocity always points along the force.
 
+use super::mechanics::{Mechanics, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
-use super::problem::{Problem, Slides};
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, dot, norm, scale};
-use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace};
+use crate::physics::system::Evaluation;
 
 /// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
 const STEP_MAX: f64 = 0.05;
@@ -30,18 +28,14 @@ const SLIDING: usize = 40;
 /// A release under way.
 #[derive(Clone, Debug)]
 pub struct Release {
-    /// Amplitudes of the surface now.
-    pub z: Vec<f64>,
-    /// Fixed mean displacement.
-    pub u0: f64,
+    /// The surface now.
+    pub at: Evaluation,
     /// Time steps done.
     pub steps: usize,
-    /// Mean stress at the last step (E*).
-    pub stress: f64,
-    previous: Vec<f64>,
-    velocity: Vec<f64>,
-    gradient: Vec<f64>,
+    /// The surface before the last step, and its energy as that of the lowest yet.
+    previous: Evaluation,
     energy: f64,
+    velocity: Vec<f64>,
     shrink: f64,
     /// Length of the last step (root mean square), and steps since Newton's method was tried.
     moved: f64,
@@ -57,7 +51,7 @@ pub enum Slice {
     /// Still moving.
     Moving,
     /// At an equilibrium (its stability is not checked yet).
-    Settled(NewtonState),
+    Settled(Box<NewtonState>),
     /// Not finite from the start, or the step shrank to nothing.
     Stuck,
     /// Somebody asked to stop.
@@ -65,17 +59,13 @@ pub enum Slice {
 }
 
 impl Release {
-    /// Starts at rest from amplitudes `z` at mean displacement `u0`.
-    pub fn new(z: Vec<f64>, u0: f64) -> Self {
-        let n = z.len();
+    /// Starts at rest from a surface, whose mean displacement stays.
+    pub fn new(at: Evaluation) -> Self {
         Self {
-            previous: z.clone(),
-            z,
-            u0,
+            velocity: vec![0.0; at.gradient.len()],
+            previous: at.clone(),
+            at,
             steps: 0,
-            stress: 0.0,
-            velocity: vec![0.0; n],
-            gradient: vec![0.0; n],
             energy: f64::INFINITY,
             shrink: 1.0,
             moved: 0.0,
@@ -96,45 +86,33 @@ impl Release {
         self.limits.tolerance
     }
 
-    /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of `preconditioner`), so that all waves move alike.
-    pub fn advance(
-        &mut self,
-        system: &System,
-        count: usize,
-        preconditioner: &mut Preconditioner,
-        slides: Slides,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Slice {
+    /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of the preconditioner), so that all waves move alike.
+    pub fn advance(&mut self, mechanics: &mut Mechanics, count: usize) -> Slice {
+        let (law, precision) = (*mechanics.system.law(), mechanics.system.precision());
         for _ in 0..count {
-            if cancel.requested() {
+            if mechanics.cancel.requested() {
                 return Slice::Cancelled;
             }
             if self.steps >= STEPS_MAX {
                 return Slice::Stuck;
             }
-            let mut gradient = std::mem::take(&mut self.gradient);
-            let at = system.evaluate(&self.z, self.u0, &mut gradient, ws);
-            self.gradient = gradient;
-            let force = norm(&self.gradient);
-            if !(at.energy <= self.energy + system.precision().rounding().max(1e-9) * system.law().surface_energy)
-                || !force.is_finite()
-            {
+            let rounding = precision.rounding().max(1e-9) * law.surface_energy;
+            if !(self.at.state.energy <= self.energy + rounding) || !norm(&self.at.gradient).is_finite() {
                 if !self.undo() {
                     return Slice::Stuck;
                 }
                 continue;
             }
-            (self.energy, self.stress, self.steps) = (at.energy, at.stress, self.steps + 1);
+            (self.energy, self.steps) = (self.at.state.energy, self.steps + 1);
             self.since_newton += 1;
-            if self.since_newton >= self.patience && self.moved < CREEP * STEP_MAX * system.law().range {
-                preconditioner.refresh(system, ws);
-                if let Some(slice) = self.newton(&Problem { system, preconditioner, slides }, ws, cancel) {
+            if self.since_newton >= self.patience && self.moved < CREEP * STEP_MAX * law.range {
+                mechanics.refresh(&self.at.fields);
+                if let Some(slice) = self.newton(mechanics) {
                     return slice;
                 }
                 continue;
             }
-            self.step(system, preconditioner, ws);
+            self.step(mechanics);
         }
         Slice::Moving
     }
@@ -142,19 +120,21 @@ impl Release {
     /// A few Newton steps where the steepest way creeps; `None` if they do not settle it: then from where they got to.
     ///
     /// What slides is left out at first. Where nothing else is left to gain, and the mesh still pulls, it is let slide.
-    fn newton(&mut self, problem: &Problem<'_>, ws: &mut Workspace, cancel: &Cancel) -> Option<Slice> {
-        let law = problem.system.law();
-        let least = problem.system.precision().rounding().max(LEAST_GAIN) * law.surface_energy;
+    fn newton(&mut self, mechanics: &mut Mechanics) -> Option<Slice> {
+        let (law, u0, slides) = (*mechanics.system.law(), self.at.state.mean_displacement, mechanics.slides);
+        let least = mechanics.system.precision().rounding().max(LEAST_GAIN) * law.surface_energy;
         let cap = STEP_MAX * law.range;
         self.since_newton = 0;
-        let mut state = descend(problem, self.z.clone(), self.u0, cap, self.limits, ws, cancel);
-        let stalled = state.end == NewtonEnd::Stalled && !(state.at.energy < self.energy - least);
-        if stalled && problem.slides != Slides::Never {
-            let (held, limits) = (Problem { slides: Slides::Never, ..*problem }, NewtonLimits { steps: SLIDING, ..self.limits });
-            state = descend(&held, state.z, self.u0, cap, limits, ws, cancel);
+        let mut state = descend(mechanics, self.at.state.amplitudes.clone(), u0, cap, self.limits);
+        let stalled = state.end == NewtonEnd::Stalled && !(state.at.state.energy < self.energy - least);
+        if stalled && slides != Slides::Never {
+            mechanics.slides = Slides::Never;
+            let limits = NewtonLimits { steps: SLIDING, ..self.limits };
+            state = descend(mechanics, state.at.state.amplitudes, u0, cap, limits);
+            mechanics.slides = slides;
         }
         match state.end {
-            NewtonEnd::Converged => return Some(Slice::Settled(state)),
+            NewtonEnd::Converged => return Some(Slice::Settled(Box::new(state))),
             NewtonEnd::Cancelled => return Some(Slice::Cancelled),
             _ => {}
         }
@@ -164,13 +144,14 @@ impl Release {
             self.patience = STEEPEST;
             self.velocity.fill(0.0);
         }
-        self.z = state.z;
+        self.at = state.at;
         None
     }
 
-    fn step(&mut self, system: &System, preconditioner: &Preconditioner, ws: &Workspace) {
-        let push: Vec<f64> = self.gradient.iter().zip(preconditioner.diagonal()).map(|(g, m)| -g * m).collect();
-        if dot(&self.velocity, &self.gradient) > 0.0 {
+    fn step(&mut self, mechanics: &mut Mechanics) {
+        let (gradient, softness) = (&self.at.gradient, mechanics.preconditioner.diagonal());
+        let push: Vec<f64> = gradient.iter().zip(softness).map(|(g, m)| -g * m).collect();
+        if dot(&self.velocity, gradient) > 0.0 {
             self.velocity.fill(0.0);
         }
         let (speed, length) = (norm(&self.velocity), norm(&push));
@@ -178,18 +159,20 @@ impl Release {
             self.velocity.copy_from_slice(&push);
             scale(&mut self.velocity, speed / length);
         }
-        let inertia = 1.0 / preconditioner.diagonal().iter().cloned().fold(0.0, f64::max);
-        let stiffest = ws.stiffness.iter().cloned().fold(0.0, f64::max);
+        let inertia = 1.0 / softness.iter().cloned().fold(0.0, f64::max);
+        let stiffest = self.at.fields.stiffness.iter().cloned().fold(0.0, f64::max);
         let dt = self.shrink * TIME_STEP / ((stiffest / inertia).max(1.0)).sqrt();
         add(&mut self.velocity, dt, &push);
         let moved = dt * norm(&self.velocity);
-        let cap = STEP_MAX * system.law().range * self.shrink;
+        let cap = STEP_MAX * mechanics.system.law().range * self.shrink;
         if moved > cap {
             scale(&mut self.velocity, cap / moved);
         }
         self.moved = moved.min(cap);
-        self.previous.copy_from_slice(&self.z);
-        add(&mut self.z, dt, &self.velocity);
+        std::mem::swap(&mut self.previous, &mut self.at);
+        self.at.state.amplitudes.copy_from_slice(&self.previous.state.amplitudes);
+        add(&mut self.at.state.amplitudes, dt, &self.velocity);
+        mechanics.update(&mut self.at);
         self.shrink = (self.shrink * 1.02).min(1.0);
     }
 
@@ -198,7 +181,7 @@ impl Release {
         if self.steps == 0 || self.shrink < 1e-6 {
             return false;
         }
-        self.z.copy_from_slice(&self.previous);
+        self.at.clone_from(&self.previous);
         self.velocity.fill(0.0);
         self.shrink *= 0.5;
         true

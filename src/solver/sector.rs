@@ -6,26 +6,26 @@
 mod fold;
 
 use super::equilibrium::Stiffness;
+use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use super::method::Lost;
 use super::newton::{NewtonEnd, NewtonLimits, descend};
-use super::problem::{Problem, Slides};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
-use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
+use crate::numerics::krylov::{CgEnd, CgLimits};
 use crate::numerics::vector::{add, dot, norm};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::low_block::{Class, LowBlock};
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{Evaluation, System, Workspace, carried};
+use crate::physics::system::{Evaluation, Fields, State, System, carried};
 use crate::physics::theory::flat;
 
 /// Root mean square force over sigma_max of a node between the ends of a branch. The energy is stationary, and the stress is
 /// corrected along the tangent: the errors of both are second order in this.
 pub const NODE: f64 = 2e-4;
 /// The same for the ends, whose place must be known, and for states that are shown.
-pub const SHARP: f64 = 1e-8;
+const SHARP: f64 = 1e-8;
 /// Longest step while settling, root mean square in ranges.
 const SETTLING: f64 = 0.2;
 /// Descents of six steps while settling.
@@ -43,14 +43,8 @@ const MOST_REACH: f64 = 20.0;
 /// One equilibrium with its first derivatives along the branch.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// Mean displacement u0 (length).
-    pub u0: f64,
-    /// Amplitudes (length).
-    pub z: Vec<f64>,
-    /// Energy per area V (E* times length).
-    pub energy: f64,
-    /// Mean stress dV/du0 (E*).
-    pub stress: f64,
+    /// The state.
+    pub state: State,
     /// d stress/du0 along the branch; infinite at a fold.
     pub slope: f64,
     /// dz/du0 along the branch; at a fold the null vector instead, of norm 1.
@@ -72,12 +66,9 @@ pub struct Node {
 
 impl Node {
     /// A node whose softness is not measured yet.
-    fn bare(u0: f64, z: Vec<f64>, energy: f64, stress: f64, slope: f64, tangent: Vec<f64>) -> Self {
+    fn bare(state: State, slope: f64, tangent: Vec<f64>) -> Self {
         Self {
-            u0,
-            z,
-            energy,
-            stress,
+            state,
             slope,
             tangent,
             own: f64::NAN,
@@ -97,6 +88,8 @@ impl Node {
 pub struct Measured {
     /// The state; its slope and tangent are not computed.
     pub node: Node,
+    /// Its gap, traction and stiffness.
+    pub fields: Fields,
     /// max |residual traction| / max(sigma_max, max |traction|).
     pub residual: f64,
     /// Smallest eigenvalue of the symmetry's classes (E* per length).
@@ -106,18 +99,18 @@ pub struct Measured {
 /// Solver of the equilibria of one symmetry.
 #[derive(Clone, Debug)]
 pub struct Sector {
-    system: System,
+    /// A request to cancel it interrupts a solve, which is then lost.
+    pub mechanics: Mechanics,
     class: Class,
-    preconditioner: Preconditioner,
     breaking: Vec<LowBlock>,
     /// True if soft modes have waves beyond the blocks' reach.
     partial: bool,
-    ws: Workspace,
-    /// Amplitudes and mean of gamma'' at the last refresh: the derivative of forces and stress with u0.
-    stiffness: Vec<f64>,
-    mean_stiffness: f64,
-    /// Interrupts a solve, which is then lost.
-    pub cancel: Cancel,
+}
+
+/// Amplitudes and mean of gamma'' at a surface: the derivatives of its forces and of its stress with u0.
+struct Rates {
+    forces: Vec<f64>,
+    stress: f64,
 }
 
 impl Sector {
@@ -140,29 +133,14 @@ impl Sector {
     }
 
     fn new(system: System, class: Class, breaking: Vec<LowBlock>, reach: f64) -> Self {
-        let law = system.law();
-        let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
-        Self {
-            preconditioner: Preconditioner::of_class(&system, constant, class, reach),
-            partial: false,
-            class,
-            breaking,
-            ws: system.workspace(),
-            stiffness: vec![0.0; system.dimension()],
-            mean_stiffness: 0.0,
-            cancel: Cancel::default(),
-            system,
-        }
+        let preconditioner = Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
+        let mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
+        Self { mechanics, partial: false, class, breaking }
     }
 
     /// The mechanics.
     pub fn system(&self) -> &System {
-        &self.system
-    }
-
-    /// Transforms spent so far.
-    pub fn transforms(&self) -> usize {
-        self.ws.transforms
+        &self.mechanics.system
     }
 
     /// True for ridges.
@@ -171,90 +149,93 @@ impl Sector {
     }
 
     fn scale(&self) -> f64 {
-        self.system.law().traction_max()
+        self.system().law().traction_max()
     }
 
-    /// The derivatives of forces and stress with u0 at the last evaluated state. One transform.
-    fn differentiate(&mut self) {
-        self.mean_stiffness = self.system.stiffness_amplitudes(&mut self.stiffness, &mut self.ws);
+    /// The derivatives with u0. One transform.
+    fn rates(&mut self, fields: &Fields) -> Rates {
+        let mut forces = vec![0.0; self.system().dimension()];
+        Rates { stress: self.mechanics.stiffness_amplitudes(fields, &mut forces), forces }
     }
 
-    /// These and the exact block.
-    fn refresh(&mut self) {
-        self.differentiate();
-        let block = self.preconditioner.low_block_mut().expect("an even system has a block");
-        block.assemble(&self.system, &self.stiffness, self.mean_stiffness);
+    /// These, with the exact block made of them.
+    fn refresh(&mut self, fields: &Fields) -> Rates {
+        let rates = self.rates(fields);
+        let Mechanics { system, preconditioner, .. } = &mut self.mechanics;
+        let block = preconditioner.low_block_mut().expect("an even system has a block");
+        block.assemble(system, &rates.forces, rates.stress);
+        rates
     }
 
-    /// Solves P H P x = P b, P removing the unit vectors `removed`.
-    fn solve(&mut self, b: &[f64], removed: &[Vec<f64>], tolerance: f64) -> Result<Vec<f64>, Lost> {
-        let Self { system, preconditioner, ws, class, cancel, .. } = self;
-        let found = conjugate_gradients(
-            |v, out| system.hessian(v, out, ws),
-            b,
-            |r, out| preconditioner.apply(r, out),
-            removed,
-            CgLimits { tolerance, products: PRODUCTS },
-            cancel,
-        );
+    /// Solves P H P x = P b for the Hessian of a surface with these `fields`, P removing the unit vectors `removed`.
+    fn solve(&mut self, fields: &Fields, b: &[f64], removed: &[Vec<f64>], tolerance: f64) -> Result<Vec<f64>, Lost> {
+        let found = self.mechanics.solve_linear(fields, b, removed, CgLimits { tolerance, products: PRODUCTS });
         match found.end {
             CgEnd::NegativeCurvature => return Err(Lost::Unstable),
             CgEnd::Cancelled => return Err(Lost::Cancelled),
             CgEnd::Converged | CgEnd::Budget => {}
         }
         let mut x = found.x;
-        class.project(system, &mut x);
+        self.class.project(self.system(), &mut x);
         Ok(x)
     }
 
-    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows; the force below `tolerance` ([`NODE`]).
+    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields; the force below `tolerance`
+    /// ([`NODE`]).
     ///
     /// # Errors
     /// No equilibrium near, or negative curvature on the way.
-    pub fn node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Node, Lost> {
-        let (z, g, at) = self.converge(u0, z, tolerance)?;
-        self.refresh();
-        let b = self.stiffness.clone();
-        let mut tangent = self.solve(&b, &[], 1e-2)?;
+    pub fn node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<(Node, Fields), Lost> {
+        let Evaluation { mut state, gradient, fields } = self.converge(u0, z, tolerance)?;
+        let rates = self.refresh(&fields);
+        let mut tangent = self.solve(&fields, &rates.forces, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
-        let slope = self.mean_stiffness + dot(&b, &tangent);
-        let mut node = Node::bare(u0, z, at.energy, at.stress + dot(&tangent, &g), slope, tangent);
-        self.soften(&mut node, before);
+        let slope = rates.stress + dot(&rates.forces, &tangent);
+        state.stress += dot(&tangent, &gradient);
+        let mut node = Node::bare(state, slope, tangent);
+        self.soften(&mut node, before, &fields, &rates);
+        Ok((node, fields))
+    }
+
+    /// The same as sharply as an end is known, and with its `breaking` over all waves of the mesh.
+    ///
+    /// # Errors
+    /// As [`Sector::node`].
+    pub fn sharp_node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>) -> Result<Node, Lost> {
+        let (mut node, fields) = self.node(u0, z, before, SHARP)?;
+        self.sharpen(&mut node, &fields);
         Ok(node)
     }
 
     /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses too far for [`Sector::node`].
     pub fn settle(&mut self, u0: f64, mut z: Vec<f64>) -> Option<Vec<f64>> {
-        let radius = SETTLING * self.system.law().range;
+        let radius = SETTLING * self.system().law().range;
         for _ in 0..DESCENTS {
-            let mut g = vec![0.0; z.len()];
-            self.system.evaluate(&z, u0, &mut g, &mut self.ws);
-            self.refresh();
+            let at = self.mechanics.at(z, u0);
+            self.refresh(&at.fields);
             let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3 };
-            let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: Slides::Never };
-            let state = descend(&problem, z, u0, radius, limits, &mut self.ws, &self.cancel);
-            z = state.z;
-            self.class.project(&self.system, &mut z);
-            match state.end {
+            let found = descend(&mut self.mechanics, at.state.amplitudes, u0, radius, limits);
+            z = found.at.state.amplitudes;
+            self.class.project(&self.mechanics.system, &mut z);
+            match found.end {
                 NewtonEnd::Converged => return Some(z),
-                NewtonEnd::Stalled if state.residual.is_finite() => {}
+                NewtonEnd::Stalled if found.residual.is_finite() => {}
                 _ => return None,
             }
         }
         None
     }
 
-    /// Newton's method at fixed u0; leaves the workspace evaluated at the result.
-    fn converge(&mut self, u0: f64, mut z: Vec<f64>, tolerance: f64) -> Result<(Vec<f64>, Vec<f64>, Evaluation), Lost> {
+    /// Newton's method at fixed u0.
+    fn converge(&mut self, u0: f64, z: Vec<f64>, tolerance: f64) -> Result<Evaluation, Lost> {
         let strongest = self.scale();
-        let mut g = vec![0.0; z.len()];
+        let mut at = self.mechanics.at(z, u0);
         let mut before = f64::INFINITY;
         for step in 0..=STEPS {
-            let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
-            self.class.project(&self.system, &mut g);
-            let force = norm(&g) / strongest;
+            self.class.project(&self.mechanics.system, &mut at.gradient);
+            let force = norm(&at.gradient) / strongest;
             if force <= tolerance {
-                return Ok((z, g, at));
+                return Ok(at);
             }
             // Written so that NaN ends here too.
             if !(force <= 3.0 * before) || step == STEPS {
@@ -262,19 +243,20 @@ impl Sector {
             }
             before = force;
             // The block of the node before serves a first step, and often the second.
-            if step > 1 || !self.preconditioner.low_block().is_some_and(LowBlock::is_ready) {
-                self.refresh();
+            if step > 1 || !self.mechanics.preconditioner.low_block().is_some_and(LowBlock::is_ready) {
+                self.refresh(&at.fields);
             }
-            let dz = self.solve(&g, &[], (0.3 * tolerance / force).max(force.min(0.1)).min(0.3))?;
-            add(&mut z, -1.0, &dz);
+            let dz = self.solve(&at.fields, &at.gradient, &[], (0.3 * tolerance / force).max(force.min(0.1)).min(0.3))?;
+            add(&mut at.state.amplitudes, -1.0, &dz);
+            self.mechanics.update(&mut at);
         }
         Err(Lost::Gone)
     }
 
-    /// Fills in how soft the node is: from the blocks at the last refresh, and where those leave out waves that matter from the
-    /// whole Hessian, starting from the modes of the node before.
-    fn soften(&mut self, node: &mut Node, before: Option<&Node>) {
-        let block = self.preconditioner.low_block().expect("an even system has a block");
+    /// Fills in how soft the node is, for which the block was refreshed: from the blocks, and where those leave out waves that matter from
+    /// the whole Hessian, starting from the modes of the node before.
+    fn soften(&mut self, node: &mut Node, before: Option<&Node>, fields: &Fields, rates: &Rates) {
+        let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
         let known = before.map(|n| &n.own_waves[..]);
         let own;
         (own, node.own_waves) = block.softest(known);
@@ -283,7 +265,7 @@ impl Sector {
         node.breaking = f64::INFINITY;
         let is_ridge = self.is_ridge();
         for (i, block) in self.breaking.iter_mut().enumerate() {
-            block.assemble(&self.system, &self.stiffness, self.mean_stiffness);
+            block.assemble(&self.mechanics.system, &rates.forces, rates.stress);
             let known = before.map(|n| &n.breaking_waves[i][..]);
             let (value, waves) = block.softest(known);
             if value < node.breaking {
@@ -292,25 +274,26 @@ impl Sector {
             node.breaking_waves.push(waves);
         }
         if !is_ridge {
-            node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], &self.system);
+            node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], self.system());
         }
         if self.partial {
-            let block = self.preconditioner.low_block().expect("an even system has a block");
-            node.own_mode = block.mode(&node.own_waves, &self.system);
-            let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system.grid().q1() };
+            let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
+            node.own_mode = block.mode(&node.own_waves, self.system());
+            let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system().grid().q1() };
             let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| known.into_iter().chain([mode]).cloned().collect();
-            let own = self.refine(Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
+            let own = self.refine(fields, Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
             (node.own, node.own_mode, _) = own;
-            let breaking = self.refine(Class::Antisymmetric, start(&node.breaking_mode, before.map(|n| &n.breaking_mode)), limits);
+            let start = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
+            let breaking = self.refine(fields, Class::Antisymmetric, start, limits);
             (node.breaking, node.breaking_mode, _) = breaking;
         }
     }
 
-    /// The smallest eigenpair of one class, with its residual, over all waves of the mesh, at the state at which the workspace was last evaluated.
-    fn refine(&mut self, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>, f64) {
-        let Self { system, preconditioner, ws, breaking, .. } = self;
+    /// The smallest eigenpair of one class, with its residual, over all waves of the mesh.
+    fn refine(&mut self, fields: &Fields, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>, f64) {
+        let Self { mechanics: Mechanics { system, preconditioner, workspace, .. }, breaking, .. } = self;
         let apply = |v: &[f64], out: &mut [f64]| {
-            system.hessian(v, out, ws);
+            system.hessian(fields, v, out, workspace);
             class.project(system, out);
         };
         let precondition = |r: &[f64], out: &mut [f64]| {
@@ -326,14 +309,15 @@ impl Sector {
         (found.values[0], found.vectors.swap_remove(0), found.residual)
     }
 
-    /// The eigenvalue `breaking` of `node`, at which the workspace must be evaluated, over all waves of the mesh, not only the
-    /// longest, and closely. On a line the block is complete already.
-    pub fn sharpen(&mut self, node: &mut Node) {
+    /// The eigenvalue `breaking` of a `node` with these `fields` over all waves of the mesh, not only the longest, and closely. On a
+    /// line the block is complete already.
+    pub fn sharpen(&mut self, node: &mut Node, fields: &Fields) {
         if self.is_ridge() {
             return;
         }
-        let limits = EigenLimits { pairs: 1, least: 1, most: 10, relative: 0.02, absolute: 3e-4 * self.system.grid().q1() };
-        (node.breaking, node.breaking_mode, _) = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+        let limits = EigenLimits { pairs: 1, least: 1, most: 10, relative: 0.02, absolute: 3e-4 * self.system().grid().q1() };
+        (node.breaking, node.breaking_mode, _) =
+            self.refine(fields, Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
     }
 
     /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a modulation of a ridge, or the
@@ -342,41 +326,43 @@ impl Sector {
         if self.is_ridge() {
             self.breaking[0].mode(&node.breaking_waves[0], to)
         } else {
-            carried(&node.breaking_mode, &self.system, to)
+            carried(&node.breaking_mode, self.system(), to)
         }
     }
 
     /// The state at `u0` next to the guess, with the evidence for it: residual below `tolerance`, and the smallest eigenvalue among
-    /// the modes that keep its symmetry or break it along y, over all waves of the mesh. The gap field is left in the workspace.
+    /// the modes that keep its symmetry or break it along y, over all waves of the mesh.
     ///
     /// # Errors
     /// As [`Sector::node`].
     pub fn measure(&mut self, u0: f64, guess: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Measured, Lost> {
         let mut mean = 0.5 * tolerance;
-        let (mut z, mut g, mut at) = self.converge(u0, guess, mean)?;
-        let mut residual = self.system.residual(&g, &mut self.ws);
+        let mut at = self.converge(u0, guess, mean)?;
+        let mut residual = self.mechanics.residual(&at);
         while !(residual <= tolerance) {
             // The largest residual is more than the mean one promised.
             mean *= 0.2;
             if mean < 1e-3 * tolerance {
                 return Err(Lost::Gone);
             }
-            (z, g, at) = self.converge(u0, z, mean)?;
-            residual = self.system.residual(&g, &mut self.ws);
+            at = self.converge(u0, at.state.amplitudes, mean)?;
+            residual = self.mechanics.residual(&at);
         }
-        self.refresh();
-        let mut node = Node::bare(u0, z, at.energy, at.stress, f64::NAN, Vec::new());
-        self.soften(&mut node, before);
+        let Evaluation { state, fields, .. } = at;
+        let rates = self.refresh(&fields);
+        let mut node = Node::bare(state, f64::NAN, Vec::new());
+        self.soften(&mut node, before, &fields, &rates);
         let mut stiffness = Stiffness { value: node.own.min(node.breaking), error: 1e-4 * node.own.abs().min(node.breaking.abs()) };
         if !self.is_ridge() {
-            let limits = EigenLimits { pairs: 1, least: 1, most: 12, relative: 0.02, absolute: 1e-4 * self.system.grid().q1() };
-            let block = self.preconditioner.low_block().expect("an even system has a block");
-            let own = self.refine(Class::Symmetric, vec![block.mode(&node.own_waves, &self.system)], limits);
-            let breaking = self.refine(Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+            let limits = EigenLimits { pairs: 1, least: 1, most: 12, relative: 0.02, absolute: 1e-4 * self.system().grid().q1() };
+            let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
+            let start = vec![block.mode(&node.own_waves, self.system())];
+            let own = self.refine(&fields, Class::Symmetric, start, limits);
+            let breaking = self.refine(&fields, Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
             (node.own, node.breaking) = (own.0, breaking.0);
             let softest = if own.0 < breaking.0 { own } else { breaking };
             stiffness = Stiffness { value: softest.0, error: softest.2 };
         }
-        Ok(Measured { node, residual, stiffness })
+        Ok(Measured { node, fields, residual, stiffness })
     }
 }

@@ -9,15 +9,12 @@
 //! last proof still holds, and costs nothing.
 
 use super::equilibrium::Stiffness;
-use super::newton::sliding_basis;
-use super::problem::Slides;
-use crate::numerics::cancel::Cancel;
+use super::mechanics::Mechanics;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::lanczos::lowest;
 use crate::numerics::precision::Precision;
 use crate::numerics::vector::{add, dot, norm, products, project_out, scale};
-use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace, carried};
+use crate::physics::system::{Evaluation, Fields, System, carried};
 use ndarray::Array2;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -29,17 +26,10 @@ pub struct Tracker {
     modes: Vec<Vec<f64>>,
     rng: Pcg64,
     proof: Option<Proof>,
-    coarse: Option<Coarse>,
+    /// A coarser mesh of the same cell. Soft modes are long waves: what resolves the pattern resolves them, and the mesh in use may be
+    /// finer than that by far.
+    coarse: Option<Mechanics>,
     spent: usize,
-}
-
-/// A coarser mesh of the same cell. Soft modes are long waves: what resolves the pattern resolves them, and the mesh in use may be
-/// finer than that by far.
-#[derive(Clone, Debug)]
-struct Coarse {
-    system: System,
-    preconditioner: Preconditioner,
-    ws: Workspace,
 }
 
 /// That no eigenvalue lay below `least` (E* per length) beside the `removed` modes, where gamma'' was `stiffness`.
@@ -50,12 +40,11 @@ struct Proof {
     removed: Vec<Vec<f64>>,
 }
 
-/// Where modes are looked for: beside the `removed` ones, at the state at which the workspace stands.
+/// Where modes are looked for: at a surface with these fields, beside the `removed` ones.
 struct Place<'a> {
-    system: &'a System,
+    mechanics: &'a mut Mechanics,
+    fields: &'a Fields,
     removed: Vec<Vec<f64>>,
-    preconditioner: &'a Preconditioner,
-    ws: &'a mut Workspace,
 }
 
 /// Chance that an eigenvalue lies below a proof all the same. A loop has some hundred proofs, ten thousand at most: below 1e-6 a loop.
@@ -88,17 +77,15 @@ impl Tracker {
         Self { modes: Vec::new(), rng, proof: None, coarse: None, spent: 0 }
     }
 
-    /// The same, looking for modes on `coarse` first, a mesh of the same flat cell, with the constant `stiffness` k of its
-    /// preconditioner (E* per length). The fine mesh then measures their eigenvalue, an upper bound, and its error by one product, and
-    /// goes on from there only if that is too large.
-    pub fn with_coarse(self, coarse: System, stiffness: f64) -> Self {
-        let coarse = Coarse { preconditioner: Preconditioner::new(&coarse, stiffness), ws: coarse.workspace(), system: coarse };
+    /// The same, looking for modes on `coarse` first, a mesh of the same flat cell. The fine mesh then measures their eigenvalue, an
+    /// upper bound, and its error by one product, and goes on from there only if that is too large.
+    pub fn with_coarse(self, coarse: Mechanics) -> Self {
         Self { coarse: Some(coarse), ..self }
     }
 
     /// Transforms on the coarse mesh spent.
     pub fn coarse_transforms(&self) -> usize {
-        self.coarse.as_ref().map_or(0, |coarse| coarse.ws.transforms)
+        self.coarse.as_ref().map_or(0, Mechanics::transforms)
     }
 
     /// Transforms, on any mesh, spent on proofs so far.
@@ -112,38 +99,31 @@ impl Tracker {
         self.proof = None;
     }
 
-    /// The smallest eigenvalue and its mode at the state `z` at which `ws` was last evaluated; the value is NaN if it was not found
-    /// within the budget, or cancelled.
+    /// The smallest eigenvalue and its mode at the surface `z` with these `fields`; the value is NaN if it was not found within the
+    /// budget, or cancelled. Sliding modes are removed.
     ///
-    /// The first check after a reset starts from random vectors; later ones from the modes of the state before. `slides`: sliding
-    /// modes are removed.
-    pub fn check(
-        &mut self,
-        system: &System,
-        z: &[f64],
-        slides: Slides,
-        preconditioner: &Preconditioner,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> (Stiffness, Vec<f64>) {
-        let mut fine = Place { system, removed: sliding_basis(system, z, slides, ws), preconditioner, ws };
+    /// The first check after a reset starts from random vectors; later ones from the modes of the state before.
+    pub fn check(&mut self, mechanics: &mut Mechanics, z: &[f64], fields: &Fields) -> (Stiffness, Vec<f64>) {
+        let mut fine = Place { removed: mechanics.sliding_basis(z, fields), mechanics, fields };
         let Some(mut coarse) = self.coarse.take() else {
-            return self.at(&mut fine, 1.0, cancel);
+            return self.at(&mut fine, 1.0);
         };
         let relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
-        let (rough, mode) = self.at(&mut coarse.at(z, slides, &fine), REFINED, cancel);
-        let (seen, mode) = fine.measured(carried(&mode, &coarse.system, system));
+        let rough = shortened(&mut coarse, z, &fine);
+        let removed = coarse.sliding_basis(&rough.state.amplitudes, &rough.fields);
+        let (rough, mode) = self.at(&mut Place { removed, mechanics: &mut coarse, fields: &rough.fields }, REFINED);
+        let (seen, mode) = fine.measured(carried(&mode, &coarse.system, &fine.mechanics.system));
         // Where the coarse mesh does not resolve the mode, what it proved is not of the fine one either.
         let (goal, apart) = (fine.goal(relative, seen.value), (seen.value - rough.value).abs());
         let decided = seen.value < 0.0 || rough.value >= 0.0 && apart <= REFINED * TRACKED * seen.value;
-        let found = if decided && seen.error <= goal && apart <= REFINED * goal || cancel.requested() {
+        let found = if decided && seen.error <= goal && apart <= REFINED * goal || fine.cancelled() {
             (Stiffness { value: seen.value, error: apart + rough.error }, mode)
         } else {
-            let up = |mode: &Vec<f64>| carried(mode, &coarse.system, system);
+            let up = |mode: &Vec<f64>| carried(mode, &coarse.system, &fine.mechanics.system);
             self.modes = self.modes.iter().map(up).collect();
             self.proof = None;
-            let found = self.at(&mut fine, 1.0, cancel);
-            self.modes = self.modes.iter().map(|mode| carried(mode, system, &coarse.system)).collect();
+            let found = self.at(&mut fine, 1.0);
+            self.modes = self.modes.iter().map(|mode| carried(mode, &fine.mechanics.system, &coarse.system)).collect();
             self.proof = None;
             found
         };
@@ -152,7 +132,7 @@ impl Tracker {
     }
 
     /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from below.
-    fn at(&mut self, place: &mut Place<'_>, sharp: f64, cancel: &Cancel) -> (Stiffness, Vec<f64>) {
+    fn at(&mut self, place: &mut Place<'_>, sharp: f64) -> (Stiffness, Vec<f64>) {
         let room = self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| proof.room(place));
         if room > 0.0
             && let Some(softest) = self.modes.first()
@@ -166,20 +146,20 @@ impl Tracker {
         // Rounding may say softer, and not find it: an eigenvalue so close to zero is the end of the branch.
         let mut undecided = f64::NAN;
         for find in 0..FINDS {
-            let found = place.softest(std::mem::take(&mut self.modes), &mut self.rng, sharp * relative, cancel);
+            let found = place.softest(std::mem::take(&mut self.modes), &mut self.rng, sharp * relative);
             self.modes = found.vectors;
             let (value, mode) = (found.values[0], self.modes[0].clone());
             // A negative Rayleigh quotient is proof by itself.
-            if value < 0.0 || cancel.requested() {
+            if value < 0.0 || place.cancelled() {
                 return (Stiffness { value, error: found.residual }, mode);
             }
             if room >= KEPT * value {
                 return (Stiffness { value, error: (value - room).max(0.0) }, mode);
             }
-            let before = place.ws.transforms;
-            let sign_alone = value < SIGN_ALONE * place.system.grid().q1() || find + 2 >= FINDS;
-            let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng, cancel);
-            self.spent += place.ws.transforms - before;
+            let (before, soft) = (place.mechanics.transforms(), value < SIGN_ALONE * place.q1());
+            let sign_alone = soft || find + 2 >= FINDS;
+            let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng);
+            self.spent += place.mechanics.transforms() - before;
             match proved {
                 Proved::Nothing => {
                     undecided = f64::NAN;
@@ -193,7 +173,7 @@ impl Tracker {
                 Proved::Softer(mode) => {
                     self.modes.insert(0, mode);
                     relative = AFRESH;
-                    undecided = if sign_alone && value < SIGN_ALONE * place.system.grid().q1() { -value } else { f64::NAN };
+                    undecided = if soft { -value } else { f64::NAN };
                 }
             }
         }
@@ -217,7 +197,7 @@ impl Proof {
     /// By as much as gamma'' falls on some point an eigenvalue may fall. Sliding modes that were left out then, and are not quite
     /// those that are left out now, had no stiffness.
     fn room(&self, place: &Place<'_>) -> f64 {
-        let fallen = self.stiffness.iter().zip(&place.ws.stiffness).fold(0.0, |most: f64, (then, now)| most.max(then - now));
+        let fallen = self.stiffness.iter().zip(&place.fields.stiffness).fold(0.0, |most: f64, (then, now)| most.max(then - now));
         let kept = |row: &Vec<f64>| row.iter().map(|c| c * c).sum::<f64>();
         let tilt: f64 = products(&self.removed, &place.removed).iter().map(|row| 1.0 - kept(row)).sum();
         // With none to compare with, those left out then are all back.
@@ -226,27 +206,33 @@ impl Proof {
     }
 }
 
-impl Coarse {
-    /// The state `z` of `fine` without its shortest waves.
-    fn at(&mut self, z: &[f64], slides: Slides, fine: &Place<'_>) -> Place<'_> {
-        let Self { system, preconditioner, ws } = self;
-        let z = carried(z, fine.system, system);
-        let u0 = fine.ws.gap.mean().unwrap_or(f64::NAN);
-        system.evaluate(&z, u0, &mut vec![0.0; z.len()], ws);
-        preconditioner.refresh(system, ws);
-        Place { removed: sliding_basis(system, &z, slides, ws), system, preconditioner, ws }
-    }
+/// The surface `z` of `fine` without its shortest waves, for which `coarse` is made ready.
+fn shortened(coarse: &mut Mechanics, z: &[f64], fine: &Place<'_>) -> Evaluation {
+    let u0 = fine.fields.gap.mean().unwrap_or(f64::NAN);
+    let at = coarse.at(carried(z, &fine.mechanics.system, &coarse.system), u0);
+    coarse.refresh(&at.fields);
+    at
 }
 
 impl Place<'_> {
+    /// Stiffness scale of the longest wave (E* per length).
+    fn q1(&self) -> f64 {
+        self.mechanics.system.grid().q1()
+    }
+
+    fn cancelled(&self) -> bool {
+        self.mechanics.cancel.requested()
+    }
+
     /// The error that a mode of this value may have.
     fn goal(&self, relative: f64, value: f64) -> f64 {
-        (relative * value.abs()).max(NEAR_ZERO * self.system.grid().q1())
+        (relative * value.abs()).max(NEAR_ZERO * self.q1())
     }
 
     /// The softest modes, from the `known` ones of the state before or from random vectors.
-    fn softest(&mut self, known: Vec<Vec<f64>>, rng: &mut Pcg64, relative: f64, cancel: &Cancel) -> EigenPairs {
-        let Self { system, removed, preconditioner, ws } = self;
+    fn softest(&mut self, known: Vec<Vec<f64>>, rng: &mut Pcg64, relative: f64) -> EigenPairs {
+        let Self { mechanics, fields, removed } = self;
+        let Mechanics { system, preconditioner, cancel, workspace, .. } = &mut **mechanics;
         let (strangers, least, most) = if known.is_empty() { (6, 8, 80) } else { (0, 1, 12) };
         let mut start = known;
         start.iter_mut().for_each(|mode| system.make_real(mode));
@@ -258,15 +244,16 @@ impl Place<'_> {
             // has, and they would grow out of the rounding.
             system.make_real(out);
         };
-        smallest(|v, out| system.hessian(v, out, ws), start, removed, precondition, limits, cancel)
+        smallest(|v, out| system.hessian(fields, v, out, workspace), start, removed, precondition, limits, cancel)
     }
 
     /// Whether an eigenvalue lies below `shift`: one run from a start drawn evenly from all real fields, in the coordinates y of
     /// amplitudes F y. Removed modes are made as stiff as the preconditioner takes them for.
-    fn prove(&mut self, shift: f64, rng: &mut Pcg64, cancel: &Cancel) -> Proved {
-        let Self { system, removed, preconditioner, ws } = self;
+    fn prove(&mut self, shift: f64, rng: &mut Pcg64) -> Proved {
+        let Self { mechanics, fields, removed } = self;
+        let Mechanics { system, preconditioner, cancel, workspace, .. } = &mut **mechanics;
         let noise = Array2::from_shape_simple_fn(system.shape(), || StandardNormal.sample(rng));
-        let start = system.amplitudes(&noise, ws);
+        let start = system.amplitudes(&noise, workspace);
         let stiffened: Vec<f64> = removed
             .iter()
             .map(|mode| {
@@ -282,7 +269,7 @@ impl Place<'_> {
             preconditioner.spread(&real, &mut x);
             let along: Vec<f64> = removed.iter().map(|mode| dot(mode, &x)).collect();
             project_out(&mut x, removed);
-            system.hessian(&x, &mut image, ws);
+            system.hessian(fields, &x, &mut image, workspace);
             add(&mut image, -shift, &x);
             project_out(&mut image, removed);
             for ((mode, along), stiffness) in removed.iter().zip(along).zip(&stiffened) {
@@ -298,7 +285,7 @@ impl Place<'_> {
         let chance = if system.precision() == Precision::Double { CHANCE } else { CHANCE_SINGLE };
         let bound = lowest(&mut shifted, &start, chance, PRODUCTS, |lower, upper| lower > 0.0 || upper < 0.0, cancel);
         if bound.lower > 0.0 {
-            return Proved::Least(Proof { least: shift, stiffness: ws.stiffness.clone(), removed: removed.clone() });
+            return Proved::Least(Proof { least: shift, stiffness: fields.stiffness.clone(), removed: removed.clone() });
         }
         if !(bound.upper < 0.0) {
             return Proved::Nothing;
@@ -311,12 +298,12 @@ impl Place<'_> {
 
     /// The eigenvalue of a `mode`, its error, and the mode normalised.
     fn measured(&mut self, mut mode: Vec<f64>) -> (Stiffness, Vec<f64>) {
-        self.system.make_real(&mut mode);
+        self.mechanics.system.make_real(&mut mode);
         project_out(&mut mode, &self.removed);
         let length = norm(&mode);
         scale(&mut mode, 1.0 / length);
         let mut image = vec![0.0; mode.len()];
-        self.system.hessian(&mode, &mut image, self.ws);
+        self.mechanics.hessian(self.fields, &mode, &mut image);
         let value = dot(&mode, &image);
         add(&mut image, -value, &mode);
         project_out(&mut image, &self.removed);

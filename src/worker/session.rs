@@ -130,7 +130,7 @@ impl Session {
                         pace = self.speed.pause(PACE_STATE);
                     }
                     self.record.states.push(state.clone());
-                    self.good = Some((walk.state().clone(), state.clone()));
+                    self.good = Some((walk.here().clone(), state.clone()));
                     sink(Output::Event(Event::State { run, state }));
                     sink(Output::Frame(run, resting_frame(walk)));
                 }
@@ -300,7 +300,7 @@ impl Session {
             sink(Output::Event(Event::LoopStarted { run: self.run }));
             sink(Output::Event(Event::State { run: self.run, state: walk.record().clone() }));
         }
-        self.good = Some((walk.state().clone(), walk.record().clone()));
+        self.good = Some((walk.here().clone(), walk.record().clone()));
         sink(Output::Frame(self.run, resting_frame(&mut walk)));
         self.walk = Some(walk);
         if !stays && self.sweep == Some(Leg::Retract { closes: true }) {

@@ -189,7 +189,8 @@ fn ends_of_branches_are_folds_or_breakings_as_their_nodes_say() {
             match end {
                 End::Fold => {
                     assert!(!node.slope.is_finite() && node.breaking > 0.0);
-                    let inside = |d: f64| branch.at(node.u0 + if upper { -d } else { d }).stress - node.stress;
+                    let inside =
+                        |d: f64| branch.at(node.state.mean_displacement + if upper { -d } else { d }).stress - node.state.stress;
                     // A root: four times the distance, twice the change.
                     let ratio = inside(4e-4) / inside(1e-4);
                     assert!((ratio - 2.0).abs() < 0.05, "{ratio}");

@@ -155,7 +155,7 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
         let with_step = |step: f64| {
             let mut scene = scene.clone();
             scene.drive.step = step;
-            let (state, record) = (there.state().clone(), there.record().clone());
+            let (state, record) = (there.here().clone(), there.record().clone());
             next_jump(Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap(), target)
         };
         let usual = with_step(0.05);
@@ -175,12 +175,12 @@ fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
     (scene.cell.points, scene.drive.step) = (Points::Square(48), 0.1);
     let there = standing_at(&scene, &[3.09]);
     scene.drive.step = 1e-4;
-    let (state, record) = (there.state().clone(), there.record().clone());
+    let (state, record) = (there.here().clone(), there.record().clone());
     let mut walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap();
     walk.set_target(2.99);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     assert_eq!(walk.displacement(), 2.99);
-    let amplitudes = &walk.state().field;
+    let amplitudes = &walk.here().state.amplitudes;
     // There and back through a field: what no field has is lost on the way.
     let (system, mut ws) = (walk.system(), walk.system().workspace());
     let field = system.field(amplitudes, &mut ws).clone();
@@ -201,7 +201,7 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
     scene.indenter = Indenter::Wave { amplitude: 0.4, periods: [2, 2] };
     let (there, n) = (standing_at(&scene, &[-0.2]), 32);
     let (system, mut ws) = (there.system(), there.system().workspace());
-    let field = system.field(&there.state().field, &mut ws).clone();
+    let field = system.field(&there.here().state.amplitudes, &mut ws).clone();
     let broken = (0..n).map(|i| (field[[0, i]] - field[[0, (i + 16) % n]]).abs()).fold(0.0, f64::max);
     assert!(broken > 0.1, "{broken}");
     let jumps: Vec<JumpRecord> = [(0, 0, false), (16, 0, false), (0, 0, true), (16, 16, true)]
@@ -211,8 +211,8 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
                 let i = if mirrored { n - i } else { i };
                 field[[(j + along_y) % n, (i + along_x) % n]]
             });
-            let mut state = there.state().clone();
-            state.field = system.amplitudes(&moved, &mut ws);
+            let mut state = there.here().clone();
+            state.state.amplitudes = system.amplitudes(&moved, &mut ws);
             let walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, there.record().clone()).unwrap();
             next_jump(walk, scene.drive.start)
         })

@@ -238,17 +238,17 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
 fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode() {
     use tackscope::experiment::walk::{Progress, Walk};
     use tackscope::numerics::vector::{add, dot, norm};
-    use tackscope::solver::newton::sliding_basis;
-    use tackscope::solver::problem::Slides;
+    use tackscope::solver::mechanics::{Mechanics, Slides};
     let mut walk = Walk::new(&preset("fig2"), MethodKind::NewtonKrylov).unwrap();
     walk.set_target(1.34);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     assert_eq!(walk.record().pattern, Ridge);
-    let (system, soft) = (walk.system(), walk.state().soft_mode.clone());
-    let mut z = walk.state().field.clone();
+    let (system, soft) = (walk.system(), walk.here().soft_mode.clone());
+    let mut z = walk.here().state.amplitudes.clone();
     // Just above the break-up; the modulation at the level at which residuals are accepted.
     add(&mut z, 1e-5, &soft);
-    let basis = sliding_basis(system, &z, Slides::Freely, &mut system.workspace());
+    let mut mechanics = Mechanics::new(system.clone(), Slides::Freely);
+    let basis = mechanics.sliding_basis(&z, &walk.here().fields);
     assert_eq!(basis.len(), 1, "a ridge slides in one direction");
     let derivatives = system.sliding_modes(&soft);
     assert!(derivatives.iter().all(|d| (dot(&basis[0], d) / norm(d)).abs() < 0.1), "and not along its modulation");

@@ -34,17 +34,15 @@ fn energy_stress_and_forces_of_an_even_field_are_those_of_the_whole_cell() {
         let (even, whole) = (System::even(grid, law(), &Indenter::Flat), System::new(grid, law(), &Indenter::Flat));
         let (mut small, mut large) = (even.workspace(), whole.workspace());
         let z = amplitudes(&even, false);
-        let mut g = vec![0.0; z.len()];
-        let at = even.evaluate(&z, 1.7, &mut g, &mut small);
+        let at = even.at(z.clone(), 1.7, &mut small);
         let field: Array2<f64> = even.unfolded(even.field(&z, &mut small));
-        let big = whole.amplitudes(&field, &mut large);
-        let mut big_g = vec![0.0; big.len()];
-        let big_at = whole.evaluate(&big, 1.7, &mut big_g, &mut large);
-        assert!((at.energy - big_at.energy).abs() < 1e-14, "{} {}", at.energy, big_at.energy);
-        assert!((at.stress - big_at.stress).abs() < 1e-14);
+        let big = whole.at(whole.amplitudes(&field, &mut large), 1.7, &mut large);
+        let (one, other) = (&at.state, &big.state);
+        assert!((one.energy - other.energy).abs() < 1e-14, "{} {}", one.energy, other.energy);
+        assert!((one.stress - other.stress).abs() < 1e-14);
         let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
-        assert!((norm(&g) / norm(&big_g) - 1.0).abs() < 1e-10);
-        assert!((even.residual(&g, &mut small) - whole.residual(&big_g, &mut large)).abs() < 1e-10);
+        assert!((norm(&at.gradient) / norm(&big.gradient) - 1.0).abs() < 1e-10);
+        assert!((even.residual(&at, &mut small) - whole.residual(&big, &mut large)).abs() < 1e-10);
     }
 }
 
@@ -71,10 +69,9 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         // On the line the waves reach the end of the mesh, where products fold back.
         let reach = if grid.is_line() { 64.0 } else { 6.0 };
         let z = amplitudes(&system, class != Class::Even);
-        let mut g = vec![0.0; z.len()];
-        system.evaluate(&z, 1.7, &mut g, &mut ws);
+        let at = system.at(z.clone(), 1.7, &mut ws);
         let mut block = LowBlock::new(&system, class, reach);
-        block.refresh(&system, &mut ws);
+        block.refresh(&system, &at.fields, &mut ws);
 
         let unit = |i: usize, n: usize| (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
         let waves: Vec<Vec<f64>> = (0..block.size()).map(|i| block.mode(&unit(i, block.size()), &system)).collect();
@@ -82,7 +79,7 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         let dense: Vec<Vec<f64>> = waves
             .iter()
             .map(|wave| {
-                system.hessian(wave, &mut image, &mut ws);
+                system.hessian(&at.fields, wave, &mut image, &mut ws);
                 waves.iter().map(|other| other.iter().zip(&image).map(|(a, b)| a * b).sum()).collect()
             })
             .collect();
@@ -96,7 +93,7 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         // Where it is positive and complete, preconditioning with it undoes the Hessian.
         if block.negative() == 0 && grid.is_line() {
             let mut back = vec![0.0; z.len()];
-            system.hessian(&z, &mut image, &mut ws);
+            system.hessian(&at.fields, &z, &mut image, &mut ws);
             block.precondition(&image, &mut back);
             let worst = back.iter().zip(&z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-10, "{worst:e}");
@@ -114,18 +111,15 @@ fn modulations_of_a_ridge_are_modes_of_the_whole_cell() {
     );
     let z = amplitudes(&line, false);
     let (mut small, mut large) = (line.workspace(), square.workspace());
-    let mut g = vec![0.0; z.len()];
-    line.evaluate(&z, u0, &mut g, &mut small);
+    let ridge = line.at(z, u0, &mut small);
     let mut block = LowBlock::new(&line, Class::Varicose, 64.0);
-    block.refresh(&line, &mut small);
+    block.refresh(&line, &ridge.fields, &mut small);
     let (value, waves) = block.softest(None);
     let mode = block.mode(&waves, &square);
 
-    let ridge = carried(&z, &line, &square);
-    let mut g = vec![0.0; ridge.len()];
-    square.evaluate(&ridge, u0, &mut g, &mut large);
-    let mut image = vec![0.0; ridge.len()];
-    square.hessian(&mode, &mut image, &mut large);
+    let on_square = square.at(carried(&ridge.state.amplitudes, &line, &square), u0, &mut large);
+    let mut image = vec![0.0; mode.len()];
+    square.hessian(&on_square.fields, &mode, &mut image, &mut large);
     let rayleigh: f64 = mode.iter().zip(&image).map(|(a, b)| a * b).sum();
     assert!((rayleigh - value).abs() < 1e-10, "{rayleigh} {value}");
 }

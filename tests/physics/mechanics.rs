@@ -31,8 +31,7 @@ fn surface(system: &System, seed: u64, rms: f64) -> Vec<f64> {
 fn energy(system: &System, z: &[f64], v: &[f64], t: f64, u0: f64) -> f64 {
     let mut moved = z.to_vec();
     add(&mut moved, t, v);
-    let mut g = vec![0.0; z.len()];
-    system.evaluate(&moved, u0, &mut g, &mut system.workspace()).energy
+    system.at(moved, u0, &mut system.workspace()).state.energy
 }
 
 #[test]
@@ -44,8 +43,7 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
     let field = Array2::from_shape_fn(grid.shape(), |(j, i)| wave(i as f64 / 32.0, j as f64 / 32.0));
     let mut ws = system.workspace();
     let z = system.amplitudes(&field, &mut ws);
-    let mut g = vec![0.0; z.len()];
-    let at = system.evaluate(&z, u0, &mut g, &mut ws);
+    let at = system.at(z, u0, &mut ws).state;
     // |u_q|^2 = (a/2)^2 for q and for -q.
     let elastic = q / 4.0 * 2.0 * (amplitude / 2.0f64).powi(2);
     let phases = (0..4000).map(|i| u0 + amplitude * (TAU * (i as f64 + 0.5) / 4000.0).cos());
@@ -62,9 +60,7 @@ fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
     for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
         let system = system(grid);
         let (z, v) = (surface(&system, 1, 0.6), surface(&system, 2, 1.0));
-        let mut g = vec![0.0; z.len()];
-        system.evaluate(&z, 1.2, &mut g, &mut system.workspace());
-        let slope = dot(&g, &v);
+        let slope = dot(&system.at(z.clone(), 1.2, &mut system.workspace()).gradient, &v);
         let error = |h: f64| ((energy(&system, &z, &v, h, 1.2) - energy(&system, &z, &v, -h, 1.2)) / (2.0 * h) - slope).abs();
         let ratio = error(1e-2) / error(1e-3);
         assert!((50.0..200.0).contains(&ratio), "error falls by {ratio}, not by 100");
@@ -78,18 +74,15 @@ fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
         let system = system(grid);
         let (z, v, w) = (surface(&system, 3, 0.6), surface(&system, 4, 1.0), surface(&system, 5, 1.0));
         let mut ws = system.workspace();
-        let mut g = vec![0.0; z.len()];
-        system.evaluate(&z, 1.2, &mut g, &mut ws);
-        let (mut hv, mut hw) = (g.clone(), g.clone());
-        system.hessian(&v, &mut hv, &mut ws);
-        system.hessian(&w, &mut hw, &mut ws);
+        let at = system.at(z.clone(), 1.2, &mut ws);
+        let (mut hv, mut hw) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        system.hessian(&at.fields, &v, &mut hv, &mut ws);
+        system.hessian(&at.fields, &w, &mut hw, &mut ws);
         assert!((dot(&hv, &w) - dot(&hw, &v)).abs() < 1e-15);
         let gradient = |t: f64| {
             let mut moved = z.clone();
             add(&mut moved, t, &v);
-            let mut g = vec![0.0; z.len()];
-            system.evaluate(&moved, 1.2, &mut g, &mut system.workspace());
-            g
+            system.at(moved, 1.2, &mut system.workspace()).gradient
         };
         let error = |h: f64| {
             let (mut d, minus) = (gradient(h), gradient(-h));
@@ -107,8 +100,7 @@ fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
 fn mean_stress_is_the_derivative_of_the_energy_along_u0() {
     let system = system(Grid::square(60.0, 12));
     let z = surface(&system, 6, 0.5);
-    let mut g = vec![0.0; z.len()];
-    let stress = system.evaluate(&z, 1.0, &mut g, &mut system.workspace()).stress;
+    let stress = system.at(z.clone(), 1.0, &mut system.workspace()).state.stress;
     let still = vec![0.0; z.len()];
     let h = 1e-4;
     let slope = (energy(&system, &z, &still, 0.0, 1.0 + h) - energy(&system, &z, &still, 0.0, 1.0 - h)) / (2.0 * h);
@@ -127,8 +119,7 @@ proptest! {
         let field = system.field(&z, &mut ws).clone();
         let mut value = |f: &Array2<f64>| {
             let z = system.amplitudes(f, &mut ws);
-            let mut g = vec![0.0; z.len()];
-            system.evaluate(&z, 1.1, &mut g, &mut ws).energy
+            system.at(z, 1.1, &mut ws).state.energy
         };
         let e = value(&field);
         let moved = Array2::from_shape_fn((16, 16), |(j, i)| field[[(j + dy) % 16, (i + dx) % 16]]);
@@ -146,9 +137,8 @@ proptest! {
         let other = System::new(Grid { length: grid.length * unit, ..grid }, law, &Indenter::Flat);
         let z = surface(&one, seed, 0.6);
         let scaled: Vec<f64> = z.iter().map(|z| z * unit).collect();
-        let (mut g, mut h) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        let a = one.evaluate(&z, 1.3, &mut g, &mut one.workspace());
-        let b = other.evaluate(&scaled, 1.3 * unit, &mut h, &mut other.workspace());
+        let a = one.at(z, 1.3, &mut one.workspace()).state;
+        let b = other.at(scaled, 1.3 * unit, &mut other.workspace()).state;
         prop_assert!((a.energy * unit - b.energy).abs() < 1e-13 * unit);
         prop_assert!((a.stress - b.stress).abs() < 1e-13);
     }
@@ -191,20 +181,17 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
 
 #[test]
 fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_space() {
-    use tackscope::numerics::cancel::Cancel;
-    use tackscope::solver::problem::Slides;
+    use tackscope::solver::mechanics::{Mechanics, Slides};
     use tackscope::solver::stability::Tracker;
     for (grid, seed) in [(Grid::square(60.0, 8), 8), (Grid::line(90.0, 32), 9), (Grid::square(40.0, 10), 10)] {
         let system = system(grid);
-        let mut ws = system.workspace();
         let z = surface(&system, seed, 0.5);
-        let mut g = vec![0.0; z.len()];
-        system.evaluate(&z, 1.4, &mut g, &mut ws);
-        let dense = dense_eigenvalues(&grid, &ws.gap);
-        let mut preconditioner = Preconditioner::new(&system, 0.075);
-        preconditioner.refresh(&system, &mut ws);
+        let mut mechanics = Mechanics::new(system, Slides::Never);
+        let at = mechanics.at(z, 1.4);
+        let dense = dense_eigenvalues(&grid, &at.fields.gap);
+        mechanics.refresh(&at.fields);
         let mut tracker = Tracker::new(Pcg64::seed_from_u64(1));
-        let (found, _) = tracker.check(&system, &z, Slides::Never, &preconditioner, &mut ws, &Cancel::default());
+        let (found, _) = tracker.check(&mut mechanics, &at.state.amplitudes, &at.fields);
         assert!((found.value - dense[0]).abs() <= found.error + 1e-12, "{grid:?}: {found:?}, dense {}", dense[0]);
         assert!((found.value - dense[0]).abs() < 2e-3 * PI / grid.length, "{grid:?}: {found:?}, dense {}", dense[0]);
     }
@@ -219,10 +206,9 @@ fn preconditioner_inverts_the_hessian_exactly_within_its_block_of_long_waves() {
         const BLOCK: f64 = 5.0;
         // A stiff state (deep in contact): no pivot is at its floor.
         let z = surface(&system, 11, 0.1);
-        let mut g = vec![0.0; z.len()];
-        system.evaluate(&z, 0.1, &mut g, &mut ws);
+        let at = system.at(z, 0.1, &mut ws);
         let mut preconditioner = Preconditioner::new(&system, 0.075);
-        preconditioner.refresh(&system, &mut ws);
+        preconditioner.refresh(&system, &at.fields, &mut ws);
         let long = |v: &mut [f64]| {
             for (pair, z) in v.chunks_exact_mut(2).enumerate() {
                 let waves = 2.0 * system.elastic()[2 * pair] / grid.q1();
@@ -236,7 +222,7 @@ fn preconditioner_inverts_the_hessian_exactly_within_its_block_of_long_waves() {
         let mut x = vec![0.0; r.len()];
         preconditioner.apply(&r, &mut x);
         let mut back = vec![0.0; r.len()];
-        system.hessian(&x, &mut back, &mut ws);
+        system.hessian(&at.fields, &x, &mut back, &mut ws);
         long(&mut back);
         add(&mut back, -1.0, &r);
         assert!(norm(&back) < 1e-12, "{grid:?}: {:e}", norm(&back));
@@ -268,8 +254,7 @@ fn a_mie_law_across_zero_gap_has_no_finite_energy() {
     let law = Law { shape: Shape::Mie(Mie { m: 8.0, n: 2.0 }), ..LAW };
     let system = System::new(Grid::square(60.0, 12), law, &Indenter::Flat);
     let z = surface(&system, 14, 2.0);
-    let mut g = vec![0.0; z.len()];
-    assert!(!system.evaluate(&z, 0.5, &mut g, &mut system.workspace()).energy.is_finite());
+    assert!(!system.at(z, 0.5, &mut system.workspace()).state.energy.is_finite());
 }
 
 #[test]
@@ -283,10 +268,10 @@ fn threads_do_not_change_energy_force_or_hessian_by_a_single_bit() {
             pool.install(|| {
                 let system = make(grid, LAW, &Indenter::Flat);
                 let (z, v) = (surface(&system, 3, 0.4), surface(&system, 4, 1.0));
-                let (mut ws, mut g, mut hv) = (system.workspace(), vec![0.0; z.len()], vec![0.0; z.len()]);
-                let at = system.evaluate(&z, 1.5, &mut g, &mut ws);
-                system.hessian(&v, &mut hv, &mut ws);
-                (at.energy, at.stress, g, hv)
+                let (mut ws, mut hv) = (system.workspace(), vec![0.0; z.len()]);
+                let at = system.at(z, 1.5, &mut ws);
+                system.hessian(&at.fields, &v, &mut hv, &mut ws);
+                (at.state, at.gradient, hv)
             })
         };
         assert_eq!(on(1), on(3));

@@ -11,13 +11,12 @@ use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::preconditioner::Preconditioner;
-use tackscope::physics::system::{System, Workspace};
+use tackscope::physics::system::System;
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
+use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::method::{Lost, Method};
 use tackscope::solver::methods::MethodKind;
-use tackscope::solver::problem::{Problem, Slides};
 use tackscope::storage::{presets, scene_file};
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
@@ -38,10 +37,7 @@ pub fn law() -> Law {
 
 /// Mechanics without a walk around it.
 pub struct Bench {
-    pub system: System,
-    pub preconditioner: Preconditioner,
-    pub slides: Slides,
-    pub ws: Workspace,
+    pub mechanics: Mechanics,
 }
 
 impl Bench {
@@ -52,48 +48,37 @@ impl Bench {
 
     pub fn of(law: Law, n: usize) -> Self {
         let system = System::new(Grid::square(256.0, n), law, &Indenter::Flat);
-        let well = law.at(law.equilibrium_gap()).stiffness;
-        Self { preconditioner: Preconditioner::new(&system, 0.25 * well), slides: Slides::Freely, ws: system.workspace(), system }
-    }
-
-    pub fn problem(&self) -> Problem<'_> {
-        Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides }
+        Self { mechanics: Mechanics::new(system, Slides::Freely) }
     }
 
     /// One increment of `method` from the newest state of `branch`.
     pub fn follow(&mut self, method: &mut dyn Method, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
-        let problem = Problem { system: &self.system, preconditioner: &self.preconditioner, slides: self.slides };
-        method.follow(&problem, branch, from, u0, &mut self.ws, &Cancel::default())
+        method.follow(&mut self.mechanics, branch, from, u0)
     }
 
     /// The same without a past.
     pub fn relax(&mut self, method: &mut dyn Method, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
-        self.follow(method, &History::starting(from.mean_displacement, from.field.clone()), from, u0)
+        self.follow(method, &History::starting(&from.state), from, u0)
     }
 
     /// Whatever the amplitudes `z` are at `u0`, as a state to start from.
     pub fn state(&mut self, z: Vec<f64>, u0: f64) -> Equilibrium {
-        let mut g = vec![0.0; z.len()];
-        let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
-        let residual = self.system.residual(&g, &mut self.ws);
-        Equilibrium::unmeasured(u0, z, residual, at, tackscope::solver::Stop::NotConverged, Default::default())
+        let at = self.mechanics.at(z, u0);
+        let residual = self.mechanics.residual(&at);
+        Equilibrium::unmeasured(at, residual, tackscope::solver::Stop::NotConverged, Default::default())
     }
 
     /// Checks its stability and labels it, as the walk does.
     pub fn label(&mut self, state: &mut Equilibrium) {
         use rand::SeedableRng;
-        let mut g = vec![0.0; state.field.len()];
-        self.system.evaluate(&state.field, state.mean_displacement, &mut g, &mut self.ws);
         let mut tracker = tackscope::solver::stability::Tracker::new(rand_pcg::Pcg64::seed_from_u64(7));
-        let (stiffness, mode) =
-            tracker.check(&self.system, &state.field, self.slides, &self.preconditioner, &mut self.ws, &Cancel::default());
+        let (stiffness, mode) = tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
         state.measured(stiffness, mode);
     }
 
     /// The pattern that a state shows.
-    pub fn pattern(&mut self, state: &Equilibrium) -> Pattern {
-        self.system.gap(&state.field, state.mean_displacement, &mut self.ws);
-        tackscope::physics::pattern::classify(self.ws.gap.view(), self.system.law(), true)
+    pub fn pattern(&self, state: &Equilibrium) -> Pattern {
+        tackscope::physics::pattern::classify(state.fields.gap.view(), self.mechanics.system.law(), true)
     }
 }
 
@@ -142,7 +127,7 @@ fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
     for back in [0.1, 0.05, 0.0] {
         let u0 = if turn < target { target - back } else { target + back };
         assert_eq!(go(&mut walk, u0).end, Progress::Resting);
-        states.push(walk.state().clone());
+        states.push(walk.here().clone());
     }
     assert_eq!(walk.record().pattern, pattern);
     states
@@ -170,7 +155,7 @@ pub fn ridge() -> &'static [Equilibrium] {
 pub fn history(states: &[Equilibrium]) -> History {
     let mut history = History::default();
     for state in states {
-        history.push(state.mean_displacement, state.field.clone());
+        history.push(&state.state);
     }
     history
 }

@@ -2,16 +2,15 @@
 
 use super::common::{Bench, N, bulge, fig2, go, history, ridge, walk_by};
 use tackscope::experiment::walk::Progress;
-use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::norm;
-use tackscope::physics::system::Workspace;
+use tackscope::physics::system::State;
 use tackscope::solver::branch::{History, distance};
 use tackscope::solver::descent::Descent;
 use tackscope::solver::equilibrium::{Cost, Equilibrium};
+use tackscope::solver::mechanics::Mechanics;
 use tackscope::solver::method::{Lost, Method};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
-use tackscope::solver::problem::Problem;
 use tackscope::solver::{Stop, branch};
 
 /// A method that climbs: each state is rougher than the one before, and said to be converged.
@@ -28,28 +27,14 @@ impl Method for Climber {
 
     fn follow(
         &mut self,
-        problem: &Problem<'_>,
+        mechanics: &mut Mechanics,
         _branch: &branch::History,
         from: &Equilibrium,
         u0: f64,
-        ws: &mut Workspace,
-        _cancel: &Cancel,
     ) -> Result<Equilibrium, Lost> {
-        let mut field = from.field.clone();
-        field[2 * problem.system.grid().ny] += 1.0;
-        let mut g = vec![0.0; field.len()];
-        let at = problem.system.evaluate(&field, u0, &mut g, ws);
-        Ok(Equilibrium {
-            mean_displacement: u0,
-            field,
-            residual: 0.0,
-            stress: at.stress,
-            energy: at.energy,
-            stiffness_min: None,
-            soft_mode: Vec::new(),
-            stop: Stop::Stable,
-            cost: Cost::default(),
-        })
+        let mut climbed = from.state.amplitudes.clone();
+        climbed[2 * mechanics.system.grid().ny] += 1.0;
+        Ok(Equilibrium::unmeasured(mechanics.at(climbed, u0), 0.0, Stop::Stable, Cost::default()))
     }
 }
 
@@ -67,10 +52,13 @@ fn a_step_over_a_fold_that_converges_to_the_flat_state_is_refused() {
     let mut bench = Bench::new();
     let guess = history(bulge()).predict(u0).unwrap();
     // Beyond the bulge's fold at 3.974 the only minimum near is flat, and a descent that only minds its residual ends there.
-    let mut ws = bench.system.workspace();
     let limits = NewtonLimits { steps: 400, ..NewtonLimits::default() };
-    let fallen = descend(&bench.problem(), guess, u0, 1.0, limits, &mut ws, &Cancel::default());
-    assert!(fallen.end == NewtonEnd::Converged && norm(&fallen.z) < 1e-2 * norm(&from.field), "{:?}", fallen.end);
+    let fallen = descend(&mut bench.mechanics, guess, u0, 1.0, limits);
+    assert!(
+        fallen.end == NewtonEnd::Converged && norm(&fallen.at.state.amplitudes) < 1e-2 * norm(&from.state.amplitudes),
+        "{:?}",
+        fallen.end
+    );
     for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
         let lost = bench.follow(&mut *kind.build(1), &history(bulge()), from, u0).err();
         assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
@@ -81,20 +69,20 @@ fn a_step_over_a_fold_that_converges_to_the_flat_state_is_refused() {
 fn torn() -> History {
     let mut torn = History::default();
     for (i, state) in [&bulge()[0], &bulge()[1]].into_iter().enumerate() {
-        torn.push(2.5 - 0.05 * i as f64, state.field.clone());
+        torn.push(&State { mean_displacement: 2.5 - 0.05 * i as f64, ..state.state.clone() });
     }
-    torn.push(ridge()[2].mean_displacement, ridge()[2].field.clone());
+    torn.push(&ridge()[2].state);
     torn
 }
 
 #[test]
 fn an_extrapolation_over_a_jump_is_of_neither_branch_and_nothing_found_from_it_is_accepted() {
     let from = ridge().last().unwrap();
-    let u0 = from.mean_displacement - 0.05;
+    let u0 = from.state.mean_displacement - 0.05;
     let mut bench = Bench::new();
     let clean = bench.follow(&mut *MethodKind::NewtonKrylov.build(1), &history(ridge()), from, u0).unwrap();
     let (good, bad) = (history(ridge()).predict(u0).unwrap(), torn().predict(u0).unwrap());
-    assert!(distance(&bad, &clean.field) > 100.0 * distance(&good, &clean.field));
+    assert!(distance(&bad, &clean.state.amplitudes) > 100.0 * distance(&good, &clean.state.amplitudes));
     for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
         let lost = bench.follow(&mut *kind.build(1), &torn(), from, u0).err();
         assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
@@ -115,32 +103,32 @@ fn after_a_jump_that_an_increment_hid_the_extrapolation_starts_afresh() {
 #[test]
 fn lbfgs_drops_its_memory_where_it_did_not_end_itself() {
     let from = ridge().last().unwrap();
-    let u0 = from.mean_displacement - 0.05;
+    let u0 = from.state.mean_displacement - 0.05;
     let mut bench = Bench::new();
     let mut used = Descent::lbfgs();
     let previous = &bulge()[1];
-    bench.follow(&mut used, &history(&bulge()[..2]), previous, previous.mean_displacement + 0.01).unwrap();
+    bench.follow(&mut used, &history(&bulge()[..2]), previous, previous.state.mean_displacement + 0.01).unwrap();
     let after_a_jump = bench.follow(&mut used, &history(ridge()), from, u0).unwrap();
     let fresh = bench.follow(&mut Descent::lbfgs(), &history(ridge()), from, u0).unwrap();
-    assert_eq!(after_a_jump.field, fresh.field, "to the last bit");
+    assert_eq!(after_a_jump.state.amplitudes, fresh.state.amplitudes, "to the last bit");
     assert_eq!(after_a_jump.cost, fresh.cost);
 }
 
 #[test]
 fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
     let state = &bulge()[0];
-    let bench = Bench::new();
-    let spacing = bench.system.grid().spacing();
-    let drifted = bench.system.moved(&state.field, 0.3 * spacing, 0.2 * spacing);
+    let system = Bench::new().mechanics.system;
+    let spacing = system.grid().spacing();
+    let drifted = system.moved(&state.state.amplitudes, 0.3 * spacing, 0.2 * spacing);
     let tight = NewtonLimits { tolerance: 1e-10, steps: 12, ..NewtonLimits::default() };
     let cost = |z: Vec<f64>| {
-        let mut ws = bench.system.workspace();
-        let found = solve(&bench.problem(), z, state.mean_displacement, tight, &mut ws, &Cancel::default());
-        (found.end, ws.transforms)
+        let mut mechanics = Bench::new().mechanics;
+        let found = solve(&mut mechanics, z, state.state.mean_displacement, tight);
+        (found.end, mechanics.transforms())
     };
     let (end, transforms) = cost(drifted.clone());
     assert!(end != NewtonEnd::Converged, "the mesh pulls along the sliding modes, which no step may use: {end:?}");
-    let (good_end, good) = cost(centred(&bench.system, &drifted, [false; 2]));
+    let (good_end, good) = cost(centred(&system, &drifted, [false; 2]));
     assert_eq!(good_end, NewtonEnd::Converged);
     assert!(good < transforms, "{good} {transforms}");
 }

@@ -4,12 +4,12 @@ use super::common::{Bench, N, bulge, dimple, fig2, go, law, looped, walk_by};
 use tackscope::experiment::run::Outcome;
 use tackscope::experiment::scene::{LawChoice, Range, Turn};
 use tackscope::experiment::walk::Progress;
-use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
 use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::law::{Law, Mie, Shape};
 use tackscope::solver::Stop;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
+use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::method::Lost;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, descend, solve};
@@ -31,18 +31,18 @@ fn gfmd_beyond_its_time_step_is_named_and_leaves_no_nan_state() {
     let way = go(&mut walk, 0.2);
     stuck(&way.end, "NaN: time step beyond its limit");
     assert!(way.states.iter().all(|s| s.stress.is_finite() && s.energy.is_finite()));
-    assert!(walk.record().stress.is_finite() && norm(&walk.state().field).is_finite());
+    assert!(walk.record().stress.is_finite() && norm(&walk.here().state.amplitudes).is_finite());
 }
 
 #[test]
 fn the_limit_of_the_time_step_is_where_the_formula_says() {
     let mut bench = Bench::new();
-    let q1 = bench.system.grid().q1();
-    let k = 1.0 / bench.preconditioner.diagonal().iter().cloned().fold(0.0, f64::max) - q1 / 2.0;
-    let limit = time_step_limit(&bench.system, law().at(0.0).stiffness, k);
-    let mut z = vec![0.0; bench.system.dimension()];
+    let q1 = bench.mechanics.system.grid().q1();
+    let k = 1.0 / bench.mechanics.preconditioner.diagonal().iter().cloned().fold(0.0, f64::max) - q1 / 2.0;
+    let limit = time_step_limit(&bench.mechanics.system, law().at(0.0).stiffness, k);
+    let mut z = vec![0.0; bench.mechanics.system.dimension()];
     z[2] = 1e-9;
-    bench.system.make_real(&mut z);
+    bench.mechanics.system.make_real(&mut z);
     let from = bench.state(z, 0.0);
     let calm = GfmdBudget { relax: 2000, temperature: 0.0, damping: 1e-3, ..GfmdBudget::default() };
     let below = Gfmd::with_budget(GfmdBudget { time_step: 0.97 * limit, ..calm }, 1);
@@ -61,34 +61,32 @@ fn a_thermostat_that_is_too_hot_is_named() {
 fn damped_dynamics_with_a_fixed_time_step_runs_into_the_wall_and_the_release_does_not() {
     // Deep in the unstable range a flat surface falls far: fast enough to overshoot into the wall.
     let mut bench = Bench::new();
-    let mut kicked = vec![0.0; bench.system.dimension()];
-    let (first, u0) = (2 * bench.system.grid().ny, 1.2);
+    let mut kicked = vec![0.0; bench.mechanics.system.dimension()];
+    let (first, u0) = (2 * bench.mechanics.system.grid().ny, 1.2);
     kicked[first] = 0.1;
     let start = bench.state(kicked.clone(), u0);
     let free = GfmdBudget { ramp: 1, relax: 3000, time_step: 1.2, damping: 0.0, temperature: 0.0 };
     assert!(matches!(bench.relax(&mut Gfmd::with_budget(free, 1), &start, u0), Err(Lost::Diverged(_))));
-    let mut release = Release::new(kicked, u0);
-    let mut preconditioner = bench.preconditioner.clone();
+    let mut release = Release::new(bench.mechanics.at(kicked, u0));
     let settled = loop {
-        match release.advance(&bench.system, 50, &mut preconditioner, bench.slides, &mut bench.ws, &Cancel::default()) {
+        match release.advance(&mut bench.mechanics, 50) {
             Slice::Moving => {}
             Slice::Settled(state) => break state,
             other => panic!("{other:?}"),
         }
     };
-    assert!(settled.residual <= 1e-6 && settled.at.energy < start.energy);
+    assert!(settled.residual <= 1e-6 && settled.at.state.energy < start.state.energy);
 }
 
 #[test]
 fn nan_never_counts_as_converged() {
     let mut bench = Bench::new();
-    let mut z = dimple()[0].field.clone();
+    let mut z = dimple()[0].state.amplitudes.clone();
     z[7] = f64::NAN;
     let from = bench.state(z.clone(), 2.0);
     assert!(from.residual.is_nan(), "a maximum that swallows NaN would say {}", from.residual);
-    let mut ws = bench.system.workspace();
-    let solved = solve(&bench.problem(), z.clone(), 2.0, NewtonLimits::default(), &mut ws, &Cancel::default());
-    let descended = descend(&bench.problem(), z, 2.0, 0.05, NewtonLimits::default(), &mut ws, &Cancel::default());
+    let solved = solve(&mut bench.mechanics, z.clone(), 2.0, NewtonLimits::default());
+    let descended = descend(&mut bench.mechanics, z, 2.0, 0.05, NewtonLimits::default());
     assert_eq!((solved.end, descended.end), (NewtonEnd::Stalled, NewtonEnd::Stalled));
     for kind in MethodKind::ALL {
         assert!(bench.relax(&mut *kind.build(1), &from, 2.02).is_err(), "{kind:?}");
@@ -103,11 +101,11 @@ fn overflow_in_deep_compression_is_refused_by_the_scene_and_labelled_on_the_flat
     scene.drive.turn = Turn::At(deep);
     let refusal = scene.validate().unwrap_err();
     assert_eq!(refusal.key, "drive.turn");
-    let flat = tackscope::experiment::flat_branch::FlatBranch::new(law(), 256.0);
-    assert_eq!(flat.state(deep, 2).stop, Stop::NotConverged);
-    assert_eq!(flat.state(-40.0, 2).stop, Stop::Stable);
     let mut bench = Bench::new();
-    let from = bench.state(bulge()[0].field.clone(), deep);
+    let flat = tackscope::experiment::flat_branch::FlatBranch::new(law(), 256.0);
+    assert_eq!(flat.state(&bench.mechanics.system, deep).stop, Stop::NotConverged);
+    assert_eq!(flat.state(&bench.mechanics.system, -40.0).stop, Stop::Stable);
+    let from = bench.state(bulge()[0].state.amplitudes.clone(), deep);
     for kind in MethodKind::ALL {
         assert!(bench.relax(&mut *kind.build(1), &from, deep).is_err(), "{kind:?}");
     }
@@ -117,20 +115,20 @@ fn overflow_in_deep_compression_is_refused_by_the_scene_and_labelled_on_the_flat
 fn a_mie_law_is_never_evaluated_across_zero_gap() {
     let mie = Law { shape: Shape::Mie(Mie { m: 8.0, n: 2.0 }), surface_energy: 0.15, range: 1.0 };
     let mut bench = Bench::of(mie, N);
-    let mut z = vec![0.0; bench.system.dimension()];
-    z[2 * bench.system.grid().ny] = 1.0;
+    let mut z = vec![0.0; bench.mechanics.system.dimension()];
+    z[2 * bench.mechanics.system.grid().ny] = 1.0;
     let across = bench.state(z.clone(), 0.9);
-    assert!(across.energy.is_nan());
+    assert!(across.state.energy.is_nan());
     for kind in MethodKind::ALL {
         assert!(bench.relax(&mut *kind.build(1), &across, 0.9).is_err(), "{kind:?}");
     }
     // A ripple just clear of the singularity: the first full Newton step goes through it, and is shortened.
-    z[2 * bench.system.grid().ny] = 0.17;
+    z[2 * bench.mechanics.system.grid().ny] = 0.17;
     let near = bench.state(z, 1.0);
-    assert!(near.energy.is_finite());
+    assert!(near.state.energy.is_finite());
     for kind in [MethodKind::NewtonKrylov, MethodKind::Lbfgs, MethodKind::ConjugateGradients, MethodKind::GfmdTuned] {
         match bench.relax(&mut *kind.build(1), &near, 1.0) {
-            Ok(state) => assert!(state.energy.is_finite() && state.residual <= 1e-6, "{kind:?}"),
+            Ok(state) => assert!(state.state.energy.is_finite() && state.residual <= 1e-6, "{kind:?}"),
             Err(lost) => assert_ne!(lost, Lost::Cancelled),
         }
     }
@@ -159,25 +157,22 @@ fn deep_compression_gives_no_jumps_of_rounding_because_tolerances_follow_the_tra
 #[test]
 fn single_precision_stalls_near_1e_6_sigma_max_and_says_so() {
     let mut bench = Bench::new();
-    bench.system = bench.system.with_precision(Precision::Single);
-    bench.ws = bench.system.workspace();
-    let mut ws = bench.system.workspace();
+    bench.mechanics = Mechanics::new(bench.mechanics.system.with_precision(Precision::Single), Slides::Freely);
     for start in [&dimple()[0], &bulge()[0]] {
-        let u0 = start.mean_displacement + 0.02;
+        let u0 = start.state.mean_displacement + 0.02;
         let exact = Bench::new().relax(&mut *MethodKind::NewtonKrylov.build(1), start, u0).unwrap();
         let mut floors = Vec::new();
         for tolerance in [1e-8, 1e-12] {
             let limits = NewtonLimits { tolerance, ..NewtonLimits::default() };
-            let cancel = Cancel::default();
-            let solved = solve(&bench.problem(), start.field.clone(), u0, limits, &mut ws, &cancel);
-            let descended = descend(&bench.problem(), start.field.clone(), u0, 0.05, limits, &mut ws, &cancel);
+            let solved = solve(&mut bench.mechanics, start.state.amplitudes.clone(), u0, limits);
+            let descended = descend(&mut bench.mechanics, start.state.amplitudes.clone(), u0, 0.05, limits);
             for state in [solved, descended] {
                 assert_eq!(state.end, NewtonEnd::Stalled);
                 assert!(state.residual > tolerance && state.residual < 1e-5, "{:e}", state.residual);
                 // What was asked too much of is still the solution.
-                let mut away = state.z.clone();
-                add(&mut away, -1.0, &exact.field);
-                assert!(norm(&away) < 1e-3 && state.at.energy.is_finite(), "{:e}", norm(&away));
+                let mut away = state.at.state.amplitudes.clone();
+                add(&mut away, -1.0, &exact.state.amplitudes);
+                assert!(norm(&away) < 1e-3 && state.at.state.energy.is_finite(), "{:e}", norm(&away));
                 floors.push(state.residual);
             }
         }
@@ -185,7 +180,7 @@ fn single_precision_stalls_near_1e_6_sigma_max_and_says_so() {
         assert!(floor > 1e-7 && floor < 4e-6, "{floors:?}");
         // The default of doubles lies within the noise: it may be met by luck, and where it is not that is said.
         let limits = NewtonLimits::default();
-        let default = solve(&bench.problem(), start.field.clone(), u0, limits, &mut ws, &Cancel::default());
+        let default = solve(&mut bench.mechanics, start.state.amplitudes.clone(), u0, limits);
         assert_eq!(default.end == NewtonEnd::Converged, default.residual <= limits.tolerance);
         assert!(default.residual < 1e-5, "{:e}", default.residual);
         // What the walk asks of it is met with room to spare.

@@ -9,13 +9,11 @@ use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::f64::consts::{PI, TAU};
-use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
-use tackscope::physics::preconditioner::Preconditioner;
-use tackscope::physics::system::{System, Workspace};
-use tackscope::solver::problem::Slides;
+use tackscope::physics::system::{Evaluation, System};
+use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::stability::Tracker;
 
 const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
@@ -23,33 +21,30 @@ const LENGTH: f64 = 256.0;
 
 /// The gap `uniform` + a cos(2 q1 x) + b cos(2 q1 y).
 struct Planted {
-    system: System,
-    preconditioner: Preconditioner,
-    ws: Workspace,
-    z: Vec<f64>,
+    mechanics: Mechanics,
+    at: Evaluation,
 }
 
 impl Planted {
     fn new(points: usize, uniform: f64, [a, b]: [f64; 2]) -> Self {
         let system = System::new(Grid::square(LENGTH, points), LAW, &Indenter::Flat);
-        let mut ws = system.workspace();
+        let mut mechanics = Mechanics::new(system, Slides::Never);
         let half = |k: usize| (2.0 * TAU * k as f64 / points as f64).cos();
-        let z = system.amplitudes(&Array2::from_shape_fn((points, points), |(j, i)| a * half(i) + b * half(j)), &mut ws);
-        system.evaluate(&z, uniform, &mut vec![0.0; z.len()], &mut ws);
-        let mut preconditioner = Preconditioner::new(&system, 0.25 * LAW.at(0.0).stiffness);
-        preconditioner.refresh(&system, &mut ws);
-        Self { system, preconditioner, ws, z }
+        let z = mechanics.amplitudes(&Array2::from_shape_fn((points, points), |(j, i)| a * half(i) + b * half(j)));
+        let at = mechanics.at(z, uniform);
+        mechanics.refresh(&at.fields);
+        Self { mechanics, at }
     }
 
     fn check(&mut self, tracker: &mut Tracker) -> (f64, f64) {
-        let Self { system, preconditioner, ws, z } = self;
-        let (found, _) = tracker.check(system, z, Slides::Never, preconditioner, ws, &Cancel::default());
+        let (found, _) = tracker.check(&mut self.mechanics, &self.at.state.amplitudes, &self.at.fields);
         (found.value * LENGTH, found.error * LENGTH)
     }
 
     /// The eigenvalues (E*/L), ascending.
     fn dense(&self) -> Vec<f64> {
-        let matrix = Dense::new(*self.system.grid()).at(&self.ws.gap, &self.ws.gap, &LAW, [false; 2], false);
+        let gap = &self.at.fields.gap;
+        let matrix = Dense::new(*self.mechanics.system.grid()).at(gap, gap, &LAW, [false; 2], false);
         let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().map(|value| value * LENGTH).collect();
         values.sort_by(f64::total_cmp);
         values

@@ -64,10 +64,10 @@ fn forces_of_singles_are_those_of_doubles_to_seven_digits_and_mixed_forces_to_th
         let length = norm(&z);
         scale(&mut z, 0.5 / length);
         let [double, mixed, single] = systems.map(|system| {
-            let (mut ws, mut g, mut hv) = (system.workspace(), vec![0.0; z.len()], vec![0.0; z.len()]);
-            let at = system.evaluate(&z, 1.0, &mut g, &mut ws);
-            system.hessian(&v, &mut hv, &mut ws);
-            (at.energy, g, hv)
+            let (mut ws, mut hv) = (system.workspace(), vec![0.0; z.len()]);
+            let at = system.at(z.clone(), 1.0, &mut ws);
+            system.hessian(&at.fields, &v, &mut hv, &mut ws);
+            (at.state.energy, at.gradient, hv)
         });
         let far = |a: &[f64], b: &[f64]| {
             let mut d = a.to_vec();

@@ -12,7 +12,6 @@ use tackscope::solver::descent::Descent;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget};
 use tackscope::solver::method::Lost;
 use tackscope::solver::methods::MethodKind;
-use tackscope::solver::newton::sliding_basis;
 use tackscope::solver::stability::{Tracker, random_smooth};
 
 #[test]
@@ -58,7 +57,7 @@ fn a_dimple_that_methods_without_noise_keep_beyond_2_23_is_labelled_unstable() {
         let mut state = dimple().last().unwrap().clone();
         for u0 in [2.22, 2.24, 2.26, 2.28] {
             state = bench.follow(&mut method, &branch, &state, u0).unwrap();
-            branch.push(u0, state.field.clone());
+            branch.push(&state.state);
             assert!(state.residual <= 1e-6 && bench.pattern(&state) == Pattern::Dimple);
             bench.label(&mut state);
             assert_eq!(state.stop, if u0 < 2.228 { Stop::Stable } else { Stop::Unstable }, "{method:?} at {u0}");
@@ -83,7 +82,7 @@ fn the_walk_leaves_the_dimple_at_its_true_limit_whatever_the_method() {
 fn negative_curvature_ends_conjugate_gradients_and_lbfgs_and_gives_no_nan() {
     let mut bench = Bench::new();
     let mut rng = rand_pcg::Pcg64::seed_from_u64(3);
-    let mut z = random_smooth(&bench.system, &mut rng);
+    let mut z = random_smooth(&bench.mechanics.system, &mut rng);
     let length = norm(&z);
     z.iter_mut().for_each(|z| *z *= 0.01 / length);
     // Nearly flat at 2.5 ranges: the longest waves have negative curvature, and a step of the textbook goes to plus infinity along them.
@@ -98,18 +97,17 @@ fn negative_curvature_ends_conjugate_gradients_and_lbfgs_and_gives_no_nan() {
 fn a_mode_of_another_symmetry_is_missed_by_a_tracked_vector_and_found_by_the_tracker() {
     let mut bench = Bench::new();
     let state = bench.follow(&mut Descent::lbfgs(), &history(dimple()), dimple().last().unwrap(), 2.26).unwrap();
-    bench.state(state.field.clone(), 2.26);
     // The dimple's own change with u0 has all of its symmetry; the mode that goes soft is its elongation.
-    let mut own = dimple()[2].field.clone();
-    add(&mut own, -1.0, &dimple()[0].field);
-    let removed = sliding_basis(&bench.system, &state.field, bench.slides, &mut bench.ws);
+    let mut own = dimple()[2].state.amplitudes.clone();
+    add(&mut own, -1.0, &dimple()[0].state.amplitudes);
+    let removed = bench.mechanics.sliding_basis(&state.state.amplitudes, &state.fields);
     let limits = EigenLimits { pairs: 1, least: 2, most: 2, relative: 0.25, absolute: 1e-6 };
-    let Bench { system, preconditioner, ws, slides } = &mut bench;
-    let apply = |v: &[f64], out: &mut [f64]| system.hessian(v, out, ws);
+    let preconditioner = bench.mechanics.preconditioner.clone();
+    let apply = |v: &[f64], out: &mut [f64]| bench.mechanics.hessian(&state.fields, v, out);
     let tracked = smallest(apply, vec![own], &removed, |r, out| preconditioner.apply(r, out), limits, &Cancel::default());
     assert!(tracked.values[0] > 0.0, "{}", tracked.values[0]);
     let mut tracker = Tracker::new(rand_pcg::Pcg64::seed_from_u64(1));
-    let (found, _) = tracker.check(system, &state.field, *slides, preconditioner, ws, &Cancel::default());
+    let (found, _) = tracker.check(&mut bench.mechanics, &state.state.amplitudes, &state.fields);
     assert!(!found.is_stable(), "{found:?}");
 }
 
@@ -117,12 +115,11 @@ fn a_mode_of_another_symmetry_is_missed_by_a_tracked_vector_and_found_by_the_tra
 fn sliding_modes_would_always_read_zero_and_are_left_out() {
     let mut bench = Bench::new();
     let state = bulge()[0].clone();
-    bench.state(state.field.clone(), state.mean_displacement);
-    let slides = sliding_basis(&bench.system, &state.field, bench.slides, &mut bench.ws);
+    let slides = bench.mechanics.sliding_basis(&state.state.amplitudes, &state.fields);
     assert_eq!(slides.len(), 2, "a bulge slides in both directions");
-    let mut image = vec![0.0; state.field.len()];
+    let mut image = vec![0.0; state.state.amplitudes.len()];
     for mode in &slides {
-        bench.system.hessian(mode, &mut image, &mut bench.ws);
+        bench.mechanics.hessian(&state.fields, mode, &mut image);
         let stiffness = tackscope::numerics::vector::dot(mode, &image) * 256.0;
         assert!(stiffness.abs() < 0.02, "{stiffness}");
     }

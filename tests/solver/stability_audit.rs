@@ -138,7 +138,7 @@ fn audit(scene: &Scene, reduction: Reduction, tally: &mut Tally) {
                 }
             });
             // The closed form of the flat state has tests of its own.
-            if let Some(state) = states.last().filter(|_| !walk.state().is_uniform()) {
+            if let Some(state) = states.last().filter(|_| !walk.here().is_uniform()) {
                 let gap = walk.gap();
                 let height = walk.system().height().map(|height| walk.system().unfolded(height));
                 let displacement = height.map_or_else(|| gap.clone(), |height| &gap + &height);

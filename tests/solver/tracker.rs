@@ -10,10 +10,9 @@ use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::{System, carried};
+use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::methods::MethodKind;
-use tackscope::solver::problem::Slides;
 use tackscope::solver::stability::{Tracker, random_smooth};
 use tackscope::storage::presets;
 
@@ -33,25 +32,22 @@ fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
         walk.set_target(place);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     }
-    (walk.record().pattern, walk.displacement(), walk.state().field.clone())
+    (walk.record().pattern, walk.displacement(), walk.here().state.amplitudes.clone())
 }
 
 /// Value and error on 128 x 128 points, by way of `coarse` points if given; transforms spent on the fine mesh.
 fn smallest(z: &[f64], u0: f64, coarse: Option<usize>) -> (f64, f64, usize) {
-    let (fine, stiffness) = (system(128), 0.25 * LAW.at(0.0).stiffness);
-    let mut preconditioner = Preconditioner::new(&fine, stiffness);
-    let mut ws = fine.workspace();
-    let z = carried(z, &system(64), &fine);
-    fine.evaluate(&z, u0, &mut vec![0.0; z.len()], &mut ws);
-    preconditioner.refresh(&fine, &mut ws);
+    let mut fine = Mechanics::new(system(128), Slides::Freely);
+    let at = fine.at(carried(z, &system(64), &fine.system), u0);
+    fine.refresh(&at.fields);
     let mut tracker = Tracker::new(Pcg64::seed_from_u64(7));
     if let Some(n) = coarse {
-        tracker = tracker.with_coarse(system(n), stiffness);
+        tracker = tracker.with_coarse(Mechanics::new(system(n), Slides::Freely));
     }
-    let before = ws.transforms;
-    let (found, mode) = tracker.check(&fine, &z, Slides::Freely, &preconditioner, &mut ws, &Cancel::default());
-    assert_eq!(mode.len(), fine.dimension());
-    (found.value * LENGTH, found.error * LENGTH, ws.transforms - before)
+    let before = fine.transforms();
+    let (found, mode) = tracker.check(&mut fine, &at.state.amplitudes, &at.fields);
+    assert_eq!(mode.len(), at.gradient.len());
+    (found.value * LENGTH, found.error * LENGTH, fine.transforms() - before)
 }
 
 #[test]

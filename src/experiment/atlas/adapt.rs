@@ -56,36 +56,40 @@ fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Resu
     let mut end = |upper: bool| {
         let node = moved(old.end(upper), from, to);
         match old.ends[usize::from(upper)] {
-            End::Fold => to.refold(&node, upper),
+            End::Fold => to.refold(&node, upper).map(|(end, _)| end),
             End::Breaking => recross(to, &node),
         }
     };
     let (low, high) = (end(false)?, end(true)?);
-    let (a, b) = (old.nodes[0].u0, old.nodes[last].u0);
+    let (a, b) = (old.nodes[0].state.mean_displacement, old.nodes[last].state.mean_displacement);
     let changed = |new: &Node, old: &Node| {
-        let mut change = new.z.clone();
-        add(&mut change, -1.0, &carried(&old.z, from.system(), to.system()));
+        let mut change = new.state.amplitudes.clone();
+        add(&mut change, -1.0, &carried(&old.state.amplitudes, from.system(), to.system()));
         change
     };
     let (change_low, change_high) = (changed(&low, &old.nodes[0]), changed(&high, &old.nodes[last]));
     let mut nodes = vec![low];
-    let (from_u, width) = (nodes[0].u0, high.u0 - nodes[0].u0);
+    let (from_u, width) = (nodes[0].state.mean_displacement, high.state.mean_displacement - nodes[0].state.mean_displacement);
     let stride = (last - 1).div_ceil(INNER).max(1);
-    let nearest = |u0: &f64| (1..last).min_by(|&i, &j| (old.nodes[i].u0 - u0).abs().total_cmp(&(old.nodes[j].u0 - u0).abs()));
+    let nearest = |u0: &f64| {
+        (1..last).min_by(|&i, &j| {
+            (old.nodes[i].state.mean_displacement - u0).abs().total_cmp(&(old.nodes[j].state.mean_displacement - u0).abs())
+        })
+    };
     let few = (1..last).skip(((last - 1) % stride) / 2).step_by(stride);
     let chosen: BTreeSet<usize> = few.chain(landings.iter().filter_map(nearest)).collect();
     for k in chosen {
-        let share = (old.nodes[k].u0 - a) / (b - a);
-        let mut z = carried(&old.nodes[k].z, from.system(), to.system());
+        let share = (old.nodes[k].state.mean_displacement - a) / (b - a);
+        let mut z = carried(&old.nodes[k].state.amplitudes, from.system(), to.system());
         // What changed at the ends changed a part of that in between.
         add(&mut z, 1.0 - share, &change_low);
         add(&mut z, share, &change_high);
-        let node = to.node(from_u + share * width, z, nodes.last().filter(|n| n.slope.is_finite()), NODE)?;
+        let (node, _) = to.node(from_u + share * width, z, nodes.last().filter(|n| n.slope.is_finite()), NODE)?;
         nodes.push(node);
     }
     nodes.push(high);
     let stable = nodes[1..nodes.len() - 1].iter().all(|n| n.own > 0.0 && n.breaking > 0.0);
-    let ordered = nodes.windows(2).all(|w| w[0].u0 < w[1].u0);
+    let ordered = nodes.windows(2).all(|w| w[0].state.mean_displacement < w[1].state.mean_displacement);
     if !stable || !ordered {
         return Err(Lost::Gone);
     }
@@ -96,7 +100,7 @@ fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Resu
 /// has a length of its own, sqrt(gamma L/E*).
 fn moved(node: &Node, from: &Sector, to: &Sector) -> Node {
     let mut guess = node.clone();
-    guess.z = carried(&node.z, from.system(), to.system());
+    guess.state.amplitudes = carried(&node.state.amplitudes, from.system(), to.system());
     guess.tangent = carried(&node.tangent, from.system(), to.system());
     guess
 }

@@ -1,16 +1,14 @@
 //! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which pattern it is.
 
 use crate::experiment::contest::{KICK as FLAT_KICK, angle, tried};
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, scale};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
-use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace};
+use crate::physics::system::{Evaluation, System};
+use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::newton::NewtonState;
-use crate::solver::problem::Slides;
 use crate::solver::release::{Release, Slice};
 
 /// Root mean square kick along the soft mode, in ranges; the same as the walk's.
@@ -48,34 +46,25 @@ impl Rest {
 /// A quarter cell for releases.
 #[derive(Clone, Debug)]
 pub struct Explorer {
-    system: System,
-    preconditioner: Preconditioner,
-    ws: Workspace,
-    /// Interrupts a fall.
-    pub cancel: Cancel,
+    /// A request to cancel it interrupts a fall.
+    pub mechanics: Mechanics,
 }
 
 impl Explorer {
     /// On n x n points of the whole cell.
     pub fn new(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
-        let constant = 0.25 * law.at(law.equilibrium_gap()).stiffness;
-        Self { preconditioner: Preconditioner::new(&system, constant), ws: system.workspace(), system, cancel: Cancel::default() }
+        Self { mechanics: Mechanics::new(system, Slides::Never) }
     }
 
     /// Its mechanics.
     pub fn system(&self) -> &System {
-        &self.system
-    }
-
-    /// Transforms spent so far.
-    pub fn transforms(&self) -> usize {
-        self.ws.transforms
+        &self.mechanics.system
     }
 
     /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first waves along x and y.
     pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
-        let (flat, ny) = (vec![0.0; self.system.dimension()], self.system.shape().0);
+        let (flat, ny) = (vec![0.0; self.system().dimension()], self.system().shape().0);
         let from = |mixture: usize| {
             let mut mode = flat.clone();
             (mode[1], mode[ny]) = angle(mixture).sin_cos();
@@ -86,8 +75,8 @@ impl Explorer {
 
     /// The pattern of amplitudes.
     pub fn pattern(&mut self, z: &[f64], u0: f64) -> Pattern {
-        self.system.gap(z, u0, &mut self.ws);
-        classify(self.system.unfolded(&self.ws.gap).view(), self.system.law(), true)
+        let gap = self.mechanics.gap(z, u0);
+        classify(self.system().unfolded(&gap).view(), self.system().law(), true)
     }
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
@@ -96,26 +85,25 @@ impl Explorer {
     }
 
     fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, u0: f64) -> Rest {
-        let size = kick * self.system.law().range / norm(mode);
-        let mut g = vec![0.0; z.len()];
+        let size = kick * self.system().law().range / norm(mode);
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();
             add(&mut moved, sign * size, mode);
-            (self.system.evaluate(&moved, u0, &mut g, &mut self.ws).energy, moved)
+            self.mechanics.at(moved, u0)
         };
         let (one, other) = (side(1.0), side(-1.0));
-        let start = if other.0 < one.0 { other.1 } else { one.1 };
-        self.preconditioner.forget();
-        self.fall(start, u0).map_or(Rest::Other, |state| self.recognise(state.z, u0))
+        let start = if other.state.energy < one.state.energy { other } else { one };
+        self.mechanics.preconditioner.forget();
+        self.fall(start).map_or(Rest::Other, |found| self.recognise(found.at.state.amplitudes, u0))
     }
 
-    /// Down to the next minimum at fixed `u0` by the walk's own damped dynamics; `None` if there is no way.
-    fn fall(&mut self, z: Vec<f64>, u0: f64) -> Option<NewtonState> {
-        let mut release = Release::new(z, u0).with_tolerance(TOLERANCE);
+    /// Down to the next minimum at fixed u0 by the walk's own release; `None` if there is no way.
+    fn fall(&mut self, start: Evaluation) -> Option<NewtonState> {
+        let mut release = Release::new(start).with_tolerance(TOLERANCE);
         loop {
-            match release.advance(&self.system, 500, &mut self.preconditioner, Slides::Never, &mut self.ws, &self.cancel) {
+            match release.advance(&mut self.mechanics, 500) {
                 Slice::Moving => {}
-                Slice::Settled(state) => return Some(state),
+                Slice::Settled(state) => return Some(*state),
                 Slice::Stuck | Slice::Cancelled => return None,
             }
         }
@@ -124,10 +112,10 @@ impl Explorer {
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
     fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
         let size = norm(&z);
-        if size < 0.02 * self.system.law().range {
+        if size < 0.02 * self.system().law().range {
             return Rest::Flat;
         }
-        let n = self.system.shape().0;
+        let n = self.system().shape().0;
         let along_x: f64 = (1..n).map(|k| z[k * n].powi(2)).sum();
         let along_y: f64 = (1..n).map(|l| z[l].powi(2)).sum();
         if along_y > along_x {

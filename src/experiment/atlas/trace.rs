@@ -1,10 +1,11 @@
 //! One branch followed to its end with long tangent steps; the end located directly.
 
 use crate::numerics::vector::{add, norm};
+use crate::physics::system::Fields;
 use crate::physics::theory::flat;
 use crate::solver::branch::distance;
 use crate::solver::method::Lost;
-use crate::solver::sector::{NODE, Node, SHARP, Sector};
+use crate::solver::sector::{NODE, Node, Sector};
 
 /// How a branch of stable states ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,11 +62,11 @@ pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool)
             && fold < NEAR_FOLD * range
             && wall.is_infinite()
         {
-            if let Ok(mut end) = sector.fold(before, &here, up) {
+            if let Ok((mut end, fields)) = sector.fold(before, &here, up) {
                 if end.breaking < SOFT * sector.system().grid().q1() {
-                    sector.sharpen(&mut end);
+                    sector.sharpen(&mut end, &fields);
                 }
-                let ahead = sign * (end.u0 - here.u0);
+                let ahead = sign * (end.state.mean_displacement - here.state.mean_displacement);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
                     if end.breaking >= 0.0 {
                         end.own = 0.0;
@@ -87,20 +88,21 @@ pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool)
         if !(h > SHORTEST * range) {
             return Err(Lost::Gone);
         }
-        let u0 = here.u0 + sign * h;
+        let u0 = here.state.mean_displacement + sign * h;
         let guess = predict(before, &here, u0);
-        let predicted = distance(&guess, &here.z);
+        let predicted = distance(&guess, &here.state.amplitudes);
         let node = sector.node(u0, guess.clone(), Some(&here), NODE);
-        let strayed = |n: &Node| distance(&guess, &n.z) > STRAY * predicted + 1e-3 * range || !audit(&here, n, range, sector);
-        let node = match node {
-            Ok(node) if !strayed(&node) && node.own > 0.0 => node,
+        let strayed =
+            |n: &Node| distance(&guess, &n.state.amplitudes) > STRAY * predicted + 1e-3 * range || !audit(&here, n, range, sector);
+        let (node, fields) = match node {
+            Ok((node, fields)) if !strayed(&node) && node.own > 0.0 => (node, fields),
             Err(Lost::Cancelled) => return Err(Lost::Cancelled),
             _ => {
                 step = 0.35 * h;
                 continue;
             }
         };
-        let error = distance(&guess, &node.z) / range;
+        let error = distance(&guess, &node.state.amplitudes) / range;
         step = (h * (aim / error).powf(0.3).clamp(0.4, 2.5)).min(LONGEST * range);
         if wall.is_finite() {
             wall -= h;
@@ -108,7 +110,7 @@ pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool)
         let broken = node.breaking < 0.0;
         nodes.push(node);
         if broken {
-            let end = cross(sector, first, &mut nodes)?;
+            let end = cross(sector, first, &mut nodes, &fields)?;
             nodes.push(end);
             return Ok((nodes, End::Breaking));
         }
@@ -119,8 +121,8 @@ pub fn trace(sector: &mut Sector, first: &Node, behind: Option<&Node>, up: bool)
 /// Hermite extrapolation from two nodes, or along the tangent of one.
 fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
     let Some(before) = before else {
-        let mut z = here.z.clone();
-        add(&mut z, u0 - here.u0, &here.tangent);
+        let mut z = here.state.amplitudes.clone();
+        add(&mut z, u0 - here.state.mean_displacement, &here.tangent);
         return z;
     };
     between(before, here, u0)
@@ -128,49 +130,49 @@ fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
 
 /// Cubic Hermite between two regular nodes, at any u0.
 pub fn between(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
-    let h = b.u0 - a.u0;
-    let t = (u0 - a.u0) / h;
+    let h = b.state.mean_displacement - a.state.mean_displacement;
+    let t = (u0 - a.state.mean_displacement) / h;
     let (t2, t3) = (t * t, t * t * t);
-    let mut z = vec![0.0; a.z.len()];
-    add(&mut z, 2.0 * t3 - 3.0 * t2 + 1.0, &a.z);
+    let mut z = vec![0.0; a.state.amplitudes.len()];
+    add(&mut z, 2.0 * t3 - 3.0 * t2 + 1.0, &a.state.amplitudes);
     add(&mut z, (t3 - 2.0 * t2 + t) * h, &a.tangent);
-    add(&mut z, 3.0 * t2 - 2.0 * t3, &b.z);
+    add(&mut z, 3.0 * t2 - 2.0 * t3, &b.state.amplitudes);
     add(&mut z, (t3 - t2) * h, &b.tangent);
     z
 }
 
 /// Distance beyond `here` at which `own`, whose square falls linearly before a fold, would vanish.
 fn zero_of_square(before: &Node, here: &Node) -> f64 {
-    let fall = (before.own.powi(2) - here.own.powi(2)) / (here.u0 - before.u0).abs();
+    let fall = (before.own.powi(2) - here.own.powi(2)) / (here.state.mean_displacement - before.state.mean_displacement).abs();
     if fall > 0.0 { here.own.powi(2) / fall } else { f64::INFINITY }
 }
 
 /// Distance beyond `here` at which `breaking`, which falls linearly, would vanish.
 fn zero(before: &Node, here: &Node) -> f64 {
-    let fall = (before.breaking - here.breaking) / (here.u0 - before.u0).abs();
+    let fall = (before.breaking - here.breaking) / (here.state.mean_displacement - before.state.mean_displacement).abs();
     if fall > 0.0 { (here.breaking / fall).max(0.0) } else { f64::INFINITY }
 }
 
 /// Along a branch dV = stress du0, by the trapezoid with its end correction: a step across a jump pays with energy.
 fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
-    let h = to.u0 - from.u0;
-    let work = 0.5 * h * (from.stress + to.stress) - h * h / 12.0 * (to.slope - from.slope);
-    let missing = (to.energy - from.energy - work).abs();
+    let h = to.state.mean_displacement - from.state.mean_displacement;
+    let work = 0.5 * h * (from.state.stress + to.state.stress) - h * h / 12.0 * (to.slope - from.slope);
+    let missing = (to.state.energy - from.state.energy - work).abs();
     let law = sector.system().law();
-    missing <= 0.05 * ((to.stress - from.stress) * h).abs() + 1e-4 * law.surface_energy * (h / range).abs()
-        && norm(&to.z) > 1e-3 * range
+    missing <= 0.05 * ((to.state.stress - from.state.stress) * h).abs() + 1e-4 * law.surface_energy * (h / range).abs()
+        && norm(&to.state.amplitudes) > 1e-3 * range
 }
 
 /// The node where the breaking eigenvalue vanishes over all waves of the mesh; `nodes` (after `first`, the last one unstable and
-/// just solved) lose those beyond it.
+/// with these `fields`) lose those beyond it.
 ///
 /// The nodes know the eigenvalue from the longest waves only, which is too high by nearly the same amount everywhere: the last one's
 /// value over all waves corrects them.
-fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Node, Lost> {
+fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>, fields: &Fields) -> Result<Node, Lost> {
     let range = sector.system().law().range;
     let mut b = nodes.pop().expect("the unstable node");
     let of_block = b.breaking;
-    sector.sharpen(&mut b);
+    sector.sharpen(&mut b, fields);
     let offset = b.breaking - of_block;
     let mut a = loop {
         // The first one is known over all waves, and stable.
@@ -179,8 +181,7 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
         last.breaking += offset;
         if last.breaking.abs() < 0.5 * offset.abs() {
             // Too near to call by the correction.
-            last = sector.node(last.u0, last.z.clone(), Some(&last), SHARP)?;
-            sector.sharpen(&mut last);
+            last = sector.sharp_node(last.state.mean_displacement, last.state.amplitudes.clone(), Some(&last))?;
         }
         if last.breaking > 0.0 {
             break last;
@@ -190,13 +191,12 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
         nodes.pop().ok_or(Lost::Gone)?;
     };
     for round in 0..CROSSINGS {
-        let rate = (a.breaking - b.breaking) / (a.u0 - b.u0);
-        let secant = a.u0 - a.breaking / rate;
-        let enclosed = (secant - a.u0) * (secant - b.u0) < 0.0;
+        let rate = (a.breaking - b.breaking) / (a.state.mean_displacement - b.state.mean_displacement);
+        let secant = a.state.mean_displacement - a.breaking / rate;
+        let enclosed = (secant - a.state.mean_displacement) * (secant - b.state.mean_displacement) < 0.0;
         // Where the eigenvalue falls off steeply towards one end, secants creep.
-        let u0 = if enclosed && round % 4 != 3 { secant } else { 0.5 * (a.u0 + b.u0) };
-        let mut node = sector.node(u0, between(&a, &b, u0), Some(&a), SHARP)?;
-        sector.sharpen(&mut node);
+        let u0 = if enclosed && round % 4 != 3 { secant } else { 0.5 * (a.state.mean_displacement + b.state.mean_displacement) };
+        let node = sector.sharp_node(u0, between(&a, &b, u0), Some(&a))?;
         // The two ends may be known less well than their distance to this node, but not than their own.
         let correction = -node.breaking / rate;
         if correction.abs() < LOCATED * range {
@@ -217,13 +217,12 @@ fn cross(sector: &mut Sector, first: &Node, nodes: &mut Vec<Node>) -> Result<Nod
 /// It was not found.
 pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
     let range = sector.system().law().range;
-    let (mut u0, mut z, mut rate) = (near.u0, near.z.clone(), near.bend);
+    let (mut u0, mut z, mut rate) = (near.state.mean_displacement, near.state.amplitudes.clone(), near.bend);
     let mut last: Option<(f64, f64)> = None;
     for _ in 0..CROSSINGS {
-        let mut node = sector.node(u0, z, None, SHARP)?;
-        sector.sharpen(&mut node);
+        let node = sector.sharp_node(u0, z, None)?;
         if let Some((u, value)) = last {
-            rate = (node.breaking - value) / (node.u0 - u);
+            rate = (node.breaking - value) / (node.state.mean_displacement - u);
         }
         let correction = -node.breaking / rate;
         if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
@@ -232,8 +231,8 @@ pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
         if correction.abs() < LOCATED * range {
             return Ok(moved(node, correction, rate));
         }
-        last = Some((node.u0, node.breaking));
-        z = node.z.clone();
+        last = Some((node.state.mean_displacement, node.breaking));
+        z = node.state.amplitudes.clone();
         add(&mut z, correction, &node.tangent);
         u0 += correction;
     }
@@ -242,10 +241,10 @@ pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
 
 /// A node moved along its branch by so little that its tangent serves; `rate` is d breaking/du0.
 fn moved(mut node: Node, du: f64, rate: f64) -> Node {
-    node.u0 += du;
-    node.energy += du * node.stress;
-    node.stress += du * node.slope;
-    add(&mut node.z, du, &node.tangent);
+    node.state.mean_displacement += du;
+    node.state.energy += du * node.state.stress;
+    node.state.stress += du * node.slope;
+    add(&mut node.state.amplitudes, du, &node.tangent);
     node.bend = rate;
     node
 }

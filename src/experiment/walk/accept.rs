@@ -8,49 +8,49 @@ use crate::solver::equilibrium::{Cost, Stiffness};
 
 impl Walk {
     pub(super) fn pattern(&mut self) -> Pattern {
-        if self.state.is_uniform() && self.system.is_flat() {
+        if self.here.is_uniform() && self.mechanics.system.is_flat() {
             return Pattern::Flat;
         }
         let thermal = if self.method.locates() { 0.0 } else { 0.02 * self.model.law.range };
-        if self.system.is_flat() && norm(&self.state.field) < thermal {
+        if self.mechanics.system.is_flat() && norm(&self.here.state.amplitudes) < thermal {
             return Pattern::Flat;
         }
-        classify(self.system.unfolded(&self.ws.gap).view(), &self.model.law, self.system.is_flat())
+        classify(self.mechanics.system.unfolded(&self.here.fields.gap).view(), &self.model.law, self.mechanics.system.is_flat())
     }
 
-    /// Writes the record of the present state and hands it out. The workspace must hold the state's gap, unless it is uniform.
+    /// Writes the record of the present state and hands it out.
     pub(super) fn accept(&mut self, observe: &mut dyn FnMut(Happening)) {
         let law = self.model.law;
-        let uniform = self.state.is_uniform() && self.system.is_flat();
+        let uniform = self.here.is_uniform() && self.mechanics.system.is_flat();
         let pattern = self.pattern();
         if self.method.locates() {
             self.note_transition(pattern, observe);
         }
         let contact_area = match uniform {
-            true => f64::from(u8::from(self.state.mean_displacement < law.contact_gap())),
-            false => contact_area(self.ws.gap.view(), &law),
+            true => f64::from(u8::from(self.here.state.mean_displacement < law.contact_gap())),
+            false => contact_area(self.here.fields.gap.view(), &law),
         };
         if pattern != Pattern::Flat {
             self.counts.patterned_increments += 1;
         }
         self.pause_clock();
-        let stiffness = self.state.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
+        let stiffness = self.here.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
         let length = self.model.grid.length;
         self.record = StateRecord {
             direction: self.direction,
-            mean_displacement: self.state.mean_displacement,
-            stress: self.state.stress,
-            stress_over_max: self.state.stress / law.traction_max(),
+            mean_displacement: self.here.state.mean_displacement,
+            stress: self.here.state.stress,
+            stress_over_max: self.here.state.stress / law.traction_max(),
             contact_area,
             pattern,
-            residual: self.state.residual,
+            residual: self.here.residual,
             stiffness_min: stiffness.value * length,
             stiffness_error: stiffness.error * length,
-            energy: self.state.energy,
+            energy: self.here.state.energy,
             model: if uniform && self.flat.is_some() {
                 "flat, closed form"
             } else {
-                match (self.model.grid.is_line(), self.system.is_even(), self.guard.is_some()) {
+                match (self.model.grid.is_line(), self.mechanics.system.is_even(), self.guard.is_some()) {
                     (true, false, _) => "line cell",
                     (true, true, _) => "half line cell",
                     (false, false, _) => "whole cell",
@@ -58,7 +58,7 @@ impl Walk {
                     (false, true, false) => "mirrored quarter",
                 }
             },
-            stop: self.state.stop,
+            stop: self.here.stop,
             iterations: self.counts.iterations - self.seen.iterations,
             transforms: self.transforms() - self.seen.transforms,
             milliseconds: std::mem::take(&mut self.worked).as_secs_f64() * 1e3,

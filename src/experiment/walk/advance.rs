@@ -1,12 +1,11 @@
 //! One increment along a branch, and the bracketing of where the branch ends.
 
-use super::{Barrier, Before, Happening, Progress, Walk, problem};
+use super::{Barrier, Before, Happening, Progress, Walk};
 use crate::experiment::atlas::{Explorer, Rest};
 use crate::experiment::contest::{mixture, shares};
 use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::plan;
 use crate::experiment::record::{Cause, Direction, JumpRecord};
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
@@ -40,7 +39,7 @@ const GAIN_MAX: f64 = 1e-2;
 impl Walk {
     /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
     pub(super) fn next_displacement(&self) -> f64 {
-        let here = self.state.mean_displacement;
+        let here = self.here.state.mean_displacement;
         if let Some(barrier) = &self.barrier {
             return self.towards(barrier);
         }
@@ -55,27 +54,27 @@ impl Walk {
     /// How far a method that locates may go without missing a jump (length). Where gamma'' falls nowhere below that of the upper limit of
     /// the flat state, nothing can jump.
     fn longest(&self) -> f64 {
-        let uniform = self.flat.is_some() && self.state.is_uniform();
+        let uniform = self.flat.is_some() && self.here.is_uniform();
         if uniform || !self.method.locates() {
             return f64::INFINITY;
         }
-        let law = self.system.law();
+        let law = self.mechanics.system.law();
         let Some((_, upper)) = flat::limits(law, self.model.grid.length) else { return f64::INFINITY };
-        let free = self.ws.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
-        free.max(0.0) + law.range * if self.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
+        let free = self.here.fields.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
+        free.max(0.0) + law.range * if self.mechanics.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
     }
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
     fn expected_fold(&self) -> Option<f64> {
-        let (Before { at, stiffness: before, .. }, here) = (self.before?, self.state.mean_displacement);
-        let now = self.state.stiffness_min?.value;
+        let (Before { at, stiffness: before, .. }, here) = (self.before?, self.here.state.mean_displacement);
+        let now = self.here.stiffness_min?.value;
         (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
 
     /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
     fn expected_share(&self, barrier: &Barrier) -> Option<f64> {
-        let here = self.state.mean_displacement;
-        let share = match (self.state.stiffness_min, barrier.stiffness) {
+        let here = self.here.state.mean_displacement;
+        let share = match (self.here.stiffness_min, barrier.stiffness) {
             (Some(a), Some(b)) => a.value / (a.value - b),
             _ => (self.expected_fold()? - here) / (barrier.at - here),
         };
@@ -84,12 +83,12 @@ impl Walk {
 
     /// Width of a bracket that is narrow enough (length).
     fn located_within(&self) -> f64 {
-        LOCATED.max(DECIDED * self.system.precision().floor()) * self.model.law.range
+        LOCATED.max(DECIDED * self.mechanics.system.precision().floor()) * self.model.law.range
     }
 
     /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
     fn located(&self, barrier: Barrier) -> Barrier {
-        let here = self.state.mean_displacement;
+        let here = self.here.state.mean_displacement;
         let share = self.expected_share(&barrier).unwrap_or(1.0);
         Barrier { at: here + share * (barrier.at - here), ..barrier }
     }
@@ -97,7 +96,7 @@ impl Walk {
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
     /// where there is no expectation, or it did not help last time.
     pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
-        let here = self.state.mean_displacement;
+        let here = self.here.state.mean_displacement;
         let width = barrier.at - here;
         let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
         let fine = self.located_within() / width.abs();
@@ -106,19 +105,19 @@ impl Walk {
         if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
     }
 
-    pub(super) fn step_flat(&mut self, flat: FlatBranch, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
         let next = self.next_displacement();
-        let Some((stable, unstable)) = flat.limit_between(self.state.mean_displacement, next) else {
-            self.state = flat.state(next, self.system.dimension());
+        let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next) else {
+            self.here = flat.state(&self.mechanics.system, next);
             self.accept(observe);
             return Progress::Working;
         };
-        if stable != self.state.mean_displacement {
-            self.state = flat.state(stable, self.system.dimension());
+        if stable != self.here.state.mean_displacement {
+            self.here = flat.state(&self.mechanics.system, stable);
             self.accept(observe);
         }
-        let landings = self.landings_from_flat(unstable, cancel);
-        if cancel.requested() {
+        let landings = self.landings_from_flat(unstable);
+        if self.cancelled() {
             return Progress::Cancelled;
         }
         let shares = shares(&landings);
@@ -130,16 +129,16 @@ impl Walk {
 
     /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
     /// but one wave, or no such cell.
-    fn landings_from_flat(&mut self, u0: f64, cancel: &Cancel) -> Vec<Pattern> {
-        let grid = *self.system.grid();
+    fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
+        let grid = *self.mechanics.system.grid();
         if grid.is_line() || plan::no_quarter(grid.nx).is_some() {
             return Vec::new();
         }
-        let law = *self.system.law();
+        let law = *self.mechanics.system.law();
         let mut explorer = Explorer::new(grid.length, grid.nx, law);
-        explorer.cancel = cancel.clone();
+        explorer.mechanics.cancel = self.mechanics.cancel.clone();
         let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
-        self.looked += explorer.transforms();
+        self.looked += explorer.mechanics.transforms();
         landings
     }
 
@@ -147,7 +146,7 @@ impl Walk {
     fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
         loop {
             let wave = self.random_soft_wave();
-            let field = self.system.field(&wave, &mut self.ws);
+            let field = self.mechanics.field(&wave);
             let along = |axis: usize| {
                 let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
                 profile.iter().map(|v| v * v).sum::<f64>().sqrt()
@@ -161,9 +160,9 @@ impl Walk {
 
     /// All first waves of the cell go soft together; the seed mixes them.
     pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
-        let q1 = self.system.grid().q1();
-        let mut z = random_smooth(&self.system, &mut self.rng);
-        for (z, e) in z.iter_mut().zip(self.system.elastic()) {
+        let q1 = self.mechanics.system.grid().q1();
+        let mut z = random_smooth(&self.mechanics.system, &mut self.rng);
+        for (z, e) in z.iter_mut().zip(self.mechanics.system.elastic()) {
             if 2.0 * e > 1.1 * q1 {
                 *z = 0.0;
             }
@@ -173,32 +172,30 @@ impl Walk {
         z
     }
 
-    pub(super) fn step_patterned(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Happening)) -> Progress {
         let located = self.located_within();
-        let here = self.state.mean_displacement;
+        let here = self.here.state.mean_displacement;
         let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
-            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone()), cancel),
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
             // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
             Some(barrier) => {
-                self.history = History::starting(here, self.state.field.clone());
+                self.history = History::starting(&self.here.state);
                 barrier.at
             }
             None => self.next_displacement(),
         };
-        let problem = problem(&self.system, &self.preconditioner, self.slides);
         let locates = self.method.locates();
         let mut barrier = Barrier { at: next, stiffness: None, soft_mode: Vec::new() };
-        match self.method.follow(&problem, &self.history, &self.state, next, &mut self.ws, cancel) {
+        match self.method.follow(&mut self.mechanics, &self.history, &self.here, next) {
             Ok(mut state) => {
                 self.counts.iterations += state.cost.iterations;
-                let (stiffness, mode) =
-                    self.tracker.check(&self.system, &state.field, self.slides, &self.preconditioner, &mut self.ws, cancel);
-                if cancel.requested() {
+                let (stiffness, mode) = self.tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+                if self.cancelled() {
                     return Progress::Cancelled;
                 }
-                let stiffness = match self.all_modes(stiffness, cancel) {
+                let stiffness = match self.all_modes(&state, stiffness) {
                     Ok(stiffness) => stiffness,
                     Err(reason) => return Progress::Stuck(reason),
                 };
@@ -231,14 +228,14 @@ impl Walk {
             Err(Lost::Unstable | Lost::Gone) => {}
         }
         let bracketed = reached.is_some() || self.barrier.is_some();
-        if let Some(progress) = (!bracketed).then(|| self.fall(next, cancel, observe)).flatten() {
+        if let Some(progress) = (!bracketed).then(|| self.fall(next, observe)).flatten() {
             return progress;
         }
         if reached.is_some() {
             if barrier.stiffness.is_none() {
-                barrier.soft_mode = self.state.soft_mode.clone();
+                barrier.soft_mode = self.here.soft_mode.clone();
             }
-            return self.release(self.located(barrier), cancel);
+            return self.release(self.located(barrier));
         }
         self.barrier = Some(barrier);
         self.watch_bracket();
@@ -248,15 +245,15 @@ impl Walk {
     /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the branch may have been unstable on
     /// the way.
     fn passed_an_end(&self, next: &Equilibrium) -> bool {
-        let (Some(before), Some(now)) = (self.before, self.state.stiffness_min) else { return false };
-        let (here, there) = (self.state.mean_displacement, next.mean_displacement);
+        let (Some(before), Some(now)) = (self.before, self.here.stiffness_min) else { return false };
+        let (here, there) = (self.here.state.mean_displacement, next.state.mean_displacement);
         let expected = now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
         expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.model.law.range
     }
 
     /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only faded, a bracket says so.
     fn faded(&self, next: &Equilibrium) -> bool {
-        self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.state))
+        self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.here))
     }
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
@@ -265,8 +262,8 @@ impl Walk {
         let Some(barrier) = &self.barrier else {
             return;
         };
-        let left = barrier.at - self.state.mean_displacement;
-        let expected = self.expected_fold().is_some_and(|fold| (fold - self.state.mean_displacement) / left < 1.5);
+        let left = barrier.at - self.here.state.mean_displacement;
+        let expected = self.expected_fold().is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
         if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
             self.barrier = None;
             self.short = Some(du.abs());
@@ -274,55 +271,55 @@ impl Walk {
     }
 
     pub(super) fn watch_bracket(&mut self) {
-        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.state.mean_displacement).abs());
+        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.here.state.mean_displacement).abs());
         self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
         self.bracket = width;
     }
 
     /// Takes the present state into the history of its branch.
     pub(super) fn remember(&mut self) {
-        self.history.push(self.state.mean_displacement, self.state.field.clone());
+        self.history.push(&self.here.state);
     }
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
     pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
-        let (before, energy, stress) = (self.record.clone(), self.state.energy, self.state.stress);
-        let du = state.mean_displacement - self.state.mean_displacement;
-        let work = 0.5 * (stress + state.stress) * du;
-        let released = (energy + work - state.energy) / self.model.law.surface_energy;
+        let (before, energy, stress) = (self.record.clone(), self.here.state.energy, self.here.state.stress);
+        let du = state.state.mean_displacement - self.here.state.mean_displacement;
+        let work = 0.5 * (stress + state.state.stress) * du;
+        let released = (energy + work - state.state.energy) / self.model.law.surface_energy;
         if !self.method.locates() && !(released > -GAIN_MAX) {
             return Progress::Stuck(format!(
                 "energy gained: too hot a thermostat, or a run into the wall of the law ({:.1e} gamma, {} at u0 = {:.6})",
                 -released,
                 self.method.name(),
-                state.mean_displacement
+                state.state.mean_displacement
             ));
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
-        let smooth = audit(&self.system, &self.state, state.mean_displacement, state.energy, state.stress);
-        let Equilibrium { mean_displacement: at, stress, stiffness_min, .. } = self.state;
+        let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
+        let (at, stiffness_min) = (self.here.state.mean_displacement, self.here.stiffness_min);
         self.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
-        self.state = state;
+        self.here = state;
         self.reconsider(du);
         if smooth {
             self.remember();
         } else {
-            self.history = History::starting(self.state.mean_displacement, self.state.field.clone());
+            self.history = History::starting(&self.here.state);
         }
         if self.method.locates() {
-            self.preconditioner.refresh(&self.system, &mut self.ws);
+            self.mechanics.refresh(&self.here.fields);
         }
         let pattern = self.pattern();
         if !self.method.locates() && pattern != before.pattern {
             observe(Happening::Jump(JumpRecord {
                 direction: self.direction,
-                mean_displacement: self.state.mean_displacement,
+                mean_displacement: self.here.state.mean_displacement,
                 from: before.pattern,
                 to: pattern,
                 stress_before: stress,
-                stress_after: self.state.stress,
+                stress_after: self.here.state.stress,
                 released_energy: released,
-                release_error: (du * (self.state.stress - stress)).abs() / self.model.law.surface_energy,
+                release_error: (du * (self.here.state.stress - stress)).abs() / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
                 landings: Vec::new(),
             }));

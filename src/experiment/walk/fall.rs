@@ -5,9 +5,8 @@
 //! energy tells whether something let go on the way; then the step is halved until it is short enough to say where.
 
 use super::landing::Leaving;
-use super::{Before, Happening, Progress, Walk, problem};
+use super::{Before, Happening, Progress, Walk};
 use crate::experiment::record::Cause;
-use crate::numerics::cancel::Cancel;
 use crate::solver::Stop;
 use crate::solver::method::predicted;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, descend};
@@ -28,22 +27,21 @@ impl Walk {
 
     /// The step to `next` downhill. `None` if it is not for this walk, or is more than the jump of a few points: then the end of the
     /// branch is to be bracketed.
-    pub(super) fn fall(&mut self, next: f64, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Option<Progress> {
+    pub(super) fn fall(&mut self, next: f64, observe: &mut dyn FnMut(Happening)) -> Option<Progress> {
         let within = self.falls_within?;
-        let (law, du) = (self.model.law, next - self.state.mean_displacement);
-        let problem = problem(&self.system, &self.preconditioner, self.slides);
-        let limits = NewtonLimits { steps: DESCENT, ..NewtonLimits::of(&self.system) };
-        let heading = predicted(&problem, &self.history, &self.state, next, &mut self.ws);
-        let settled = descend(&problem, heading, next, REACH * law.range, limits, &mut self.ws, cancel);
+        let (law, du) = (self.model.law, next - self.here.state.mean_displacement);
+        let limits = NewtonLimits { steps: DESCENT, ..NewtonLimits::of(&self.mechanics.system) };
+        let heading = predicted(&mut self.mechanics, &self.history, &self.here, next);
+        let settled = descend(&mut self.mechanics, heading, next, REACH * law.range, limits);
         if settled.end != NewtonEnd::Converged {
             return (settled.end == NewtonEnd::Cancelled).then_some(Progress::Cancelled);
         }
         // To second order in the step, which is long against what a single point releases.
-        let (here, stress) = (self.state.mean_displacement, self.state.stress);
+        let (here, stress) = (self.here.state.mean_displacement, self.here.state.stress);
         let slope = |before: Before| (stress - before.stress) / (here - before.at);
         let stress_before = stress + self.before.map_or(0.0, slope) * du;
         let work = 0.5 * (stress + stress_before) * du;
-        let released = (self.state.energy + work - settled.at.energy) / law.surface_energy;
+        let released = (self.here.state.energy + work - settled.at.state.energy) / law.surface_energy;
         let jumped = released.abs() > RELEASED;
         if jumped && du.abs() > within * law.range {
             self.short = Some(0.5 * du.abs());
@@ -52,7 +50,7 @@ impl Walk {
         if jumped {
             self.forget_modes();
         }
-        let state = match self.assessed(settled, next, cancel) {
+        let state = match self.assessed(settled) {
             Ok(state) => state,
             Err(progress) => return Some(progress),
         };

@@ -3,14 +3,13 @@
 use super::Walk;
 use crate::experiment::mesh::next_fast;
 use crate::experiment::scene::Model;
-use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{System, Workspace};
-use crate::solver::equilibrium::Stiffness;
-use crate::solver::problem::Slides;
+use crate::physics::system::System;
+use crate::solver::equilibrium::{Equilibrium, Stiffness};
+use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
@@ -22,23 +21,26 @@ const RESOLVED: f64 = 0.33;
 
 /// Tracks the smallest eigenvalue of the whole cell beside a walk on its even part.
 pub(in crate::experiment) struct Guard {
-    system: System,
-    preconditioner: Preconditioner,
-    slides: Slides,
+    pub(in crate::experiment) mechanics: Mechanics,
     tracker: Tracker,
-    ws: Workspace,
 }
 
 impl Guard {
-    /// Watches `system`, a whole cell.
-    pub(in crate::experiment) fn new(system: System, constant: f64, slides: Slides, tracker: Tracker) -> Self {
-        let tracker = with_coarse(tracker, &system, constant);
-        Self { preconditioner: Preconditioner::new(&system, constant), slides, tracker, ws: system.workspace(), system }
+    /// Watches a whole cell.
+    pub(in crate::experiment) fn new(mechanics: Mechanics, tracker: Tracker) -> Self {
+        Self { tracker: with_coarse(tracker, &mechanics), mechanics }
+    }
+
+    /// Watches the whole cell of the `even` system.
+    pub(super) fn of_even(even: &System, slides: Slides, tracker: Tracker) -> Self {
+        let whole = System::whole(even);
+        let preconditioner = Preconditioner::new(&whole, preconditioner_stiffness(even));
+        Self::new(Mechanics::with_preconditioner(preconditioner, whole, slides), tracker)
     }
 
     /// Transforms of the whole cell spent.
     pub(in crate::experiment) fn transforms(&self) -> usize {
-        self.ws.transforms + self.tracker.coarse_transforms()
+        self.mechanics.transforms() + self.tracker.coarse_transforms()
     }
 
     /// Transforms spent on proofs.
@@ -52,29 +54,30 @@ impl Guard {
     }
 
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
-    pub(in crate::experiment) fn check(&mut self, displacement: &Array2<f64>, u0: f64, cancel: &Cancel) -> Stiffness {
-        let Self { system, preconditioner, slides, tracker, ws } = self;
-        let z = system.amplitudes(displacement, ws);
-        let mut gradient = vec![0.0; z.len()];
-        system.evaluate(&z, u0, &mut gradient, ws);
-        preconditioner.refresh(system, ws);
-        tracker.check(system, &z, *slides, preconditioner, ws, cancel).0
+    pub(in crate::experiment) fn check(&mut self, displacement: &Array2<f64>, u0: f64) -> Stiffness {
+        let Self { mechanics, tracker } = self;
+        let z = mechanics.amplitudes(displacement);
+        let at = mechanics.at(z, u0);
+        mechanics.refresh(&at.fields);
+        tracker.check(mechanics, &at.state.amplitudes, &at.fields).0
     }
 }
 
 impl Walk {
-    /// The smallest eigenvalue over all modes: on a quarter cell also those that are not even. `Err` where one of those is negative.
-    /// The workspace must hold the state's gap.
-    pub(super) fn all_modes(&mut self, even: Stiffness, cancel: &Cancel) -> Result<Stiffness, String> {
+    /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a quarter cell also over those that are
+    /// not. `Err` where one of those is negative.
+    pub(super) fn all_modes(&mut self, found: &Equilibrium, even: Stiffness) -> Result<Stiffness, String> {
         let Some(guard) = &mut self.guard else {
             return Ok(even);
         };
-        let u0 = self.ws.gap.mean().unwrap_or(f64::NAN) + self.system.height().and_then(|h| h.mean()).unwrap_or(0.0);
-        let mut displacement = self.system.unfolded(&self.ws.gap);
-        if let Some(height) = self.system.height() {
-            displacement += &self.system.unfolded(height);
+        let (system, gap) = (&self.mechanics.system, &found.fields.gap);
+        let u0 = gap.mean().unwrap_or(f64::NAN) + system.height().and_then(|h| h.mean()).unwrap_or(0.0);
+        let mut displacement = system.unfolded(gap);
+        if let Some(height) = system.height() {
+            displacement += &system.unfolded(height);
         }
-        let all = guard.check(&displacement, u0, cancel);
+        guard.mechanics.cancel = self.mechanics.cancel.clone();
+        let all = guard.check(&displacement, u0);
         if all.value < 0.0 && even.is_stable() {
             return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
         }
@@ -82,8 +85,8 @@ impl Walk {
     }
 }
 
-/// The tracker with a coarser mesh to look for modes on, where `system` has points to spare.
-pub(super) fn with_coarse(tracker: Tracker, system: &System, constant: f64) -> Tracker {
+/// The tracker with a coarser mesh to look for modes on, where the one of `mechanics` has points to spare.
+pub(super) fn with_coarse(tracker: Tracker, Mechanics { system, slides, .. }: &Mechanics) -> Tracker {
     let (law, grid) = (system.law(), system.grid());
     let n = next_fast(mesh_rule::points_for_mu_rho(law, grid.length, RESOLVED).ceil() as usize);
     if !system.is_flat() || !law.is_smooth() || 2 * n > grid.nx {
@@ -91,7 +94,7 @@ pub(super) fn with_coarse(tracker: Tracker, system: &System, constant: f64) -> T
     }
     let coarse = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
     let make = if system.is_even() { System::even } else { System::new };
-    tracker.with_coarse(make(coarse, *law, &Indenter::Flat), constant)
+    tracker.with_coarse(Mechanics::new(make(coarse, *law, &Indenter::Flat), *slides))
 }
 
 /// Whether patterns slide on the whole cell of `model`.

@@ -1,15 +1,13 @@
 //! What is no jump of the physics: patterns that come and go continuously, and edges of contact that move on by a spacing of the mesh.
 
 use super::landing::EVENT;
-use super::{Happening, Walk, problem};
+use super::{Happening, Walk};
 use crate::experiment::flat_branch::FlatBranch;
 use crate::experiment::record::{Cause, Direction, JumpRecord};
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
 use crate::physics::mesh_rule;
 use crate::physics::pattern::{Pattern, contact_set, moves_by_a_spacing};
 use crate::physics::theory::flat;
-use crate::solver::Stop;
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 
@@ -26,45 +24,49 @@ impl Walk {
         let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
         let Some(flat) = self.flat.filter(|_| weak) else { return false };
         let side = if self.direction == Direction::Approach { 1.0 } else { -1.0 };
-        let (here, before) = (self.state.mean_displacement, self.state.mean_displacement + side * APART * self.model.law.range);
+        let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
         if to == Pattern::Flat {
-            return flat.state(before, 0).stop != Stop::Stable;
+            return !flat.is_stable(before);
         }
         // So soft a state is told from the flat one only by a small residual.
-        let limits = NewtonLimits { tolerance: self.system.precision().floor().max(1e-10), ..NewtonLimits::of(&self.system) };
-        let problem = problem(&self.system, &self.preconditioner, self.slides);
-        let pattern = self.state.field.clone();
-        let found = solve(&problem, pattern.clone(), before, limits, &mut self.ws, &Cancel::default());
-        self.system.evaluate(&pattern, here, &mut vec![0.0; pattern.len()], &mut self.ws);
+        let limits = NewtonLimits {
+            tolerance: self.mechanics.system.precision().floor().max(1e-10),
+            ..NewtonLimits::of(&self.mechanics.system)
+        };
+        // The state is taken already: this last question is answered even if somebody asks to stop.
+        let cancel = std::mem::take(&mut self.mechanics.cancel);
+        let pattern = &self.here.state.amplitudes;
+        let found = solve(&mut self.mechanics, pattern.clone(), before, limits);
+        self.mechanics.cancel = cancel;
         match found.end {
-            NewtonEnd::Converged => norm(&found.z) < 0.5 * norm(&pattern),
+            NewtonEnd::Converged => norm(&found.at.state.amplitudes) < 0.5 * norm(pattern),
             _ => released.abs() <= event,
         }
     }
 
     /// True where the flat state is stable and `state` no more than a trace of a pattern on it, which the tolerance lets be.
     pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
-        let there = flat.state(state.mean_displacement, 0);
-        there.stop == Stop::Stable && (state.energy - there.energy).abs() <= EVENT * self.model.law.surface_energy
+        let (at, law) = (state.state.mean_displacement, &self.model.law);
+        flat.is_stable(at) && (state.state.energy - law.at(at).energy).abs() <= EVENT * law.surface_energy
     }
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
     /// come to an end: the flat state has its limit in between, on the stable side of which the surface is as good as flat.
     pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Happening)) {
         let Some(flat) = self.flat else { return };
-        let (a, b, law) = (&self.record, &self.state, &self.model.law);
+        let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
         let Some(limits) = flat::limits(law, self.model.grid.length) else { return };
         let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
         let Some(at) = [limits.0, limits.1].into_iter().find(|limit| low < *limit && *limit <= high) else { return };
-        let leaves = flat.state(a.mean_displacement, 0).stop == Stop::Stable;
+        let leaves = flat.is_stable(a.mean_displacement);
         let (stable, energy, pattern) = match leaves {
             true => (a.mean_displacement, a.energy, now),
             false => (b.mean_displacement, b.energy, a.pattern),
         };
-        if (energy - flat.state(stable, 0).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
+        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
             return;
         }
-        let stress = flat.state(at, 0).stress;
+        let stress = law.at(at).traction;
         let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
         observe(Happening::Jump(JumpRecord {
             direction: self.direction,
@@ -88,13 +90,7 @@ impl Walk {
         if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
             return false;
         }
-        // Looking is no part of the solution's cost.
-        let spent = self.ws.transforms;
-        let now = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
-        self.system.gap(&left.field, left.mean_displacement, &mut self.ws);
-        let before = contact_set(self.system.unfolded(&self.ws.gap).view(), law.contact_gap());
-        self.system.gap(&self.state.field, self.state.mean_displacement, &mut self.ws);
-        self.ws.transforms = spent;
-        moves_by_a_spacing(&before, &now)
+        let contact = |of: &Equilibrium| contact_set(self.mechanics.system.unfolded(&of.fields.gap).view(), law.contact_gap());
+        moves_by_a_spacing(&contact(left), &contact(&self.here))
     }
 }

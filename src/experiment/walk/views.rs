@@ -33,57 +33,41 @@ impl EnergyWell {
 
 impl Walk {
     /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
-    pub fn gap(&mut self) -> Array2<f64> {
-        let spent = self.ws.transforms;
-        let (z, u0) = match &self.jumping {
-            Some(jumping) => (&jumping.release.z, jumping.release.u0),
-            None => (&self.state.field, self.state.mean_displacement),
-        };
-        self.system.gap(z, u0, &mut self.ws);
-        // A picture is no part of the solution's cost.
-        self.ws.transforms = spent;
-        self.system.unfolded(&self.ws.gap)
+    pub fn gap(&self) -> Array2<f64> {
+        let fields = self.jumping.as_ref().map_or(&self.here.fields, |jumping| &jumping.release.at.fields);
+        self.mechanics.system.unfolded(&fields.gap)
     }
 
     /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest eigenvalue, or of the flat state one of its
     /// equal longest waves. `None` while jumping or not measured. One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
         let mode = self.soft_amplitudes()?;
-        let spent = self.ws.transforms;
-        let field = self.system.field(&mode, &mut self.ws).clone();
-        // A picture is no part of the solution's cost.
-        self.ws.transforms = spent;
-        Some(self.system.unfolded(&field))
+        let field = self.mechanics.uncounted(|mechanics| mechanics.field(&mode).clone());
+        Some(self.mechanics.system.unfolded(&field))
     }
 
     /// The well around the present state, still empty: [`Walk::deepen`] fills it. `None` while jumping or without a soft mode.
     pub fn energy_well(&mut self) -> Option<EnergyWell> {
-        let (mode, stiffness) = (self.soft_amplitudes()?, self.state.stiffness_min?);
+        let (mode, stiffness) = (self.soft_amplitudes()?, self.here.stiffness_min?);
         let step = 2.0 * REACH * self.model.law.range / (SAMPLES - 1) as f64;
         Some(EnergyWell {
-            mean_displacement: self.state.mean_displacement,
+            mean_displacement: self.here.state.mean_displacement,
             offsets: (0..SAMPLES).map(|i| (i as f64 - (SAMPLES / 2) as f64) * step).collect(),
             energies: Vec::with_capacity(SAMPLES),
             curvature: stiffness.value,
-            energy: self.state.energy,
+            energy: self.here.state.energy,
             mode,
         })
     }
 
     /// Computes up to `count` more energies of a well around the present state.
     pub fn deepen(&mut self, well: &mut EnergyWell, count: usize) {
-        let spent = self.ws.transforms;
-        let u0 = well.mean_displacement;
-        let mut gradient = vec![0.0; self.state.field.len()];
         for _ in 0..count.min(well.offsets.len() - well.energies.len()) {
-            let mut z = self.state.field.clone();
+            let mut z = self.here.state.amplitudes.clone();
             add(&mut z, well.offsets[well.energies.len()], &well.mode);
-            let there = self.system.evaluate(&z, u0, &mut gradient, &mut self.ws).energy;
-            well.energies.push(there - well.energy);
+            let there = self.mechanics.uncounted(|mechanics| mechanics.at(z, well.mean_displacement));
+            well.energies.push(there.state.energy - well.energy);
         }
-        // The next increment finds the workspace as it left it.
-        self.system.evaluate(&self.state.field, self.state.mean_displacement, &mut gradient, &mut self.ws);
-        self.ws.transforms = spent;
     }
 
     /// The mode with the sign of the last one asked for, so that pictures do not flicker.
@@ -91,12 +75,12 @@ impl Walk {
         if self.jumping.is_some() {
             return None;
         }
-        let mut mode = self.state.soft_mode.clone();
-        if self.state.is_uniform() && self.system.is_flat() {
-            mode = vec![0.0; self.system.dimension()];
+        let mut mode = self.here.soft_mode.clone();
+        if self.here.is_uniform() && self.mechanics.system.is_flat() {
+            mode = vec![0.0; self.mechanics.system.dimension()];
             // The first wave along x: a pair of amplitudes, or one on the even part of the cell.
-            let row = self.system.shape().0;
-            mode[if self.system.is_even() { row } else { 2 * row }] = 1.0;
+            let row = self.mechanics.system.shape().0;
+            mode[if self.mechanics.system.is_even() { row } else { 2 * row }] = 1.0;
         }
         if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
             scale(&mut mode, -1.0);

@@ -1,10 +1,11 @@
 //! From a part of the cell to the whole of it, where the part was not enough.
 
-use super::Walk;
+use super::{Walk, solved};
 use crate::experiment::plan::Reduction;
 use crate::experiment::scene::Scene;
 use crate::numerics::cancel::Cancel;
 use crate::solver::Stop;
+use crate::solver::branch::History;
 use crate::solver::methods::MethodKind;
 
 /// A walk on the whole cell that takes over from one on a part.
@@ -21,10 +22,10 @@ impl Walk {
     /// anew from the state before it. `None` if this is the whole cell already, or a surface that is to be held mirror-symmetric.
     pub fn widen(&mut self, scene: &Scene, method: MethodKind, cancel: &Cancel) -> Option<Widened> {
         self.guard.as_ref()?;
-        let precision = self.system.precision();
+        let precision = self.mechanics.system.precision();
         let afresh = || Self::begun(scene, method.build(scene.seed), Reduction::Whole, precision, cancel).ok();
         let mut walk = afresh()?;
-        let stays = self.stand(&mut walk, cancel);
+        let stays = self.stand(&mut walk);
         if !stays {
             walk = afresh()?;
         }
@@ -33,17 +34,18 @@ impl Walk {
     }
 
     /// Puts `whole` on the present state; false where that is near no equilibrium of it.
-    fn stand(&mut self, whole: &mut Self, cancel: &Cancel) -> bool {
-        let u0 = self.state.mean_displacement;
+    fn stand(&mut self, whole: &mut Self) -> bool {
+        let u0 = self.here.state.mean_displacement;
         whole.direction = self.direction;
         match self.flat {
-            Some(flat) if self.state.is_uniform() => whole.state = flat.state(u0, whole.system.dimension()),
+            Some(flat) if self.here.is_uniform() => whole.here = flat.state(&whole.mechanics.system, u0),
             _ => {
-                let displacement = self.system.unfolded(self.system.field(&self.state.field, &mut self.ws));
-                whole.state.mean_displacement = u0;
-                whole.state.field = whole.system.amplitudes(&displacement, &mut whole.ws);
-                whole.solve_here(cancel);
-                if !matches!(whole.state.stop, Stop::Stable | Stop::Unstable) {
+                let even = self.mechanics.field(&self.here.state.amplitudes).clone();
+                let displacement = self.mechanics.system.unfolded(&even);
+                let amplitudes = whole.mechanics.amplitudes(&displacement);
+                whole.here = solved(&mut whole.mechanics, &mut whole.tracker, amplitudes, u0);
+                whole.history = History::starting(&whole.here.state);
+                if !matches!(whole.here.stop, Stop::Stable | Stop::Unstable) {
                     return false;
                 }
             }

@@ -16,7 +16,7 @@ const LARGEST: f64 = 0.8;
 
 pub(super) fn relax(land: &mut Landscape<'_>) -> Result<(), Lost> {
     let limit = |land: &Landscape<'_>| 2.0 / land.stiffest().sqrt();
-    let mut velocity = vec![0.0; land.z.len()];
+    let mut velocity = vec![0.0; land.gradient.len()];
     let (mut dt, mut steering, mut downhill) = (FIRST * limit(land), STEERING, 0);
     loop {
         if let Some(end) = land.ended() {

@@ -33,11 +33,11 @@ pub(super) fn relax(land: &mut Landscape<'_>, memory: &mut Memory, from: &[f64])
     loop {
         if let Some(end) = land.ended() {
             if end.is_ok() {
-                memory.end.clone_from(&land.z);
+                memory.end.clone_from(&land.at.state.amplitudes);
             }
             return end;
         }
-        let (z, g) = (land.z.clone(), land.gradient.clone());
+        let (z, g) = (land.at.state.amplitudes.clone(), land.gradient.clone());
         let mut d = memory.inverse(&g);
         project_out(&mut d, &land.removed);
         scale(&mut d, -1.0);
@@ -46,8 +46,15 @@ pub(super) fn relax(land: &mut Landscape<'_>, memory: &mut Memory, from: &[f64])
             d = g.iter().map(|g| -g).collect();
         }
         land.search(&d, 1.0, SLOPE)?;
-        let s: Vec<f64> =
-            land.z.iter().zip(&z).zip(&land.root).map(|((a, b), r)| if *r > 0.0 { (a - b) / r } else { 0.0 }).collect();
+        let s: Vec<f64> = land
+            .at
+            .state
+            .amplitudes
+            .iter()
+            .zip(&z)
+            .zip(&land.root)
+            .map(|((a, b), r)| if *r > 0.0 { (a - b) / r } else { 0.0 })
+            .collect();
         let mut y = land.gradient.clone();
         add(&mut y, -1.0, &g);
         memory.learn(s, y)?;

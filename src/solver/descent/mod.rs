@@ -11,12 +11,11 @@ mod lbfgs;
 use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
+use super::mechanics::Mechanics;
 use super::method::{Lost, Method, audit, predicted, reach};
-use super::newton::sliding_basis;
-use super::problem::Problem;
-use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{dot, max_abs, norm, orthonormalise, project_out};
-use crate::physics::system::{Evaluation, System, Workspace};
+use crate::physics::law::Law;
+use crate::physics::system::{Evaluation, Fields};
 use lbfgs::Memory;
 
 /// Iterations after which a descent says that it does not get there. Tens are normal; next to a fold it is the square root of the
@@ -69,38 +68,28 @@ impl Method for Descent {
         true
     }
 
-    fn follow(
-        &mut self,
-        problem: &Problem<'_>,
-        branch: &History,
-        from: &Equilibrium,
-        u0: f64,
-        ws: &mut Workspace,
-        cancel: &Cancel,
-    ) -> Result<Equilibrium, Lost> {
-        let before = ws.transforms;
-        let guess = predicted(problem, branch, from, u0, ws);
-        let reach = reach(problem, from, &guess, u0);
-        let mut land = Landscape::at(problem, guess, u0, reach, ws, cancel);
+    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+        let before = mechanics.transforms();
+        let guess = predicted(mechanics, branch, from, u0);
+        let reach = reach(&mechanics.system, &from.state, &guess, u0);
+        let mut land = Landscape::at(mechanics, guess, u0, reach);
         match &mut self.rule {
             Rule::Fire => fire::relax(&mut land)?,
             Rule::Conjugate => conjugate::relax(&mut land)?,
-            Rule::Lbfgs(memory) => lbfgs::relax(&mut land, memory, &from.field)?,
+            Rule::Lbfgs(memory) => lbfgs::relax(&mut land, memory, &from.state.amplitudes)?,
         }
-        let Landscape { z, at, residual, iterations, .. } = land;
-        if !audit(problem.system, from, u0, at.energy, at.stress) {
+        let Landscape { at, residual, iterations, .. } = land;
+        if !audit(&mechanics.system, &from.state, &at.state) {
             return Err(Lost::Gone);
         }
-        Ok(Equilibrium::unmeasured(u0, z, residual, at, Stop::Stable, Cost { iterations, transforms: ws.transforms - before }))
+        let cost = Cost { iterations, transforms: mechanics.transforms() - before };
+        Ok(Equilibrium::unmeasured(at, residual, Stop::Stable, cost))
     }
 }
 
 /// The energy at one u0 over the scaled amplitudes y, and where on it a descent stands.
 struct Landscape<'a> {
-    problem: &'a Problem<'a>,
-    u0: f64,
-    ws: &'a mut Workspace,
-    cancel: &'a Cancel,
+    mechanics: &'a mut Mechanics,
     /// sqrt(m), so that z = root * y.
     root: Vec<f64>,
     /// Sliding directions in y: left out of gradients, and so of steps.
@@ -108,47 +97,29 @@ struct Landscape<'a> {
     guess: Vec<f64>,
     /// Largest distance from the guess that is still this branch (length).
     reach: f64,
-    z: Vec<f64>,
-    /// dV/dz, for the residual.
-    force: Vec<f64>,
+    at: Evaluation,
     /// dV/dy without the sliding directions.
     gradient: Vec<f64>,
-    at: Evaluation,
     residual: f64,
     iterations: usize,
 }
 
 impl<'a> Landscape<'a> {
-    fn at(problem: &'a Problem<'a>, guess: Vec<f64>, u0: f64, reach: f64, ws: &'a mut Workspace, cancel: &'a Cancel) -> Self {
-        let root: Vec<f64> = problem.preconditioner.diagonal().iter().map(|m| m.sqrt()).collect();
-        let zeros = vec![0.0; guess.len()];
-        let mut land = Self {
-            problem,
-            u0,
-            ws,
-            cancel,
-            root,
-            removed: Vec::new(),
-            z: guess.clone(),
-            guess,
-            reach,
-            force: zeros.clone(),
-            gradient: zeros,
-            at: Evaluation { energy: f64::NAN, stress: f64::NAN },
-            residual: f64::NAN,
-            iterations: 0,
-        };
-        land.evaluate();
-        let slides = sliding_basis(problem.system, &land.z, problem.slides, land.ws);
-        let scaled = slides.iter().map(|mode| mode.iter().zip(&land.root).map(|(m, r)| m * r).collect()).collect();
-        land.removed = orthonormalise(scaled, 1e-9);
-        project_out(&mut land.gradient, &land.removed);
+    fn at(mechanics: &'a mut Mechanics, guess: Vec<f64>, u0: f64, reach: f64) -> Self {
+        let root: Vec<f64> = mechanics.preconditioner.diagonal().iter().map(|m| m.sqrt()).collect();
+        let at = mechanics.at(guess.clone(), u0);
+        let slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
+        let scaled = slides.iter().map(|mode| mode.iter().zip(&root).map(|(m, r)| m * r).collect()).collect();
+        let removed = orthonormalise(scaled, 1e-9);
+        let gradient = vec![0.0; guess.len()];
+        let mut land = Self { mechanics, root, removed, guess, reach, at, gradient, residual: f64::NAN, iterations: 0 };
+        land.differentiate();
         land
     }
 
-    fn evaluate(&mut self) {
-        self.at = self.problem.system.evaluate(&self.z, self.u0, &mut self.force, self.ws);
-        for ((g, f), r) in self.gradient.iter_mut().zip(&self.force).zip(&self.root) {
+    /// The gradient in y of what was evaluated.
+    fn differentiate(&mut self) {
+        for ((g, f), r) in self.gradient.iter_mut().zip(&self.at.gradient).zip(&self.root) {
             *g = f * r;
         }
         project_out(&mut self.gradient, &self.removed);
@@ -156,29 +127,29 @@ impl<'a> Landscape<'a> {
 
     /// Moves y by `t` times `direction`.
     fn go(&mut self, direction: &[f64], t: f64) {
-        for ((z, d), r) in self.z.iter_mut().zip(direction).zip(&self.root) {
+        for ((z, d), r) in self.at.state.amplitudes.iter_mut().zip(direction).zip(&self.root) {
             *z += t * r * d;
         }
-        self.evaluate();
+        self.mechanics.update(&mut self.at);
+        self.differentiate();
     }
 
     fn is_finite(&self) -> bool {
-        self.at.energy.is_finite() && norm(&self.gradient).is_finite()
+        self.at.state.energy.is_finite() && norm(&self.gradient).is_finite()
     }
 
     /// How the descent ends here, or `None` if another iteration is due, which is then counted.
     fn ended(&mut self) -> Option<Result<(), Lost>> {
-        if self.cancel.requested() {
+        if self.mechanics.cancel.requested() {
             return Some(Err(Lost::Cancelled));
         }
-        if !self.is_finite() || distance(&self.z, &self.guess) > self.reach {
+        if !self.is_finite() || distance(&self.at.state.amplitudes, &self.guess) > self.reach {
             return Some(Err(Lost::Gone));
         }
-        let system = self.problem.system;
         // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-        let tolerance = system.precision().tolerance();
-        if norm(&self.force) <= 0.5 * tolerance * tractions(system, self.ws) {
-            self.residual = system.residual(&self.force, self.ws);
+        let tolerance = self.mechanics.system.precision().tolerance();
+        if norm(&self.at.gradient) <= 0.5 * tolerance * tractions(self.mechanics.system.law(), &self.at.fields) {
+            self.residual = self.mechanics.residual(&self.at);
             if self.residual <= tolerance {
                 return Some(Ok(()));
             }
@@ -192,7 +163,7 @@ impl<'a> Landscape<'a> {
 
     /// Upper bound of the Hessian's eigenvalues in y here.
     fn stiffest(&self) -> f64 {
-        stiffest(self.problem, self.ws)
+        stiffest(self.mechanics, &self.at.fields)
     }
 
     /// Goes along the descent direction `d` to where the slope has fallen to `share` of what it was: a first trial at `t`, then by
@@ -224,15 +195,14 @@ impl<'a> Landscape<'a> {
     }
 }
 
-/// The largest tractions that act where `ws` was evaluated, at least sigma_max (E*): the scale of every residual.
-pub(super) fn tractions(system: &System, ws: &Workspace) -> f64 {
-    ws.traction.as_slice().map_or(0.0, max_abs).max(system.law().traction_max())
+/// The largest tractions that act, at least sigma_max (E*): the scale of every residual.
+pub(super) fn tractions(law: &Law, fields: &Fields) -> f64 {
+    fields.traction.as_slice().map_or(0.0, max_abs).max(law.traction_max())
 }
 
-/// Upper bound of the Hessian's eigenvalues in the scaled amplitudes, at the state `ws` was evaluated at: the stiffest point met by
-/// the longest wave.
-pub(super) fn stiffest(problem: &Problem<'_>, ws: &Workspace) -> f64 {
+/// Upper bound of the Hessian's eigenvalues in the scaled amplitudes: the stiffest point met by the longest wave.
+pub(super) fn stiffest(mechanics: &Mechanics, fields: &Fields) -> f64 {
     let largest = |x: &[f64]| x.iter().cloned().fold(0.0, f64::max);
-    let stiffness = ws.stiffness.as_slice().map_or(0.0, largest);
-    ((stiffness + problem.system.grid().q1() / 2.0) * largest(problem.preconditioner.diagonal())).max(1.0)
+    let stiffness = fields.stiffness.as_slice().map_or(0.0, largest);
+    ((stiffness + mechanics.system.grid().q1() / 2.0) * largest(mechanics.preconditioner.diagonal())).max(1.0)
 }

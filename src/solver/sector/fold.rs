@@ -1,6 +1,6 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
-use super::{Lost, Node, SHARP, STEPS, Sector};
+use super::{Evaluation, Fields, Lost, Node, SHARP, STEPS, Sector, State};
 use crate::numerics::vector::{add, dot, norm, scale};
 
 /// A step of a bordered solve that leaves more than this share of the force asks for fresh derivatives.
@@ -14,69 +14,65 @@ const LOCATED: f64 = 2e-5;
 
 impl Sector {
     /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit vector `phi`, u0 free. Passes
-    /// through folds. Returns the node (its tangent is dz/da) and du0/da.
-    fn arc(&mut self, phi: &[f64], a: f64, mut u0: f64, mut z: Vec<f64>) -> Result<(Node, f64), Lost> {
+    /// through folds. Returns the node (its tangent is dz/da), its fields, and du0/da.
+    fn arc(&mut self, phi: &[f64], a: f64, u0: f64, mut z: Vec<f64>) -> Result<(Node, Fields, f64), Lost> {
         let strongest = self.scale();
         let removed = [phi.to_vec()];
-        let mut g = vec![0.0; z.len()];
         let shift = a - dot(phi, &z);
         add(&mut z, shift, phi);
         let mut image = vec![0.0; z.len()];
+        let mut at = self.mechanics.at(z, u0);
         // Found at the first step, again where steps help little, and, when it counts, at the last.
         let mut along_u = Vec::new();
         let mut before = 0.0;
         for step in 0..=STEPS {
-            let at = self.system.evaluate(&z, u0, &mut g, &mut self.ws);
-            self.class.project(&self.system, &mut g);
-            let force = norm(&g) / strongest;
+            self.class.project(&self.mechanics.system, &mut at.gradient);
+            let force = norm(&at.gradient) / strongest;
             if !force.is_finite() || step == STEPS {
                 break;
             }
             let converged = force <= SHARP;
             let slow = force > SLOW * before;
             before = force;
+            let rates = if slow || converged { self.refresh(&at.fields) } else { self.rates(&at.fields) };
             if slow || converged {
-                self.refresh();
-            } else {
-                self.differentiate();
+                along_u = self.solve(&at.fields, &rates.forces, &removed, 1e-2)?;
             }
-            let b = self.stiffness.clone();
-            if slow || converged {
-                along_u = self.solve(&b, &removed, 1e-2)?;
-            }
-            self.system.hessian(phi, &mut image, &mut self.ws);
-            let border = dot(phi, &b) - dot(&image, &along_u);
+            self.mechanics.hessian(&at.fields, phi, &mut image);
+            let border = dot(phi, &rates.forces) - dot(&image, &along_u);
             if converged {
                 // What is left of the force along phi is a matter of u0.
-                let du = -dot(phi, &g) / border;
-                u0 += du;
-                let w = image.clone();
-                let along_a = self.solve(&w, &removed, 1e-2)?;
+                let du = -dot(phi, &at.gradient) / border;
+                let along_a = self.solve(&at.fields, &image, &removed, 1e-2)?;
                 let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
                 let mut tangent = phi.to_vec();
                 add(&mut tangent, -1.0, &along_a);
                 add(&mut tangent, -rate, &along_u);
-                let slope = self.mean_stiffness * rate + dot(&b, &tangent);
-                let mut node = Node::bare(u0, z, at.energy + du * at.stress, at.stress, slope, tangent);
-                self.soften(&mut node, None);
-                return Ok((node, rate));
+                let slope = rates.stress * rate + dot(&rates.forces, &tangent);
+                let Evaluation { mut state, fields, .. } = at;
+                state.mean_displacement += du;
+                state.energy += du * state.stress;
+                let mut node = Node::bare(state, slope, tangent);
+                self.soften(&mut node, None, &fields, &rates);
+                return Ok((node, fields, rate));
             }
-            let along_g = self.solve(&g, &removed, (0.3 * SHARP / force).clamp(1e-3, 0.1))?;
-            let du = -(dot(phi, &g) - dot(&image, &along_g)) / border;
-            add(&mut z, -1.0, &along_g);
-            add(&mut z, -du, &along_u);
-            u0 += du;
+            let along_g = self.solve(&at.fields, &at.gradient, &removed, (0.3 * SHARP / force).clamp(1e-3, 0.1))?;
+            let du = -(dot(phi, &at.gradient) - dot(&image, &along_g)) / border;
+            add(&mut at.state.amplitudes, -1.0, &along_g);
+            add(&mut at.state.amplitudes, -du, &along_u);
+            at.state.mean_displacement += du;
+            self.mechanics.update(&mut at);
         }
         Err(Lost::Gone)
     }
 
     /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before it. The node returned has the
-    /// null vector as tangent, pointing onwards, and an infinite slope.
+    /// null vector as tangent, pointing onwards, and an infinite slope; the fields are those of a state a hair from it.
     ///
     /// # Errors
     /// The branch was lost on the way.
-    pub fn fold(&mut self, before: &Node, here: &Node, up: bool) -> Result<Node, Lost> {
-        let range = self.system.law().range;
+    pub fn fold(&mut self, before: &Node, here: &Node, up: bool) -> Result<(Node, Fields), Lost> {
+        let range = self.system().law().range;
         let sign = if up { 1.0 } else { -1.0 };
         let length = norm(&here.tangent);
         let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
@@ -88,12 +84,12 @@ impl Sector {
             }
             let a = a.clamp(last.a - STRIDE * range, last.a + STRIDE * range);
             let (guess, u0) = Arc::between(&behind, &last, a);
-            let (mut found, rate) = self.arc(&phi, a, u0, guess)?;
-            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
+            let (mut found, fields, rate) = self.arc(&phi, a, u0, guess)?;
+            let arc = Arc::at(&found, a, rate);
             let top = Arc::extremum(&last, &arc, up);
-            if (top.1 - found.u0).abs() < LOCATED * range {
+            if (top.1 - arc.u0).abs() < LOCATED * range {
                 found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
-                return Ok(found);
+                return Ok((found, fields));
             }
             (behind, last) = (last, arc);
         }
@@ -104,16 +100,16 @@ impl Sector {
     ///
     /// # Errors
     /// It was not found.
-    pub fn refold(&mut self, near: &Node, up: bool) -> Result<Node, Lost> {
-        let range = self.system.law().range;
+    pub fn refold(&mut self, near: &Node, up: bool) -> Result<(Node, Fields), Lost> {
+        let range = self.system().law().range;
         let length = norm(&near.tangent);
         let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
-        let mut a = dot(&phi, &near.z);
-        let (mut u0, mut z, mut bend) = (near.u0, near.z.clone(), near.bend);
+        let mut a = dot(&phi, &near.state.amplitudes);
+        let (mut u0, mut z, mut bend) = (near.state.mean_displacement, near.state.amplitudes.clone(), near.bend);
         let mut last: Option<Arc> = None;
         for _ in 0..ROUNDS {
-            let (mut found, rate) = self.arc(&phi, a, u0, z)?;
-            let arc = Arc { a, u0: found.u0, rate, z: found.z.clone(), dz: found.tangent.clone() };
+            let (mut found, fields, rate) = self.arc(&phi, a, u0, z)?;
+            let arc = Arc::at(&found, a, rate);
             if let Some(last) = &last {
                 bend = (arc.rate - last.rate) / (arc.a - last.a);
             }
@@ -124,7 +120,7 @@ impl Sector {
             let top = (a + shift, arc.u0 + 0.5 * shift * rate);
             if (top.1 - arc.u0).abs() < LOCATED * range {
                 found.shift_to(&arc, top, bend);
-                return Ok(found);
+                return Ok((found, fields));
             }
             let shift = shift.clamp(-STRIDE * range, STRIDE * range);
             z = arc.z.clone();
@@ -140,10 +136,10 @@ impl Node {
     /// Moves the node found at `arc` to the fold `top` (a, u0) close by; `bend` is d2u0/da2 there.
     fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
         let shift = top.0 - arc.a;
-        add(&mut self.z, shift, &arc.dz);
-        self.energy += self.stress * (top.1 - self.u0);
-        self.stress += shift * self.slope;
-        self.u0 = top.1;
+        add(&mut self.state.amplitudes, shift, &arc.dz);
+        self.state.energy += self.state.stress * (top.1 - self.state.mean_displacement);
+        self.state.stress += shift * self.slope;
+        self.state.mean_displacement = top.1;
         // Per unit of the null vector instead of phi.
         let length = norm(&self.tangent);
         self.bend = bend / (length * length);
@@ -164,11 +160,17 @@ struct Arc {
 }
 
 impl Arc {
+    /// A node whose tangent is dz/da.
+    fn at(node: &Node, a: f64, rate: f64) -> Self {
+        let State { mean_displacement: u0, amplitudes: z, .. } = node.state.clone();
+        Self { a, u0, rate, z, dz: node.tangent.clone() }
+    }
+
     fn of(node: &Node, phi: &[f64]) -> Self {
         let rate = 1.0 / dot(phi, &node.tangent);
         let mut dz = node.tangent.clone();
         scale(&mut dz, rate);
-        Self { a: dot(phi, &node.z), u0: node.u0, rate, z: node.z.clone(), dz }
+        Self { dz, ..Self::at(node, dot(phi, &node.state.amplitudes), rate) }
     }
 
     /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum if `up`.
