@@ -6,10 +6,10 @@
 pub mod basis;
 pub mod cancel;
 pub mod chebyshev;
-pub mod cholesky;
 pub mod cosine;
 pub mod eigen;
 pub mod exponential;
+pub mod factor;
 pub mod fourier;
 pub mod krylov;
 pub mod lanczos;

@@ -5,6 +5,7 @@
 //! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
 
 use super::system::{Fields, System, Workspace};
+use crate::numerics::factor::Factor;
 use crate::numerics::vector::{add, dot, scale};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 
@@ -43,7 +44,7 @@ impl Class {
     }
 }
 
-/// The dense block with its factorisation L D L^T, shortest waves first: only the last pivots, of the longest waves, can be negative.
+/// The dense block with its factors, shortest waves first: only the last pivots, of the longest waves, can be negative.
 #[derive(Clone, Debug)]
 pub struct LowBlock {
     class: Class,
@@ -54,14 +55,14 @@ pub struct LowBlock {
     /// q E*/2 of the waves.
     elastic: Vec<f64>,
     ny: usize,
-    /// Lower triangles, row by row; empty before the first [`LowBlock::assemble`].
+    /// Lower triangle, row by row; empty before the first [`LowBlock::assemble`].
     hessian: Vec<f64>,
-    factor: Vec<f64>,
-    /// Negative pivots as they came, before the floor.
-    negative: usize,
+    factor: Factor,
     floor: f64,
 }
 
+/// Least pivot of a block, in units of q1, twice the stiffness of the longest wave: sliding modes have none, soft ones little.
+pub(super) const FLOOR: f64 = 0.01;
 /// Most steps towards the softest mode of a block.
 const SOFTEST: usize = 300;
 /// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the floor of the pivots. The error of the
@@ -93,7 +94,7 @@ impl LowBlock {
         let alone = |w: &[usize; 2]| class == Class::Symmetric && w[0] == w[1];
         let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
         let weights = waves.iter().map(|w| single(w) * norm(w[0]) * norm(w[1]) / 2.0).collect();
-        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Vec::new(), negative: 0, floor: 0.0 }
+        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Factor::default(), floor: 0.0 }
     }
 
     /// True once assembled.
@@ -132,33 +133,8 @@ impl LowBlock {
             }
             *self.hessian.last_mut().expect("just pushed") += self.elastic[i];
         }
-        self.floor = 0.01 * system.grid().q1();
-        self.factorise(self.floor);
-    }
-
-    /// L D L^T with |pivots| kept above `floor`, which bounds the inverse along a mode without stiffness.
-    fn factorise(&mut self, floor: f64) {
-        let n = self.waves.len();
-        self.factor.clear();
-        self.factor.extend_from_slice(&self.hessian);
-        self.negative = 0;
-        let mut scaled = vec![0.0; n];
-        for i in 0..n {
-            let (above, row) = self.factor.split_at_mut(i * (i + 1) / 2);
-            for j in 0..i {
-                let other = &above[j * (j + 1) / 2..];
-                // scaled[j] holds L_ij D_j until row i is complete.
-                scaled[j] = row[j] - dot(&scaled[..j], &other[..j]);
-            }
-            let mut pivot = row[i];
-            for j in 0..i {
-                let l = scaled[j] / above[j * (j + 1) / 2 + j];
-                pivot -= l * scaled[j];
-                row[j] = l;
-            }
-            self.negative += usize::from(pivot < 0.0);
-            row[i] = if pivot.abs() < floor { floor } else { pivot };
-        }
+        self.floor = FLOOR * system.grid().q1();
+        self.factor.factorise(&self.hessian, n, self.floor);
     }
 
     /// Number of waves.
@@ -168,7 +144,7 @@ impl LowBlock {
 
     /// Number of negative eigenvalues of the block.
     pub fn negative(&self) -> usize {
-        self.negative
+        self.factor.negative()
     }
 
     /// The smallest eigenvalue (E* per length), with its mode of norm 1 as coefficients of the block's waves, from the coefficients
@@ -189,7 +165,7 @@ impl LowBlock {
             if dot(&d, &d).sqrt() < (RESIDUAL * value.abs()).max(NEAR_ZERO * self.floor) {
                 break;
             }
-            self.solve(&mut d, true);
+            self.factor.solve_positive(&mut d);
             let along = dot(&d, &x);
             add(&mut d, -along, &x);
             normalise(&mut d);
@@ -225,7 +201,7 @@ impl LowBlock {
     /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned positive) times `r`; the rest is kept.
     pub fn precondition(&self, r: &[f64], out: &mut [f64]) {
         let mut x = self.gather(r);
-        self.solve(&mut x, true);
+        self.factor.solve_positive(&mut x);
         self.scatter(&x, out);
     }
 
@@ -243,51 +219,15 @@ impl LowBlock {
     /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest is kept.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {
         let mut x = self.gather(y);
-        self.scale(&mut x, |pivot| pivot.abs().sqrt());
-        self.backward(&mut x);
+        self.factor.spread(&mut x);
         self.scatter(&x, out);
     }
 
     /// `out` gets, on the waves of the block, F^T r; the rest is kept.
     pub fn gathered(&self, r: &[f64], out: &mut [f64]) {
         let mut x = self.gather(r);
-        self.forward(&mut x);
-        self.scale(&mut x, |pivot| pivot.abs().sqrt());
+        self.factor.gather(&mut x);
         self.scatter(&x, out);
-    }
-
-    fn solve(&self, x: &mut [f64], positive: bool) {
-        self.forward(x);
-        self.scale(x, |pivot| if positive { pivot.abs() } else { pivot });
-        self.backward(x);
-    }
-
-    fn row(&self, i: usize) -> &[f64] {
-        &self.factor[i * (i + 1) / 2..]
-    }
-
-    /// x = L^-1 x in place.
-    fn forward(&self, x: &mut [f64]) {
-        for i in 0..x.len() {
-            x[i] -= dot(&self.row(i)[..i], &x[..i]);
-        }
-    }
-
-    /// Divides each entry by a function of its pivot.
-    fn scale(&self, x: &mut [f64], of: impl Fn(f64) -> f64) {
-        for (i, x) in x.iter_mut().enumerate() {
-            *x /= of(self.row(i)[i]);
-        }
-    }
-
-    /// x = L^-T x in place.
-    fn backward(&self, x: &mut [f64]) {
-        for i in (0..x.len()).rev() {
-            let xi = x[i];
-            for (x, l) in x[..i].iter_mut().zip(self.row(i)) {
-                *x -= l * xi;
-            }
-        }
     }
 
     fn gather(&self, z: &[f64]) -> Vec<f64> {

@@ -4,8 +4,9 @@
 //! longest waves through the pattern, where all soft modes live. Between waves a and b the Hessian is a look-up in the transform D of
 //! gamma'': mean(gamma'' 2 cos a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
 
-use super::low_block::{Class, LowBlock};
+use super::low_block::{Class, FLOOR, LowBlock};
 use super::system::{Fields, System, Workspace};
+use crate::numerics::factor::Factor;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -25,8 +26,8 @@ pub struct Preconditioner {
     /// In place of `modes` for even systems.
     even: Option<LowBlock>,
     modes: Vec<Mode>,
-    /// Lower triangle of the Cholesky factor, row by row; empty until [`Preconditioner::refresh`].
-    factor: Vec<f64>,
+    /// Of their block; empty until [`Preconditioner::refresh`].
+    factor: Factor,
 }
 
 /// One wave of the block: cosine and sine.
@@ -52,14 +53,14 @@ impl Preconditioner {
         }
         let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
         diagonal[..2].fill(0.0);
-        Self { diagonal, even: None, modes: modes(system), factor: Vec::new() }
+        Self { diagonal, even: None, modes: modes(system), factor: Factor::default() }
     }
 
     /// The same for one symmetry class of an even system, with a block of the waves no longer than `reach`.
     pub fn of_class(system: &System, stiffness: f64, class: Class, reach: f64) -> Self {
         let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
         diagonal[0] = 0.0;
-        Self { diagonal, even: Some(LowBlock::new(system, class, reach)), modes: Vec::new(), factor: Vec::new() }
+        Self { diagonal, even: Some(LowBlock::new(system, class, reach)), modes: Vec::new(), factor: Factor::default() }
     }
 
     /// The block of an even system.
@@ -87,36 +88,30 @@ impl Preconditioner {
 
     /// Assembles and factorises the block of a surface with these `fields`. One transform.
     ///
-    /// Pivots are kept above a share of the softest elastic stiffness: along a sliding or an unstable mode the inverse is bounded,
-    /// and stays positive. The longest waves come last, so that only they are touched.
+    /// Pivots are kept above [`FLOOR`], and negative ones turned positive: along a sliding or an unstable mode the inverse is bounded, and
+    /// stays positive. The longest waves come last, so that only they are touched.
     pub fn refresh(&mut self, system: &System, fields: &Fields, ws: &mut Workspace) {
         if let Some(block) = &mut self.even {
             return block.refresh(system, fields, ws);
         }
         let stiffness = stiffness_spectrum(system, fields, ws);
         let n = 2 * self.modes.len();
-        let floor = 0.02 * system.grid().q1();
-        self.factor.clear();
-        self.factor.resize(n * (n + 1) / 2, 0.0);
+        let mut hessian = Vec::with_capacity(n * (n + 1) / 2);
         for i in 0..n {
             for j in 0..=i {
                 let (a, b) = (self.modes[i / 2], self.modes[j / 2]);
                 let sum = stiffness([a.wave[0] + b.wave[0], a.wave[1] + b.wave[1]]);
                 let difference = stiffness([a.wave[0] - b.wave[0], a.wave[1] - b.wave[1]]);
-                let mut h = match (i % 2, j % 2) {
-                    (0, 0) => difference.re + sum.re,
-                    (1, 1) => difference.re - sum.re,
+                let elastic = if i == j { system.elastic()[2 * a.pair] } else { 0.0 };
+                hessian.push(match (i % 2, j % 2) {
+                    (0, 0) => difference.re + sum.re + elastic,
+                    (1, 1) => difference.re - sum.re + elastic,
                     (0, _) => sum.im - difference.im,
                     _ => sum.im + difference.im,
-                };
-                if i == j {
-                    h += system.elastic()[2 * a.pair];
-                }
-                let (row, column) = (i * (i + 1) / 2, j * (j + 1) / 2);
-                let dot: f64 = (0..j).map(|k| self.factor[row + k] * self.factor[column + k]).sum();
-                self.factor[row + j] = if i == j { (h - dot).max(floor).sqrt() } else { (h - dot) / self.factor[column + j] };
+                });
             }
         }
+        self.factor.factorise(&hessian, n, FLOOR * system.grid().q1());
     }
 
     /// `out` = approximate inverse Hessian times `r`.
@@ -128,10 +123,7 @@ impl Preconditioner {
             block.precondition(r, out);
         }
         if !self.factor.is_empty() {
-            self.within_block(r, out, |x| {
-                self.forward(x);
-                self.backward(x);
-            });
+            self.within_block(r, out, |x| self.factor.solve_positive(x));
         }
     }
 
@@ -143,7 +135,7 @@ impl Preconditioner {
             block.spread(y, out);
         }
         if !self.factor.is_empty() {
-            self.within_block(y, out, |x| self.backward(x));
+            self.within_block(y, out, |x| self.factor.spread(x));
         }
     }
 
@@ -154,7 +146,7 @@ impl Preconditioner {
             block.gathered(r, out);
         }
         if !self.factor.is_empty() {
-            self.within_block(r, out, |x| self.forward(x));
+            self.within_block(r, out, |x| self.factor.gather(x));
         }
     }
 
@@ -175,27 +167,6 @@ impl Preconditioner {
             (out[2 * m.pair], out[2 * m.pair + 1]) = (re, im);
             if let Some(mirror) = m.mirror {
                 (out[2 * mirror], out[2 * mirror + 1]) = (re, -im);
-            }
-        }
-    }
-
-    /// x = L^-1 x in place, L the Cholesky factor of the block.
-    fn forward(&self, x: &mut [f64]) {
-        for i in 0..x.len() {
-            let row = &self.factor[i * (i + 1) / 2..];
-            let dot: f64 = row.iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
-            x[i] = (x[i] - dot) / row[i];
-        }
-    }
-
-    /// x = L^-T x in place.
-    fn backward(&self, x: &mut [f64]) {
-        for i in (0..x.len()).rev() {
-            let row = &self.factor[i * (i + 1) / 2..];
-            x[i] /= row[i];
-            let xi = x[i];
-            for (x, l) in x[..i].iter_mut().zip(row) {
-                *x -= l * xi;
             }
         }
     }

@@ -3,6 +3,7 @@
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
 use crate::numerics::vector::{dot, norm, orthonormalise};
+use crate::physics::low_block::Class;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{Evaluation, Fields, System, Workspace};
 use ndarray::Array2;
@@ -18,6 +19,9 @@ pub struct Mechanics {
     pub preconditioner: Preconditioner,
     /// Whether patterns can slide.
     pub slides: Slides,
+    /// Symmetry of the surfaces that are solved, beside that of the system: forces and steps are projected onto it. A system that is not
+    /// even has none.
+    pub class: Class,
     /// Interrupts what is being solved.
     pub cancel: Cancel,
     pub(super) workspace: Workspace,
@@ -62,7 +66,7 @@ impl Mechanics {
 
     /// The same with another preconditioner.
     pub fn with_preconditioner(preconditioner: Preconditioner, system: System, slides: Slides) -> Self {
-        Self { workspace: system.workspace(), system, preconditioner, slides, cancel: Cancel::default() }
+        Self { workspace: system.workspace(), system, preconditioner, slides, class: Class::Even, cancel: Cancel::default() }
     }
 
     /// Transforms done so far.
@@ -80,12 +84,15 @@ impl Mechanics {
 
     /// The evaluation at amplitudes `z` and mean displacement `u0`. Two transforms.
     pub fn at(&mut self, z: Vec<f64>, u0: f64) -> Evaluation {
-        self.system.at(z, u0, &mut self.workspace)
+        let mut at = self.system.at(z, u0, &mut self.workspace);
+        self.class.project(&self.system, &mut at.gradient);
+        at
     }
 
     /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two transforms.
     pub fn update(&mut self, at: &mut Evaluation) {
         self.system.update(at, &mut self.workspace);
+        self.class.project(&self.system, &mut at.gradient);
     }
 
     /// [`System::residual`]. One transform.
@@ -128,9 +135,11 @@ impl Mechanics {
     /// Solves H x = b for the Hessian H of a surface with these `fields`, in the complement of the orthonormal `removed` directions. Two
     /// transforms a product.
     pub fn solve_linear(&mut self, fields: &Fields, b: &[f64], removed: &[Vec<f64>], limits: CgLimits) -> CgSolution {
-        let Self { system, preconditioner, workspace, cancel, .. } = self;
+        let Self { system, preconditioner, workspace, class, cancel, .. } = self;
         let apply = |v: &[f64], out: &mut [f64]| system.hessian(fields, v, out, workspace);
-        conjugate_gradients(apply, b, |r, out| preconditioner.apply(r, out), removed, limits, cancel)
+        let mut found = conjugate_gradients(apply, b, |r, out| preconditioner.apply(r, out), removed, limits, cancel);
+        class.project(system, &mut found.x);
+        found
     }
 
     /// Orthonormal basis of the directions in which the pattern `z` with these `fields` slides; none for a flat surface, one for a ridge.

@@ -61,14 +61,10 @@ impl Method for NewtonKrylov {
         let before = mechanics.transforms();
         let guess = predicted(mechanics, branch, from, u0);
         let reach = reach(&mechanics.system, &from.state, &guess, u0);
-        let found = solve(mechanics, guess.clone(), u0, limits(&mechanics.system, from));
-        match found.end {
-            NewtonEnd::Converged => {}
-            // No sharper than usual, and still that.
-            NewtonEnd::Stalled if found.residual <= mechanics.system.precision().tolerance() => {}
-            NewtonEnd::NegativeCurvature => return Err(Lost::Unstable),
-            NewtonEnd::Stalled => return Err(Lost::Gone),
-            NewtonEnd::Cancelled => return Err(Lost::Cancelled),
+        let mut found = solve(mechanics, guess.clone(), u0, limits(&mechanics.system, from));
+        // No sharper than usual, and still that.
+        if found.end != NewtonEnd::Stalled || !(found.residual <= mechanics.system.precision().tolerance()) {
+            found = found.converged()?;
         }
         let strayed = distance(&guess, &found.at.state.amplitudes) > reach;
         if strayed || !audit(&mechanics.system, &from.state, &found.at.state) {

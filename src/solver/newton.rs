@@ -1,26 +1,40 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
 use super::mechanics::Mechanics;
+use super::method::Lost;
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
 use crate::numerics::vector::{add, dot, norm, project_out};
 use crate::physics::system::{Evaluation, System};
 
-/// Tolerances of [`solve`].
+/// What [`solve`] and [`descend`] aim at, and how long they may take.
 #[derive(Clone, Copy, Debug)]
 pub struct NewtonLimits {
-    /// Goal for max |residual traction| / max(sigma_max, max |traction|).
+    /// Goal for the residual.
     pub tolerance: f64,
+    /// Which residual.
+    pub residual: Residual,
     /// Most Newton steps.
     pub steps: usize,
     /// Most Hessian products in one step.
     pub products: usize,
     /// Loosest linear solve of [`descend`], residual over right-hand side.
     pub forcing: f64,
+    /// Step of [`solve`] from which on each makes the preconditioner anew; that of the guess, or of the state before, serves until then.
+    pub refresh: usize,
+}
+
+/// Which residual tells that an equilibrium is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Residual {
+    /// max |residual traction| / max(sigma_max, max |traction|): the evidence for a state that is shown. One transform.
+    Largest,
+    /// The root mean square over sigma_max. No transform.
+    Mean,
 }
 
 impl Default for NewtonLimits {
     fn default() -> Self {
-        Self { tolerance: 1e-6, steps: 10, products: 80, forcing: 0.1 }
+        Self { tolerance: 1e-6, residual: Residual::Largest, steps: 10, products: 80, forcing: 0.1, refresh: usize::MAX }
     }
 }
 
@@ -49,7 +63,7 @@ pub enum NewtonEnd {
 pub struct NewtonState {
     /// The surface, evaluated.
     pub at: Evaluation,
-    /// max |residual traction| / max(sigma_max, max |traction|) there.
+    /// The residual there; NaN where it was not measured.
     pub residual: f64,
     /// Newton steps.
     pub steps: usize,
@@ -57,13 +71,34 @@ pub struct NewtonState {
     pub end: NewtonEnd,
 }
 
+impl NewtonState {
+    /// The state if it is an equilibrium.
+    ///
+    /// # Errors
+    /// Why it is none.
+    pub fn converged(self) -> Result<Self, Lost> {
+        match self.end {
+            NewtonEnd::Converged => Ok(self),
+            NewtonEnd::NegativeCurvature => Err(Lost::Unstable),
+            NewtonEnd::Stalled => Err(Lost::Gone),
+            NewtonEnd::Cancelled => Err(Lost::Cancelled),
+        }
+    }
+}
+
 /// Solves for equilibrium at `u0` from the guess `z`.
 ///
 /// Where patterns slide freely those directions are left out of the steps (not out of the residual).
 pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimits) -> NewtonState {
     let scale = mechanics.system.law().traction_max();
-    // Below it there is nothing but rounding to follow: whoever asks for less is told where it ends.
-    let goal = limits.tolerance.max(mechanics.system.precision().floor());
+    // Root mean square force at which it may be an equilibrium. It is a lower bound of the largest residual: only then the exact one is
+    // worth a transform. Below the floor of the precision there is nothing but rounding to follow: whoever asks for less is told where
+    // it ends.
+    let goal = scale
+        * match limits.residual {
+            Residual::Largest => 0.5 * limits.tolerance.max(mechanics.system.precision().floor()),
+            Residual::Mean => limits.tolerance,
+        };
     let mut at = mechanics.at(z, u0);
     let mut force = norm(&at.gradient);
     let mut before = f64::INFINITY;
@@ -72,20 +107,27 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
         if !force.is_finite() || !at.state.energy.is_finite() {
             return end(NewtonEnd::Stalled, f64::NAN, at);
         }
-        // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
-        if force <= goal * scale * 0.5 || step == limits.steps || force > 3.0 * before {
-            let residual = mechanics.residual(&at);
+        let diverges = force > 3.0 * before;
+        if force <= goal || step == limits.steps || diverges {
+            let residual = match limits.residual {
+                Residual::Largest => mechanics.residual(&at),
+                Residual::Mean => force / scale,
+            };
             if residual <= limits.tolerance {
                 return end(NewtonEnd::Converged, residual, at);
             }
-            if step == limits.steps || force > 3.0 * before || force > 0.5 * before && force < goal * scale {
+            if step == limits.steps || diverges || force > 0.5 * before && force < 2.0 * goal {
                 return end(NewtonEnd::Stalled, residual, at);
             }
+        }
+        if step >= limits.refresh {
+            mechanics.refresh(&at.fields);
         }
         let removed = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let mut push = at.gradient.clone();
         project_out(&mut push, &removed);
-        let forcing = (0.15 * goal * scale / force).max((0.3 * force / scale).min(0.1)).min(0.3);
+        // Quadratic convergence wants it to fall with the force; less than what is left to the goal is wasted.
+        let forcing = (0.3 * goal / force).max((force / scale).min(0.1)).min(0.3);
         let cg = CgLimits { tolerance: forcing, products: limits.products };
         let CgSolution { x: dz, end: cg_end, .. } = mechanics.solve_linear(&at.fields, &push, &removed, cg);
         match cg_end {

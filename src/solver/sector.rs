@@ -8,11 +8,11 @@ mod fold;
 use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use super::method::Lost;
-use super::newton::{NewtonEnd, NewtonLimits, descend};
+use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits};
-use crate::numerics::vector::{add, dot, norm};
+use crate::numerics::vector::dot;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -101,7 +101,6 @@ pub struct Measured {
 pub struct Sector {
     /// A request to cancel it interrupts a solve, which is then lost.
     pub mechanics: Mechanics,
-    class: Class,
     breaking: Vec<LowBlock>,
     /// True if soft modes have waves beyond the blocks' reach.
     partial: bool,
@@ -134,8 +133,9 @@ impl Sector {
 
     fn new(system: System, class: Class, breaking: Vec<LowBlock>, reach: f64) -> Self {
         let preconditioner = Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
-        let mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
-        Self { mechanics, partial: false, class, breaking }
+        let mut mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
+        mechanics.class = class;
+        Self { mechanics, partial: false, breaking }
     }
 
     /// The mechanics.
@@ -145,7 +145,7 @@ impl Sector {
 
     /// True for ridges.
     fn is_ridge(&self) -> bool {
-        self.class == Class::Even
+        self.mechanics.class == Class::Even
     }
 
     fn scale(&self) -> f64 {
@@ -167,7 +167,7 @@ impl Sector {
         rates
     }
 
-    /// Solves P H P x = P b for the Hessian of a surface with these `fields`, P removing the unit vectors `removed`.
+    /// Solves P H P x = P b for the Hessian H of a surface with these `fields`, P removing the unit vectors `removed`.
     fn solve(&mut self, fields: &Fields, b: &[f64], removed: &[Vec<f64>], tolerance: f64) -> Result<Vec<f64>, Lost> {
         let found = self.mechanics.solve_linear(fields, b, removed, CgLimits { tolerance, products: PRODUCTS });
         match found.end {
@@ -175,9 +175,7 @@ impl Sector {
             CgEnd::Cancelled => return Err(Lost::Cancelled),
             CgEnd::Converged | CgEnd::Budget => {}
         }
-        let mut x = found.x;
-        self.class.project(self.system(), &mut x);
-        Ok(x)
+        Ok(found.x)
     }
 
     /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields; the force below `tolerance`
@@ -213,10 +211,9 @@ impl Sector {
         for _ in 0..DESCENTS {
             let at = self.mechanics.at(z, u0);
             self.refresh(&at.fields);
-            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3 };
+            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3, ..NewtonLimits::default() };
             let found = descend(&mut self.mechanics, at.state.amplitudes, u0, radius, limits);
             z = found.at.state.amplitudes;
-            self.class.project(&self.mechanics.system, &mut z);
             match found.end {
                 NewtonEnd::Converged => return Some(z),
                 NewtonEnd::Stalled if found.residual.is_finite() => {}
@@ -226,31 +223,20 @@ impl Sector {
         None
     }
 
-    /// Newton's method at fixed u0.
+    /// Newton's method at fixed u0, down to a root mean square force of `tolerance` (sigma_max).
     fn converge(&mut self, u0: f64, z: Vec<f64>, tolerance: f64) -> Result<Evaluation, Lost> {
-        let strongest = self.scale();
-        let mut at = self.mechanics.at(z, u0);
-        let mut before = f64::INFINITY;
-        for step in 0..=STEPS {
-            self.class.project(&self.mechanics.system, &mut at.gradient);
-            let force = norm(&at.gradient) / strongest;
-            if force <= tolerance {
-                return Ok(at);
-            }
-            // Written so that NaN ends here too.
-            if !(force <= 3.0 * before) || step == STEPS {
-                break;
-            }
-            before = force;
-            // The block of the node before serves a first step, and often the second.
-            if step > 1 || !self.mechanics.preconditioner.low_block().is_some_and(LowBlock::is_ready) {
-                self.refresh(&at.fields);
-            }
-            let dz = self.solve(&at.fields, &at.gradient, &[], (0.3 * tolerance / force).max(force.min(0.1)).min(0.3))?;
-            add(&mut at.state.amplitudes, -1.0, &dz);
-            self.mechanics.update(&mut at);
-        }
-        Err(Lost::Gone)
+        let ready = self.mechanics.preconditioner.low_block().is_some_and(LowBlock::is_ready);
+        // The block of the node before serves a first step, and often the second.
+        let refresh = if ready { 2 } else { 0 };
+        let limits = NewtonLimits {
+            tolerance,
+            residual: Residual::Mean,
+            steps: STEPS,
+            products: PRODUCTS,
+            refresh,
+            ..NewtonLimits::default()
+        };
+        solve(&mut self.mechanics, z, u0, limits).converged().map(|found| found.at)
     }
 
     /// Fills in how soft the node is, for which the block was refreshed: from the blocks, and where those leave out waves that matter from

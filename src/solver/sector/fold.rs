@@ -26,7 +26,6 @@ impl Sector {
         let mut along_u = Vec::new();
         let mut before = 0.0;
         for step in 0..=STEPS {
-            self.class.project(&self.mechanics.system, &mut at.gradient);
             let force = norm(&at.gradient) / strongest;
             if !force.is_finite() || step == STEPS {
                 break;
