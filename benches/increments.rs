@@ -5,10 +5,10 @@
 
 use cpu_time::ProcessTime;
 use std::time::Instant;
-use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::part::Part;
 use tackscope::experiment::record::StateRecord;
 use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
 use tackscope::physics::system::System;
@@ -37,8 +37,7 @@ fn walked(walk: &mut Walk, u0: f64) -> Vec<StateRecord> {
     walk.set_target(u0);
     let mut states = Vec::new();
     loop {
-        match walk.step(&Cancel::default(), &mut |news| states.extend(if let Happening::State(s) = news { Some(s) } else { None }))
-        {
+        match walk.step(&Cancel::default(), &mut |news| states.extend(if let Observed::State(s) = news { Some(s) } else { None })) {
             Progress::Working => {}
             Progress::Resting => return states,
             other => panic!("{other:?}"),
@@ -97,7 +96,8 @@ fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, Sta
     state.state.amplitudes = carried(&state.state.amplitudes, n);
     let start = state.state.mean_displacement;
     let walk =
-        Walk::begun(&scene(n), MethodKind::NewtonKrylov.build(1), Reduction::Whole, precision, &Cancel::default()).expect("valid");
+        Walk::start(&scene(n), WalkOptions { part: Part::Whole, precision, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
+            .expect("valid");
     let mut walk = walk.standing_on(state, record.clone());
     // Up towards the dimple's limit.
     let place = |increments: usize| start + STEP * increments as f64;
@@ -125,7 +125,7 @@ fn main() {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    let mut walk = Walk::new(&scene(COARSE), MethodKind::NewtonKrylov).expect("valid");
+    let mut walk = Walk::start(&scene(COARSE), MethodKind::NewtonKrylov.into(), &Cancel::default()).expect("valid");
     walked(&mut walk, 0.3);
     walked(&mut walk, 1.8);
     let start = (walk.here().clone(), walk.record().clone());

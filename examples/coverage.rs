@@ -11,10 +11,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tackscope::experiment::error_bar::{measured_error, read_off};
 use tackscope::experiment::mesh::next_fast;
-use tackscope::experiment::plan::{Plan, Reduction, Road, Wish, plan};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::{Plan, plan};
 use tackscope::experiment::planned::run_planned;
-use tackscope::experiment::run::{Outcome, run_reduced};
+use tackscope::experiment::run::{Outcome, run_loop};
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
@@ -31,7 +33,7 @@ struct Trial {
 }
 
 /// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be computed.
-fn random(seed: u64) -> (Scene, Wish) {
+fn random(seed: u64) -> (Scene, Option<Road>) {
     let rng = &mut Pcg64::seed_from_u64(seed);
     let shape = match rng.random_range(0..3) {
         0 => Shape::Morse(Morse),
@@ -62,17 +64,17 @@ fn random(seed: u64) -> (Scene, Wish) {
         seed,
     };
     if !line {
-        return (scene, *[Wish::Plan, Wish::Plan, Wish::Quarter, Wish::Whole].choose(rng).expect("not empty"));
+        return (scene, *[None, None, Some(Road::QUARTER), Some(Road::WHOLE)].choose(rng).expect("not empty"));
     }
     let n = scene.model().expect("a legal scene").grid.nx;
-    (Scene { cell: Cell { length, points: Points::Line(n) }, ..scene }, Wish::Plan)
+    (Scene { cell: Cell { length, points: Points::Line(n) }, ..scene }, None)
 }
 
 fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
     let road = match plan.road {
         Road::Walk(_) if model.grid.is_line() => "line",
         Road::Walk(reduction) => reduction.word(),
-        Road::Atlas(_) => "atlas",
+        Road::Atlas => "atlas",
     };
     let cancel = Cancel::default();
     let mut finer = scene.clone();
@@ -80,7 +82,8 @@ fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
     finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
     finer.drive.step = 0.2 * model.law.range;
     let run = run_planned(scene, NewtonKrylov, plan, &cancel, &mut |_| {}).expect("a legal scene");
-    let better = run_reduced(&finer, NewtonKrylov, Reduction::Quarter, &cancel, &mut |_| {}).expect("a legal scene");
+    let better =
+        run_loop(&finer, WalkOptions { part: Part::Quarter, ..NewtonKrylov.into() }, &cancel, &mut |_| {}).expect("a legal scene");
     let measured = match (&run.outcome, &better.outcome) {
         (_, Outcome::NotConverged { .. } | Outcome::Cancelled) => f64::NAN,
         (Outcome::Completed, _) => {
@@ -107,9 +110,9 @@ fn main() {
             if seed >= first + count {
                 return;
             }
-            let (scene, wish) = random(seed);
+            let (scene, asked) = random(seed);
             let model = scene.model().expect("a legal scene");
-            let plan = plan(&scene, &model, wish);
+            let plan = plan(&scene, &model, asked);
             let trial = trial(&scene, &model, &plan);
             let periods = model.grid.length / flat::critical_length(&model.law);
             let Trial { road, target, predicted, measured } = trial;

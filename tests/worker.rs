@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tackscope::experiment::chart::Effort;
 use tackscope::experiment::live_loop::Fineness;
-use tackscope::experiment::plan::{Reduction, Wish};
+use tackscope::experiment::part::{Part, Road};
 use tackscope::experiment::record::StateRecord;
-use tackscope::experiment::run::{Outcome, run_reduced};
+use tackscope::experiment::run::{Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
@@ -25,11 +26,11 @@ fn fig2(points: usize) -> Scene {
 }
 
 fn set_scene(run: u64, scene: Scene) -> Command {
-    wished(run, scene, Wish::Plan)
+    wished(run, scene, None)
 }
 
-fn wished(run: u64, scene: Scene, wish: Wish) -> Command {
-    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov, wish }
+fn wished(run: u64, scene: Scene, asked: Option<Road>) -> Command {
+    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov, asked }
 }
 
 /// Steps a session by hand, at no pace, until it rests; returns everything it handed out.
@@ -307,17 +308,17 @@ fn ready(out: &[Output]) -> &tackscope::worker::protocol::Ready {
 fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_it() {
     let tip = || Scene { indenter: Indenter::Hertz { radius: 256.0 }, ..fig2(64) };
     let cases = [
-        (wished(1, fig2(64), Wish::Plan), Reduction::Quarter, "ridge on half a line"),
-        (wished(1, fig2(64), Wish::Whole), Reduction::Whole, "asked for"),
-        (wished(1, fig2(64), Wish::Quarter), Reduction::Quarter, "asked for"),
-        (wished(1, fig2(62), Wish::Quarter), Reduction::Whole, "asked for"),
-        (wished(1, fig2(16), Wish::Plan), Reduction::Whole, "jumps of its own"),
-        (wished(1, tip(), Wish::Plan), Reduction::Quarter, "a single crest keeps its mirror symmetry"),
+        (wished(1, fig2(64), None), Part::Quarter, "ridge on half a line"),
+        (wished(1, fig2(64), Some(Road::WHOLE)), Part::Whole, "asked for"),
+        (wished(1, fig2(64), Some(Road::QUARTER)), Part::Quarter, "asked for"),
+        (wished(1, fig2(62), Some(Road::QUARTER)), Part::Whole, "asked for"),
+        (wished(1, fig2(16), None), Part::Whole, "jumps of its own"),
+        (wished(1, tip(), None), Part::Quarter, "a single crest keeps its mirror symmetry"),
     ];
     for (command, reduction, words) in cases {
         let out = drain(&mut Session::default(), vec![command]);
         let choice = &ready(&out).choice;
-        assert_eq!(choice.reduction, reduction, "{choice:?}");
+        assert_eq!(choice.part, reduction, "{choice:?}");
         assert!(choice.plan.words.contains(words), "{choice:?}");
         // Pictures are always of the whole cell.
         let shape = ready(&out).model.grid.shape();
@@ -327,19 +328,19 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
     }
     let out = drain(
         &mut Session::default(),
-        vec![Command::SetScene { run: 1, scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, wish: Wish::Plan }],
+        vec![Command::SetScene { run: 1, scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, asked: None }],
     );
     let choice = &ready(&out).choice;
-    assert!(choice.reduction == Reduction::Whole && choice.because.as_ref().unwrap().contains("as it was published"), "{choice:?}");
+    assert!(choice.part == Part::Whole && choice.because.as_ref().unwrap().contains("as it was published"), "{choice:?}");
 }
 
 #[test]
 fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
-    let walked = |wish| {
+    let walked = |asked| {
         let mut session = Session::default();
         let began = Instant::now();
-        let out = drain(&mut session, vec![wished(1, fig2(64), wish), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
-        println!("{wish:?}: {:?}", began.elapsed());
+        let out = drain(&mut session, vec![wished(1, fig2(64), asked), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
+        println!("{asked:?}: {:?}", began.elapsed());
         let jumps: Vec<_> = events(&out)
             .into_iter()
             .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.direction, jump.from, jump.to)) } else { None })
@@ -349,7 +350,7 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
             .find_map(|e| if let Event::Loop { summary, .. } = e { summary.ledger.dissipated_energy() } else { None });
         (jumps, energy.expect("a loop was closed"))
     };
-    let (quarter, whole) = (walked(Wish::Plan), walked(Wish::Whole));
+    let (quarter, whole) = (walked(None), walked(Some(Road::WHOLE)));
     assert_eq!(quarter.0, whole.0);
     assert!((quarter.1 / whole.1 - 1.0).abs() < 2e-3, "{quarter:?} {whole:?}");
 }
@@ -362,15 +363,15 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
-    for wish in [Wish::Quarter, Wish::Whole] {
-        let commands = vec![wished(1, scene.clone(), wish), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
+    for asked in [Some(Road::QUARTER), Some(Road::WHOLE)] {
+        let commands = vec![wished(1, scene.clone(), asked), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
         let out = drain(&mut Session::default(), commands);
         let mut path = Vec::new();
         for event in events(&out) {
             match event {
                 Event::Remodelled { choice, .. } => {
-                    assert_eq!(choice.reduction, Reduction::Whole);
-                    let models: Vec<_> = path.iter().map(|s: &StateRecord| s.model).collect();
+                    assert_eq!(choice.part, Part::Whole);
+                    let models: Vec<_> = path.iter().map(|s: &StateRecord| s.part).collect();
                     assert!(models.iter().all(|m| !m.contains("whole")), "{models:?}");
                     changes.push(choice.because.clone().unwrap());
                 }
@@ -383,7 +384,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
         // The path already gone is kept: no step is longer than the scene's, before and after the change.
         let long = path.windows(2).find(|w| (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9);
         assert!(long.is_none(), "{long:?}");
-        assert!(path.iter().any(|s| s.model == "whole cell"));
+        assert!(path.iter().any(|s| s.part == Part::Whole));
     }
     assert!(changes.len() == 1 && changes[0].contains("not mirror-symmetric"), "{changes:?}");
     // The mesh traps the dimple beyond the start: neither loop closes, and both know.
@@ -396,15 +397,16 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     let range = 0.35;
     scene.law.range = Range::Length(range);
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
-    let commands = vec![wished(1, scene.clone(), Wish::Quarter), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
+    let commands = vec![wished(1, scene.clone(), Some(Road::QUARTER)), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
     let out = drain(&mut Session::default(), commands);
     let events = events(&out);
     let began = events.iter().rposition(|e| matches!(e, Event::LoopStarted { .. })).expect("a loop");
-    let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.model);
+    let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.part);
     let shown: Vec<_> =
         events[began..].iter().filter_map(|e| if let Event::State { state: s, .. } = e { Some(state(s)) } else { None }).collect();
     let cancel = Cancel::default();
-    let run = run_reduced(&scene, MethodKind::NewtonKrylov, Reduction::Quarter, &cancel, &mut |_| {}).expect("a scene");
+    let run = run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &cancel, &mut |_| {})
+        .expect("a scene");
     assert_eq!(run.outcome, Outcome::Completed);
     assert!(run.deviation.as_ref().is_some_and(|why| why.contains("on the whole cell")), "{:?}", run.deviation);
     assert_eq!(run.record.states.iter().map(state).collect::<Vec<_>>(), shown);

@@ -18,7 +18,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::experiment::plan::Wish;
+use crate::experiment::part::Road;
 use crate::numerics::cancel::Cancel;
 use crate::solver::methods::MethodKind;
 use crate::storage::{Failure, files, process};
@@ -145,8 +145,8 @@ struct RunArguments {
     #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
     method: MethodKind,
     /// How the loop is computed, in place of the plan's choice
-    #[arg(long, value_enum, default_value_t = Wish::Plan)]
-    model: Wish,
+    #[arg(long, value_enum, default_value_t = Asked(None))]
+    model: Asked,
     /// Seed in place of the scene's: it chooses between equivalent patterns
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
@@ -164,18 +164,23 @@ struct RunArguments {
     verify: bool,
 }
 
-impl ValueEnum for Wish {
+/// The road that is asked for; `None` leaves it to the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Asked(Option<Road>);
+
+impl ValueEnum for Asked {
     fn value_variants<'a>() -> &'a [Self] {
-        &Wish::ALL
+        &[Asked(None), Asked(Some(Road::Atlas)), Asked(Some(Road::QUARTER)), Asked(Some(Road::WHOLE))]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.word()).help(match self {
-            Wish::Plan => "the cheapest model that is good enough",
-            Wish::Atlas => "branches of flat, ridge and square patterns",
-            Wish::Quarter => "the walk on the even quarter of the cell",
-            Wish::Whole => "the walk on the whole cell",
-        }))
+        let help = match self.0 {
+            None => "the cheapest model that is good enough",
+            Some(Road::Atlas) => "branches of flat, ridge and square patterns",
+            Some(Road::Walk(part)) if part.is_even() => "the walk on the even quarter of the cell",
+            Some(Road::Walk(_)) => "the walk on the whole cell",
+        };
+        Some(PossibleValue::new(self.0.map_or("plan", Road::word)).help(help))
     }
 }
 
@@ -267,7 +272,7 @@ fn window_or_default_scene() -> u8 {
                 points: None,
                 step: None,
                 verify: false,
-                model: Wish::Plan,
+                model: Asked(None),
                 yardstick: false,
             }))
         }

@@ -2,7 +2,8 @@
 
 use crate::experiment::error_bar::reference;
 use crate::experiment::ledger::Ledger;
-use crate::experiment::plan::{Plan, Road, promise};
+use crate::experiment::part::Road;
+use crate::experiment::plan::{Plan, promise};
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{Landing, LoopRun, Outcome, RivalLoop};
 use crate::experiment::scene::{Model, Points, Scene, Turn};
@@ -126,7 +127,7 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
     PlanSummary {
         road: match plan.road {
             _ if deviation.is_some() => "whole",
-            Road::Atlas(_) => "atlas",
+            Road::Atlas => "atlas",
             Road::Walk(reduction) => reduction.word(),
         },
         words: deviation.map_or_else(|| plan.words.clone(), |why| format!("{}; {why}", plan.words)),

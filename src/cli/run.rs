@@ -4,7 +4,8 @@ use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
 use crate::experiment::error_bar::{measured_error, reference};
-use crate::experiment::plan::{Plan, Wish, plan as plan_of, promise, refusal};
+use crate::experiment::part::Road;
+use crate::experiment::plan::{Plan, plan as plan_of, promise, refusal};
 use crate::experiment::planned::run_planned;
 use crate::experiment::run::{LoopRun, Outcome};
 use crate::experiment::scene::{Model, Points, Scene, SceneError};
@@ -25,18 +26,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let (scene, place) = scene(arguments)?;
     let refused = |error: SceneError| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
-    if let Some(reason) = refusal(&scene, &model, arguments.model) {
+    if let Some(reason) = refusal(&scene, &model, arguments.model.0) {
         return Err(Failure::Value {
             file: place.clone(),
             key: "--model".to_owned(),
-            value: arguments.model.word().to_owned(),
+            value: Road::Atlas.word().to_owned(),
             allowed: format!("this scene has no atlas, since {reason}; leave --model out, or take whole"),
         });
     }
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
-    let wish = if newton || arguments.model != Wish::Plan { arguments.model } else { Wish::Whole };
-    let plan = plan_of(&scene, &model, wish);
+    let asked = if newton { arguments.model.0 } else { arguments.model.0.or(Some(Road::WHOLE)) };
+    let plan = plan_of(&scene, &model, asked);
 
     let cancel = cancel_on_signal();
     let folder = Folder::claim(&arguments.out, &[report::GAPS], report::room(&scene, &model))?;
@@ -83,7 +84,7 @@ fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
         let allowed = "the yardstick is gfmd itself; leave one of the two out";
         return refuse("--yardstick", "with --method gfmd".to_owned(), allowed);
     }
-    if arguments.model == Wish::Atlas && arguments.method != MethodKind::NewtonKrylov {
+    if arguments.model.0 == Some(Road::Atlas) && arguments.method != MethodKind::NewtonKrylov {
         let value = format!("atlas with --method {}", arguments.method.word());
         return refuse("--model", value, "only newton follows the branches of an atlas; leave one of the two out");
     }
@@ -101,7 +102,7 @@ fn compare(
 ) -> Result<u8, SceneError> {
     let mut code = DONE;
     if arguments.yardstick {
-        let whole = plan_of(scene, model, Wish::Whole);
+        let whole = plan_of(scene, model, Some(Road::WHOLE));
         let other = timed(arguments, scene, model, &whole, MethodKind::Gfmd, cancel)?;
         told.yardstick = Some(report::yardstick(model, main, &other));
         if other.run.outcome == Outcome::Cancelled {
@@ -112,7 +113,7 @@ fn compare(
     if arguments.verify {
         let finer = reference(scene, model);
         let finer_model = finer.model()?;
-        let whole = plan_of(&finer, &finer_model, Wish::Whole);
+        let whole = plan_of(&finer, &finer_model, Some(Road::WHOLE));
         let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, cancel)?;
         match &better.run.outcome {
             Outcome::Completed if [&main.run, &better.run].into_iter().any(|run| is_open(run, model)) => {
@@ -207,10 +208,11 @@ fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::walk::Stuck;
 
     #[test]
     fn each_outcome_has_its_exit_code() {
-        let stuck = Outcome::NotConverged { mean_displacement: 1.0, reason: "stalled".to_owned() };
+        let stuck = Outcome::NotConverged { mean_displacement: 1.0, reason: Stuck::NotFinite };
         assert_eq!([Outcome::Completed, stuck, Outcome::Cancelled].map(|outcome| exit_code(&outcome)), [0, 3, 130]);
     }
 }

@@ -26,6 +26,7 @@ use crate::physics::theory::flat;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::method::Lost;
 use crate::solver::sector::{NODE, Node, Sector};
+use std::fmt;
 use trace::trace;
 
 /// What an atlas is made for.
@@ -46,9 +47,36 @@ pub struct Chart {
 const ATTEMPTS: [f64; 4] = [0.0, 0.002, 0.02, 0.1];
 
 /// Why an atlas cannot answer: the walk can.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct Unmapped(pub String);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unmapped {
+    /// What it does not hold.
+    pub what: String,
+    /// At which u0 (length), if at one.
+    pub at: Option<f64>,
+}
+
+impl Unmapped {
+    /// What is not held anywhere.
+    pub(super) fn anywhere(what: impl Into<String>) -> Self {
+        Self { what: what.into(), at: None }
+    }
+
+    /// What is not held at `u0`.
+    pub(super) fn at(u0: f64, what: impl Into<String>) -> Self {
+        Self { what: what.into(), at: Some(u0) }
+    }
+}
+
+impl fmt::Display for Unmapped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.at {
+            Some(u0) => write!(f, "{}, at u0 = {u0:.4}", self.what),
+            None => f.write_str(&self.what),
+        }
+    }
+}
+
+impl std::error::Error for Unmapped {}
 
 /// The known branches of one scene, and where each end leads.
 #[derive(Clone, Debug)]
@@ -123,7 +151,7 @@ impl Atlas {
         }
         let (u0, energy) = self.end_point(place, up);
         let onwards = if up { 1.0 } else { -1.0 } * self.chart.law.range;
-        let mut refusal = Unmapped(format!("the surface at u0 = {u0:.4} falls nowhere"));
+        let mut refusal = Unmapped::at(u0, "the surface falls nowhere");
         // The limits of the flat state are known exactly.
         let attempts = if place == Place::Flat { &ATTEMPTS[..1] } else { &ATTEMPTS[..] };
         for beyond in attempts {
@@ -216,10 +244,8 @@ impl Atlas {
         let mode = match branch.ends[usize::from(up)] {
             End::Fold => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
-                return Err(Unmapped(format!(
-                    "the ridge meanders at u0 = {:.4}: only the whole cell holds that",
-                    node.state.mean_displacement
-                )));
+                let u0 = node.state.mean_displacement;
+                return Err(Unmapped::at(u0, "the ridge meanders, which only the whole cell holds"));
             }
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
@@ -232,12 +258,12 @@ impl Atlas {
         let (is_ridge, pattern, landed) = match rest {
             Rest::Flat => {
                 let stable = flat::stiffness_min(&self.chart.law, self.chart.length, u0) > 0.0;
-                return if stable { Ok(Place::Flat) } else { Err(Unmapped(format!("no rest was found at u0 = {u0:.4}"))) };
+                return if stable { Ok(Place::Flat) } else { Err(Unmapped::at(u0, "no rest was found")) };
             }
             Rest::Ridge(line) => (true, Pattern::Ridge, line),
             Rest::Square(pattern, z) => (false, pattern, z),
             Rest::Other => {
-                return Err(Unmapped(format!("the surface at u0 = {u0:.4} comes to rest without the symmetry of a known pattern")));
+                return Err(Unmapped::at(u0, "the surface comes to rest without the symmetry of a known pattern"));
             }
         };
         let known = (0..self.branches.len()).find(|&i| {
@@ -251,15 +277,15 @@ impl Atlas {
         }
         let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
         let z = carried(&landed, self.explorer.system(), sector.system());
-        let lost = |error: Lost| Unmapped(format!("the {pattern} at u0 = {u0:.4} could not be followed ({error:?})"));
+        let lost = |error: Lost| Unmapped::at(u0, format!("the {pattern} could not be followed ({error:?})"));
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
         let (mut first, fields) = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
         if !(first.state.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
-            return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is not what the release found")));
+            return Err(Unmapped::at(u0, format!("the {pattern} is not what the release found")));
         }
         sector.sharpen(&mut first, &fields);
         if first.breaking < 0.0 {
-            return Err(Unmapped(format!("the {pattern} at u0 = {u0:.4} is unstable")));
+            return Err(Unmapped::at(u0, format!("the {pattern} is unstable")));
         }
         let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
         let ((mut nodes, below), (after, above)) = match trace(sector, &first, None, false) {

@@ -14,7 +14,7 @@ pub use crate::numerics::precision::Precision;
 pub use front::front;
 pub use judge::{Errors, Judged, Verdict};
 pub use measure::{Measured, measure};
-pub use points::{Effort, Model, Point, points};
+pub use points::{Effort, Point, points};
 pub use reference::Reference;
 
 use super::scene::{Scene, SceneError};

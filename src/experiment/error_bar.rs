@@ -7,13 +7,14 @@
 use super::atlas::Atlas;
 use super::ledger::LOSS_MIN;
 use super::mesh::{flat_error, next_fast};
-use super::plan::{Reduction, chart};
+use super::part::Part;
+use super::plan::chart;
 use super::record::JumpRecord;
-use super::run::{LoopRun, Outcome, run_reduced};
+use super::run::{LoopRun, Outcome, run_loop};
 use super::scene::{Model, Points, Range, Scene, Turn};
+use super::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
-use crate::solver::methods::MethodKind;
 
 /// The measured difference is stated this many times larger: what a mesh of 4/3 times the points itself is off by, a tenth to a fifth
 /// where the error falls by e^2.6 for each unit of 1/mu_rho^2, and as much again.
@@ -44,7 +45,8 @@ fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<
     if let Some(loops) = read_off(&finer, cancel) {
         return Some(loops);
     }
-    let run = run_reduced(&finer, MethodKind::NewtonKrylov, Reduction::Quarter, cancel, &mut |_| {}).ok()?;
+    let quarter = WalkOptions { part: Part::Quarter, ..WalkOptions::default() };
+    let run = run_loop(&finer, quarter, cancel, &mut |_| {}).ok()?;
     (run.outcome == Outcome::Completed).then_some(vec![run.record.jumps])
 }
 

@@ -273,7 +273,7 @@ impl Stretch {
 }
 
 fn unmapped(why: &str) -> Unmapped {
-    Unmapped(why.to_owned())
+    Unmapped::anywhere(why)
 }
 
 /// Samples a place, densely towards both ends, where folds are steep.

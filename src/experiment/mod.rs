@@ -13,6 +13,7 @@ pub mod live_loop;
 pub mod measured_law;
 pub mod mesh;
 pub mod parameter;
+pub mod part;
 pub mod plan;
 pub mod planned;
 pub mod record;

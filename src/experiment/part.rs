@@ -29,8 +29,10 @@ impl Part {
         match self {
             Part::Flat => "flat",
             Part::Ridge => "ridge",
-            Part::Line | Part::Whole => "whole",
-            Part::HalfLine | Part::Quarter => "quarter",
+            Part::Line => "line",
+            Part::HalfLine => "half line",
+            Part::Quarter => "quarter",
+            Part::Whole => "whole",
             Part::Mirrored => "mirrored",
         }
     }
@@ -66,7 +68,7 @@ impl fmt::Display for Part {
 }
 
 /// How a loop is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Road {
     /// Read off the branches of an atlas, every state solved on the part that its pattern needs.
     Atlas,
@@ -75,8 +77,10 @@ pub enum Road {
 }
 
 impl Road {
-    /// What the plan may be overruled by, in the order of the command line.
-    pub const ASKED: [Road; 3] = [Road::Atlas, Road::Walk(Part::Quarter), Road::Walk(Part::Whole)];
+    /// The walk on the whole cell: the reference of all.
+    pub const WHOLE: Self = Road::Walk(Part::Whole);
+    /// The walk on the even quarter.
+    pub const QUARTER: Self = Road::Walk(Part::Quarter);
 
     /// The word of the command line and of tables.
     pub fn word(self) -> &'static str {

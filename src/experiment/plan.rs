@@ -2,68 +2,11 @@
 
 use super::atlas::Chart;
 use super::mesh::{flat_error, next_fast};
+use super::part::{Part, Road};
 use super::scene::{Model, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
-
-/// Which part of the cell a walk represents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Reduction {
-    /// All of it.
-    #[default]
-    Whole,
-    /// The even quarter (half of a line cell), by cosine transforms. Modes of other symmetry are watched on the whole cell.
-    Quarter,
-}
-
-impl Reduction {
-    /// The word of the command line and the tables.
-    pub fn word(self) -> &'static str {
-        match self {
-            Reduction::Whole => "whole",
-            Reduction::Quarter => "quarter",
-        }
-    }
-}
-
-/// How a loop is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Road {
-    /// Read off the branches of an atlas, every increment solved on the model of its pattern.
-    Atlas(Chart),
-    /// By the walk on a part of the cell.
-    Walk(Reduction),
-}
-
-/// What the user may overrule.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Wish {
-    /// The plan decides.
-    #[default]
-    Plan,
-    /// The atlas, whatever the plan thinks of it.
-    Atlas,
-    /// The walk on the even quarter.
-    Quarter,
-    /// The walk on the whole cell.
-    Whole,
-}
-
-impl Wish {
-    /// All, in the order of the command line.
-    pub const ALL: [Wish; 4] = [Wish::Plan, Wish::Atlas, Wish::Quarter, Wish::Whole];
-
-    /// The word of the command line.
-    pub fn word(self) -> &'static str {
-        match self {
-            Wish::Plan => "plan",
-            Wish::Atlas => "atlas",
-            Wish::Quarter => "quarter",
-            Wish::Whole => "whole",
-        }
-    }
-}
 
 /// The decision, with its reason.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,8 +30,8 @@ pub fn chart(law: &Law, length: f64, n: usize) -> Chart {
     Chart { length, law: *law, square: n, line: next_fast(n + n / 3) }
 }
 
-/// Decides how to compute the loop of `scene`, whose open choices are made in `model`.
-pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
+/// Decides how to compute the loop of `scene`, whose open choices are made in `model`; what is `asked` overrules the plan.
+pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
     let n = model.grid.nx;
     let flat = model.indenter == Indenter::Flat;
     let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
@@ -97,33 +40,34 @@ pub fn plan(scene: &Scene, model: &Model, wish: Wish) -> Plan {
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
-    let by_walk = |reduction: Reduction, why: &str| {
-        let (place, seconds) = match reduction {
-            Reduction::Whole => (whole.clone(), 45.0 * transform(points)),
-            Reduction::Quarter => (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0)),
+    let by_walk = |part: Part, why: &str| {
+        let (place, seconds) = match part.is_even() {
+            true => (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0)),
+            false => (whole.clone(), 45.0 * transform(points)),
         };
         Plan {
-            road: Road::Walk(reduction),
+            road: Road::Walk(part),
             words: format!("{place}: {why}; {}", promise(Some(mesh))),
             predicted_error: mesh,
             predicted_seconds: increments * seconds,
         }
     };
-    match (wish, obstacle) {
-        (Wish::Whole, _) => by_walk(Reduction::Whole, "asked for"),
-        (Wish::Quarter, _) if !model.indenter.is_even() => by_walk(Reduction::Whole, "rough ground has no mirror symmetry"),
-        (Wish::Quarter, _) => by_walk(Reduction::Quarter, "asked for"),
-        (Wish::Plan, Some(why)) if has_one_crest(model) && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
-            by_walk(Reduction::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
+    match (asked, obstacle) {
+        (Some(Road::Walk(part)), _) if part.is_even() && !model.indenter.is_even() => {
+            by_walk(Part::Whole, "rough ground has no mirror symmetry")
         }
-        (Wish::Plan, Some(why)) => by_walk(Reduction::Whole, &why),
-        // What the wish may overrule is the plan, not the scene.
-        (Wish::Atlas, _) if no_atlas.is_some() => by_walk(Reduction::Whole, &no_atlas.unwrap_or_default()),
-        (Wish::Atlas, _) | (Wish::Plan, None) => {
+        (Some(Road::Walk(part)), _) => by_walk(part, "asked for"),
+        (None, Some(why)) if has_one_crest(model) && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
+            by_walk(Part::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
+        }
+        (None, Some(why)) => by_walk(Part::Whole, &why),
+        // What is asked overrules the plan, not the scene.
+        (Some(Road::Atlas), _) if no_atlas.is_some() => by_walk(Part::Whole, &no_atlas.unwrap_or_default()),
+        (Some(Road::Atlas), _) | (None, None) => {
             let chart = chart(&model.law, model.grid.length, n);
             let side = chart.square;
             Plan {
-                road: Road::Atlas(chart),
+                road: Road::Atlas,
                 words: format!(
                     "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
                      f64; {}",
@@ -146,9 +90,9 @@ pub fn promise(error: Option<f64>) -> String {
     format!("expected error {percent:.digits$} %")
 }
 
-/// Why the model that is wished for cannot hold the scene: a refusal of the wish; `None` if it can.
-pub fn refusal(scene: &Scene, model: &Model, wish: Wish) -> Option<String> {
-    no_atlas(scene, model).filter(|_| wish == Wish::Atlas)
+/// Why the road that is asked for cannot hold the scene; `None` if it can.
+pub fn refusal(scene: &Scene, model: &Model, asked: Option<Road>) -> Option<String> {
+    no_atlas(scene, model).filter(|_| asked == Some(Road::Atlas))
 }
 
 /// Why the scene has no atlas; `None` if it can have one, wise or not.

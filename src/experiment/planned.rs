@@ -2,10 +2,12 @@
 
 use super::atlas::{Atlas, Cycle, Unmapped};
 use super::error_bar::error_bar;
-use super::plan::{Plan, Road, chart};
+use super::part::Road;
+use super::plan::{Plan, chart};
 use super::record::JumpRecord;
-use super::run::{LoopRun, Report, RivalLoop, run_loop, run_reduced, walked_after_all};
+use super::run::{LoopRun, Report, RivalLoop, run_loop, walked_after_all};
 use super::scene::{Model, Scene, SceneError, Turn};
+use super::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::solver::methods::MethodKind;
 
@@ -56,18 +58,17 @@ fn run_on_road(
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    let chart = match plan.road {
-        Road::Walk(reduction) => return run_reduced(scene, method, reduction, cancel, observe),
-        Road::Atlas(chart) => chart,
-    };
+    if let Road::Walk(part) = plan.road {
+        return run_loop(scene, WalkOptions { part, ..method.into() }, cancel, observe);
+    }
     let model = scene.model()?;
-    let mut atlas = Atlas::new(chart);
+    let mut atlas = Atlas::new(chart(&model.law, model.grid.length, model.grid.nx));
     let toured = match scene.drive.turn {
         Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        Turn::ZeroLoad => Err(Unmapped("the turn at zero load is for uneven ground".to_owned())),
+        Turn::ZeroLoad => Err(Unmapped::anywhere("the turn at zero load is for uneven ground")),
     };
     toured.or_else(|reason| {
-        let run = run_loop(scene, method, cancel, observe)?;
+        let run = run_loop(scene, method.into(), cancel, observe)?;
         Ok(LoopRun { deviation: Some(walked_after_all(&reason.to_string())), ..run })
     })
 }

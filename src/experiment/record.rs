@@ -1,6 +1,7 @@
 //! What a walk leaves behind: states and jumps.
 
 use super::contest::Share;
+use super::part::Part;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 use std::fmt;
@@ -46,8 +47,8 @@ pub struct StateRecord {
     pub stiffness_error: f64,
     /// Energy per area (E* times length).
     pub energy: f64,
-    /// Which model produced it ("flat, closed form"; "whole cell 64 x 64"; ...).
-    pub model: &'static str,
+    /// The part of the cell on which it was solved.
+    pub part: Part,
     /// Why the solver stopped here.
     pub stop: Stop,
     /// Iterations of the method spent on it (Newton steps or time steps).
@@ -86,7 +87,7 @@ impl StateRecord {
             stiffness_min: f64::NAN,
             stiffness_error: f64::NAN,
             energy: f64::NAN,
-            model: "",
+            part: Part::Flat,
             stop: Stop::NotConverged,
             iterations: 0,
             transforms: 0,

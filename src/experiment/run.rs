@@ -2,14 +2,11 @@
 
 use super::contest::Share;
 use super::ledger::Ledger;
-use super::plan::Reduction;
 use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
-use super::walk::{Counts, Happening, Progress, Walk, Widened};
+use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::precision::Precision;
 use crate::physics::pattern::Pattern;
-use crate::solver::methods::MethodKind;
 use ndarray::Array2;
 
 /// A loop, complete or as far as it came.
@@ -71,7 +68,7 @@ pub enum Outcome {
         /// Last u0 reached (length).
         mean_displacement: f64,
         /// What happened.
-        reason: String,
+        reason: Stuck,
     },
     /// Somebody asked to stop; everything before stands.
     Cancelled,
@@ -104,64 +101,31 @@ pub enum Report<'a> {
     Jump(&'a JumpRecord),
 }
 
-/// Runs the closed loop of `scene` on the whole cell: from the start of its drive to the turning point and back.
-///
-/// # Errors
-/// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
-pub fn run_loop(
-    scene: &Scene,
-    method: MethodKind,
-    cancel: &Cancel,
-    observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
-    run_reduced(scene, method, Reduction::Whole, cancel, observe)
-}
-
 /// Why a loop is not what was planned.
 pub(super) fn walked_after_all(reason: &str) -> String {
     format!("walked on the whole cell after all: {reason}")
 }
 
-/// The same on a part of the cell, and where that proves too small on the whole of it.
+/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back. On a part of the cell that proves too small
+/// it goes on on the whole of it.
 ///
 /// # Errors
-/// As [`run_loop`].
-pub fn run_reduced(
+/// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
+pub fn run_loop(
     scene: &Scene,
-    method: MethodKind,
-    reduction: Reduction,
+    options: WalkOptions,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, SceneError> {
-    run_in_precision(scene, method, reduction, Precision::Double, cancel, observe)
-}
-
-/// The same with other numbers.
-///
-/// # Errors
-/// As [`run_loop`].
-pub fn run_in_precision(
-    scene: &Scene,
-    method: MethodKind,
-    reduction: Reduction,
-    precision: Precision,
-    cancel: &Cancel,
-    observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
-    let walk = Walk::begun(scene, method.build(scene.seed), reduction, precision, cancel)?;
-    Ok(run_walk(walk, scene, method, cancel, observe))
-}
-
-/// The same with a walk of this `method` that stands at the start of the drive of `scene`.
-pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> LoopRun {
-    let mut drive = Drive::new(walk, scene);
+    let mut drive = Drive::new(Walk::start(scene, options, cancel)?, scene);
     if cancel.requested() {
         drive.run.outcome = Outcome::Cancelled;
-        return drive.run;
+        return Ok(drive.run);
     }
     if let Some((what, remedy)) = drive.walk.record().fault() {
-        drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason: format!("{what}; {remedy}") };
-        return drive.run;
+        let reason = Stuck::NoStart { what, remedy };
+        drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason };
+        return Ok(drive.run);
     }
     loop {
         match drive.step(cancel, observe) {
@@ -172,7 +136,7 @@ pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, 
                 drive.run.outcome = Outcome::Cancelled;
                 break;
             }
-            Progress::Stuck(reason) => match drive.walk.widen(scene, method, cancel) {
+            Progress::Stuck(reason) => match drive.walk.widen(&reason, scene, cancel) {
                 Some(widened) => drive.go_on_with(widened, &reason),
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;
@@ -184,7 +148,7 @@ pub fn run_walk(walk: Walk, scene: &Scene, method: MethodKind, cancel: &Cancel, 
     }
     let spent = drive.walk.counts();
     drive.run.counts += spent;
-    drive.run
+    Ok(drive.run)
 }
 
 /// A drive under way: down to the turning point, and back to the start.
@@ -218,14 +182,14 @@ impl<'s> Drive<'s> {
         let Self { scene, walk, run, turn, retracting, landed, lowest } = self;
         let start = scene.drive.start;
         let mut fresh = false;
-        let progress = walk.step(cancel, &mut |happening| match happening {
-            Happening::Moving { .. } => {}
-            Happening::Jump(jump) => {
+        let progress = walk.step(cancel, &mut |observed| match observed {
+            Observed::Moving { .. } => {}
+            Observed::Jump(jump) => {
                 *landed = true;
                 observe(Report::Jump(&jump));
                 run.record.jumps.push(jump);
             }
-            Happening::State(state) => {
+            Observed::State(state) => {
                 fresh = true;
                 *lowest = lowest.min(state.mean_displacement);
                 let depth = turn.map_or(f64::INFINITY, |turn| start - turn);
@@ -245,7 +209,7 @@ impl<'s> Drive<'s> {
         }
         let record = walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
-            return Progress::Stuck("stress or energy are no finite numbers".to_owned());
+            return Progress::Stuck(Stuck::NotFinite);
         }
         if fresh && turn.is_none() && !*retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {
             *turn = Some(record.mean_displacement);
@@ -261,7 +225,7 @@ impl<'s> Drive<'s> {
     }
 
     /// On the whole cell, from where the walk stood or from the start of the drive.
-    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &str) {
+    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) {
         self.run.counts += self.walk.counts();
         if stays {
             self.walk = walk;
@@ -271,7 +235,7 @@ impl<'s> Drive<'s> {
             let counts = self.run.counts;
             *self = Self::new(walk, self.scene);
             self.run.counts = counts;
-            self.run.deviation = Some(walked_after_all(because));
+            self.run.deviation = Some(walked_after_all(&because.to_string()));
         }
     }
 }

@@ -102,7 +102,7 @@ impl Survey {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn new(scene: &Scene, turn: f64) -> Result<Self, SceneError> {
-        let walk = Walk::new(scene, MethodKind::NewtonKrylov)?;
+        let walk = Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default())?;
         let (from, down) = (scene.drive.start, scene.drive.start - turn);
         let mut mechanics = walk.mechanics().clone();
         // A pattern that slides, driven by what its residual left, is no oscillation that grows.
@@ -148,7 +148,7 @@ impl Survey {
             Walked::Working => {}
             Walked::Resting => self.begin_column(),
             Walked::Cancelled => return Progress::Cancelled,
-            Walked::Stuck(message) => return Progress::Stuck(message),
+            Walked::Stuck(reason) => return Progress::Stuck(reason.to_string()),
         }
         Progress::Working
     }

@@ -2,10 +2,11 @@
 
 use super::atlas::{Atlas, End, Journey, Leg, Place, Unmapped};
 use crate::experiment::flat_branch::FlatBranch;
+use crate::experiment::part::Part;
 use crate::experiment::record::{Direction, StateRecord};
 use crate::experiment::run::{Landing, LoopRun, Outcome, Report};
 use crate::experiment::scene::{Model, Scene};
-use crate::experiment::walk::guard::{Guard, slides_on};
+use crate::experiment::walk::symmetry::{Guard, slides_on};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
@@ -133,7 +134,7 @@ impl Tour<'_> {
         let stiffness = flat.stiffness_min.expect("closed form");
         (record.stress, record.energy, record.residual) = (flat.state.stress, flat.state.energy, flat.residual);
         (record.stiffness_min, record.stiffness_error) = (stiffness.value * self.model.grid.length, stiffness.error);
-        (record.pattern, record.model, record.stop) = (Pattern::Flat, "flat, closed form", flat.stop);
+        (record.pattern, record.part, record.stop) = (Pattern::Flat, Part::Flat, flat.stop);
         flat.fields.gap
     }
 
@@ -148,7 +149,7 @@ impl Tour<'_> {
         let sector = if is_ridge { &mut self.atlas.ridge } else { &mut self.atlas.square };
         let Measured { node, residual, mut stiffness, .. } = sector
             .measure(u0, guess, before.as_ref(), TOLERANCE)
-            .map_err(|lost| Unmapped(format!("the state at u0 = {u0:.4} was not found ({lost:?})")))?;
+            .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))?;
         let square = self.atlas.square.system();
         let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
@@ -157,10 +158,10 @@ impl Tour<'_> {
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the branch.
         let at_end = stiffness.value * length <= SOFT;
         if all.value < 0.0 && !at_end && !cancelled {
-            return Err(Unmapped(format!("at u0 = {u0:.4} a mode goes soft that is not mirror-symmetric")));
+            return Err(Unmapped::at(u0, "a mode goes soft that is not mirror-symmetric"));
         }
         if all.value.is_nan() && !cancelled {
-            return Err(Unmapped(format!("at u0 = {u0:.4} the stability against all modes was not decided")));
+            return Err(Unmapped::at(u0, "the stability against all modes was not decided"));
         }
         if all.value >= 0.0 {
             stiffness = stiffness.among(all);
@@ -168,7 +169,7 @@ impl Tour<'_> {
         (record.stress, record.energy, record.residual) = (node.state.stress, node.state.energy, residual);
         (record.stiffness_min, record.stiffness_error) = (stiffness.value * length, stiffness.error * length);
         record.pattern = classify(gap.view(), &self.model.law, true);
-        record.model = if is_ridge { "ridge on half a line" } else { "quarter cell" };
+        record.part = if is_ridge { Part::Ridge } else { Part::Quarter };
         // The residual is within tolerance, or there would be no state.
         record.stop = if stiffness.is_stable() { Stop::Stable } else { Stop::Unstable };
         self.last = Some((Place::On(i), node));

@@ -3,23 +3,21 @@
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment, or a slice of a release) and hands
 //! out what happened. It works on any scene and is the reference for every faster road.
 
-mod accept;
 mod advance;
-mod fall;
-pub(super) mod guard;
-mod happening;
 mod landing;
-mod transition;
+mod mesh_jumps;
+mod progress;
+mod record;
+pub(super) mod symmetry;
 mod views;
-mod widen;
 
-pub use happening::{Counts, Happening, Progress};
+pub use progress::{Counts, Observed, Progress, Stuck};
+pub use symmetry::Widened;
 pub use views::EnergyWell;
-pub use widen::Widened;
 
 use super::contest::Share;
 use super::flat_branch::FlatBranch;
-use super::plan::Reduction;
+use super::part::Part;
 use super::record::{Cause, Direction, StateRecord};
 use super::scene::{Model, Scene, SceneError, refuse};
 use crate::numerics::cancel::Cancel;
@@ -34,10 +32,10 @@ use crate::solver::methods::MethodKind;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
-use guard::{Guard, slides_on, with_coarse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
+use symmetry::{Guard, slides_on, with_coarse};
 
 /// Why a branch cannot be followed beyond `at`.
 #[derive(Clone, Debug)]
@@ -57,6 +55,46 @@ struct Before {
     stress: f64,
 }
 
+/// How a branch is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WalkOptions {
+    /// By which method.
+    pub method: MethodKind,
+    /// On which part of the cell.
+    pub part: Part,
+    /// With which numbers.
+    pub precision: Precision,
+    /// For a mesh that traps the edge of a contact: jumps of a few points are gone downhill, and located within so many ranges. `None`
+    /// brackets every jump.
+    pub trapped_within: Option<f64>,
+}
+
+impl From<MethodKind> for WalkOptions {
+    /// This method on the whole cell.
+    fn from(method: MethodKind) -> Self {
+        Self { method, ..Self::default() }
+    }
+}
+
+/// Where a walk stands between two steps.
+enum Phase {
+    /// On a branch whose end is not in sight.
+    Following,
+    /// On a branch that ends before a barrier.
+    Bracketing(Bracket),
+    /// Off a branch: the surface moves at fixed u0.
+    Jumping(Box<Jumping>),
+}
+
+/// The end of a branch lies between the present state and a barrier.
+struct Bracket {
+    barrier: Barrier,
+    /// Its width (length).
+    width: f64,
+    /// True if the next trial must be the middle, because the last one did not halve it.
+    halve: bool,
+}
+
 /// A jump under way.
 #[derive(Clone, Debug)]
 struct Jumping {
@@ -72,100 +110,83 @@ struct Jumping {
     landings: Vec<Share>,
 }
 
+/// The branch as far as it was followed.
+struct Behind {
+    history: History,
+    /// The state before, if it is of the same branch.
+    before: Option<Before>,
+    /// The step that went well after a longer one had failed; it grows again.
+    short: Option<f64>,
+}
+
+/// What a walk spent, and how much of it is in its records.
+struct Spent {
+    counts: Counts,
+    /// Transforms spent on looking where a surface may land.
+    looked: usize,
+    recorded: Cost,
+    /// Work on the next record so far, not counting the time between steps.
+    worked: Duration,
+    since: Instant,
+}
+
 /// A body on its way along u0.
 pub struct Walk {
     model: Model,
+    options: WalkOptions,
     step: f64,
     start: f64,
     mechanics: Mechanics,
     method: Box<dyn Method>,
     flat: Option<FlatBranch>,
-    /// On a quarter cell: the watch over modes of other symmetry.
+    /// On a part of the cell: the watch over modes of other symmetry.
     guard: Option<Guard>,
     rng: Pcg64,
     tracker: Tracker,
     /// Where it stands.
     here: Equilibrium,
     record: StateRecord,
-    history: History,
-    barrier: Option<Barrier>,
-    /// Bracket width before the last trial, and whether the next must be the middle because that trial did not halve it.
-    bracket: f64,
-    halve: bool,
-    /// The state before, if it is of the same branch.
-    before: Option<Before>,
-    /// The step that went well after a longer one had failed; it grows again.
-    short: Option<f64>,
-    /// Where jumps of a few points are gone downhill: how closely, in ranges, they are located.
-    falls_within: Option<f64>,
-    jumping: Option<Jumping>,
+    behind: Behind,
+    phase: Phase,
     /// The soft mode last shown, for the sign of the next.
     facing: Vec<f64>,
     target: f64,
     direction: Direction,
-    counts: Counts,
-    /// Work on the next record so far, not counting the time between steps.
-    worked: Duration,
-    step_began: Instant,
-    seen: Cost,
-    /// Transforms spent on looking where a surface may land.
-    looked: usize,
+    spent: Spent,
 }
 
 impl Walk {
-    /// A walk on the whole cell at rest at the start of the scene's drive.
+    /// A walk at rest at the start of the scene's drive. Where `cancel` ends the search for the first state the walk stands on none.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn new(scene: &Scene, method: MethodKind) -> Result<Self, SceneError> {
-        Self::reduced(scene, method, Reduction::Whole)
+    pub fn start(scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+        Self::start_by(options.method.build(scene.seed), scene, options, cancel)
     }
 
-    /// A walk on a part of the cell.
+    /// The same by a method that is not in the list.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn reduced(scene: &Scene, method: MethodKind, reduction: Reduction) -> Result<Self, SceneError> {
-        Self::with_method(scene, method.build(scene.seed), reduction)
-    }
-
-    /// A walk by any method, also one that is not in the list.
-    ///
-    /// # Errors
-    /// The first value of the scene that is not allowed.
-    pub fn with_method(scene: &Scene, method: Box<dyn Method>, reduction: Reduction) -> Result<Self, SceneError> {
-        Self::begun(scene, method, reduction, Precision::Double, &Cancel::default())
-    }
-
-    /// The same with other numbers, and a token that ends the search for the first state: the walk then stands on none.
-    ///
-    /// # Errors
-    /// The first value of the scene that is not allowed.
-    pub fn begun(
-        scene: &Scene,
-        method: Box<dyn Method>,
-        reduction: Reduction,
-        precision: Precision,
-        cancel: &Cancel,
-    ) -> Result<Self, SceneError> {
-        let model = scene.model()?;
-        let even = reduction == Reduction::Quarter;
-        if even && !model.grid.nx.is_multiple_of(4) {
+    pub fn start_by(method: Box<dyn Method>, scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+        let (model, part) = (scene.model()?, options.part);
+        if part.is_even() && !model.grid.nx.is_multiple_of(4) {
             return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
-        if even && !model.indenter.is_even() {
+        if part.is_even() && !model.indenter.is_even() {
             return Err(refuse(
                 "indenter.kind",
                 "\"rough\"",
                 "even ground for a quarter of the cell; rough ground needs the whole",
             ));
         }
-        let system =
-            if even { System::even } else { System::new }(model.grid, model.law, &model.indenter).with_precision(precision);
+        let make = if part.is_even() { System::even } else { System::new };
+        let system = make(model.grid, model.law, &model.indenter).with_precision(options.precision);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
-        let guard = even.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
-        let mut mechanics = Mechanics::new(system, if even { Slides::Never } else { slides });
+        let watched = part.is_even() && part != Part::Mirrored;
+        let guard = watched.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
+        let mut mechanics = Mechanics::new(system, if part.is_even() { Slides::Never } else { slides });
         mechanics.cancel = cancel.clone();
         let flat = (mechanics.system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
         let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
@@ -178,6 +199,7 @@ impl Walk {
             }
         };
         let mut walk = Self {
+            options,
             step: scene.drive.step,
             start,
             mechanics,
@@ -186,66 +208,34 @@ impl Walk {
             guard,
             tracker,
             rng: Pcg64::seed_from_u64(scene.seed),
-            history: History::starting(&here.state),
+            behind: Behind { history: History::starting(&here.state), before: None, short: None },
             record: StateRecord::placeholder(start),
             here,
-            barrier: None,
-            bracket: f64::INFINITY,
-            halve: false,
-            before: None,
-            short: None,
-            falls_within: None,
-            jumping: None,
+            phase: Phase::Following,
             facing: Vec::new(),
             target: start,
             direction: Direction::Approach,
-            counts: Counts::default(),
-            worked: Duration::ZERO,
-            step_began: Instant::now(),
-            seen: Cost::default(),
-            looked: 0,
+            spent: Spent {
+                counts: Counts::default(),
+                looked: 0,
+                recorded: Cost::default(),
+                worked: Duration::ZERO,
+                since: Instant::now(),
+            },
             model,
         };
         walk.accept(&mut |_| {});
         Ok(walk)
     }
 
-    /// The same walk without the watch over modes that are not mirror-symmetric: what a surface does that is held so. On a coarse mesh
-    /// single points let go; in the whole cell their mirror images do so one by one, a little earlier or later.
-    pub fn mirrored(self) -> Self {
-        Self { guard: None, ..self }
-    }
-
-    /// A walk on the whole cell that stands on a state an earlier walk of the same scene stood on.
-    ///
-    /// # Errors
-    /// The first value of the scene that is not allowed.
-    pub fn resume(scene: &Scene, method: MethodKind, state: Equilibrium, record: StateRecord) -> Result<Self, SceneError> {
-        Self::resume_reduced(scene, method, Reduction::Whole, state, record)
-    }
-
-    /// The same on the part of the cell on which the earlier walk went.
-    ///
-    /// # Errors
-    /// The first value of the scene that is not allowed.
-    pub fn resume_reduced(
-        scene: &Scene,
-        method: MethodKind,
-        reduction: Reduction,
-        state: Equilibrium,
-        record: StateRecord,
-    ) -> Result<Self, SceneError> {
-        Self::reduced(scene, method, reduction).map(|walk| walk.standing_on(state, record))
-    }
-
-    /// The same walk on another state of its scene.
+    /// The same walk on another state of its scene, on which an earlier walk on the same part of the cell stood.
     pub fn standing_on(mut self, mut state: Equilibrium, record: StateRecord) -> Self {
         let State { mean_displacement, amplitudes, .. } = state.state.clone();
         // It may come from another mesh, or have been moved.
         state.fields = self.mechanics.uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement)).fields;
         self.target = mean_displacement;
         self.direction = record.direction;
-        self.history = History::starting(&state.state);
+        self.behind.history = History::starting(&state.state);
         (self.here, self.record) = (state, record);
         self
     }
@@ -283,11 +273,11 @@ impl Walk {
     /// What was spent so far.
     pub fn counts(&self) -> Counts {
         let proofs = self.tracker.proof_transforms() + self.guard.as_ref().map_or(0, Guard::proof_transforms);
-        Counts { transforms: self.transforms(), proof_transforms: proofs, ..self.counts }
+        Counts { transforms: self.transforms(), proof_transforms: proofs, ..self.spent.counts }
     }
 
     fn transforms(&self) -> usize {
-        self.looked
+        self.spent.looked
             + self.mechanics.transforms()
             + self.tracker.coarse_transforms()
             + self.guard.as_ref().map_or(0, Guard::transforms)
@@ -295,7 +285,10 @@ impl Walk {
 
     /// Mean displacement now; during a jump, that of the jump.
     pub fn displacement(&self) -> f64 {
-        self.jumping.as_ref().map_or(&self.here.state, |jumping| &jumping.release.at.state).mean_displacement
+        match &self.phase {
+            Phase::Jumping(jumping) => jumping.release.at.state.mean_displacement,
+            _ => self.here.state.mean_displacement,
+        }
     }
 
     /// Where it is going.
@@ -309,8 +302,8 @@ impl Walk {
     }
 
     /// Does one bounded piece of work.
-    pub fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Happening)) -> Progress {
-        self.step_began = Instant::now();
+    pub fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Observed)) -> Progress {
+        self.spent.since = Instant::now();
         self.mechanics.cancel = cancel.clone();
         let progress = self.work(observe);
         self.pause_clock();
@@ -320,14 +313,15 @@ impl Walk {
     /// Books the time since the step began, or since it was last booked.
     fn pause_clock(&mut self) {
         let now = Instant::now();
-        self.worked += now.duration_since(self.step_began);
-        self.step_began = now;
+        self.spent.worked += now.duration_since(self.spent.since);
+        self.spent.since = now;
     }
 
-    fn work(&mut self, observe: &mut dyn FnMut(Happening)) -> Progress {
-        if let Some(jumping) = self.jumping.take() {
-            return self.relax(jumping, observe);
-        }
+    fn work(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
+        self.phase = match std::mem::replace(&mut self.phase, Phase::Following) {
+            Phase::Jumping(jumping) => return self.relax(jumping, observe),
+            phase => phase,
+        };
         let here = self.here.state.mean_displacement;
         if here == self.target {
             return Progress::Resting;
@@ -338,7 +332,8 @@ impl Walk {
         let direction = if self.target < here { Direction::Approach } else { Direction::Retraction };
         if direction != self.direction {
             self.direction = direction;
-            (self.barrier, self.before, self.short) = (None, None, None);
+            self.phase = Phase::Following;
+            (self.behind.before, self.behind.short) = (None, None);
         }
         match self.flat {
             Some(flat) if self.here.is_uniform() => self.step_flat(flat, observe),

@@ -4,7 +4,7 @@ use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::experiment::record::Direction;
-use crate::experiment::walk::{Happening, Progress, Walk};
+use crate::experiment::walk::{Observed, Progress, Walk};
 use crate::physics::indenter::Indenter;
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::solver::methods::MethodKind;
@@ -73,18 +73,19 @@ fn radius(indenter: &Indenter) -> f64 {
 /// The state of largest mean stress on retraction.
 fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Profile), Stopped> {
     let scene = scenes::figure_1();
-    let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).map_err(|error| Stopped::Failed(error.to_string()))?;
+    let mut walk =
+        Walk::start(&scene, MethodKind::NewtonKrylov.into(), task.cancel).map_err(|error| Stopped::Failed(error.to_string()))?;
     let mut best = Profile::default();
     for target in [super::scenes::turn(&scene), scene.drive.start] {
         walk.set_target(target);
         loop {
             task.tell(0.5 * f64::from(u8::from(target > 0.0)), "a cylinder under tension")?;
             let mut fresh = false;
-            match walk.step(task.cancel, &mut |happening| fresh |= matches!(happening, Happening::State(_))) {
+            match walk.step(task.cancel, &mut |observed| fresh |= matches!(observed, Observed::State(_))) {
                 Progress::Working => {}
                 Progress::Resting => break,
                 Progress::Cancelled => return Err(Stopped::Cancelled),
-                Progress::Stuck(reason) => return Err(Stopped::Failed(reason)),
+                Progress::Stuck(reason) => return Err(Stopped::Failed(reason.to_string())),
             }
             let record = walk.record();
             if fresh && record.direction == Direction::Retraction && record.stress > best.stress {

@@ -4,7 +4,7 @@ use super::Entry;
 use super::figure::{Figure, Finding};
 use super::line_cell::{ends, ridges, run, scene, thinned, units};
 use super::task::{Stopped, Task};
-use crate::experiment::plan::Reduction;
+use crate::experiment::part::Part;
 use crate::experiment::record::Direction;
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::Scene;
@@ -39,8 +39,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let looks = [(Colour::Green, Symbol::Circle, Symbol::Cross), (Colour::Red, Symbol::Square, Symbol::Triangle)];
     for (i, ((length, name), (colour, down, up))) in CELLS.into_iter().zip(looks).enumerate() {
         let (points, step) = task.choose((length / 4.0, 0.1), (length, 0.05));
-        let run =
-            run(&loop_of(length, points as usize, step), Reduction::Whole, &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64))?;
+        let run = run(&loop_of(length, points as usize, step), Part::Whole, &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64))?;
         let units = units(length);
         let (approach, retraction) = (ridges(&run, &units, Direction::Approach), ridges(&run, &units, Direction::Retraction));
         let deviation = approach.iter().chain(&retraction).map(|p| deviation(*p)).fold(0.0, f64::max);

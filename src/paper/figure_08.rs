@@ -4,7 +4,7 @@ use super::Entry;
 use super::figure::{Figure, Finding};
 use super::line_cell::{ends, reduced, run, scene, units};
 use super::task::{Stopped, Task};
-use crate::experiment::plan::Reduction;
+use crate::experiment::part::Part;
 use crate::experiment::record::Direction;
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Range, Scene};
@@ -44,7 +44,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (mut panels, mut findings) = (Vec::new(), Vec::new());
     let mut half = [f64::NAN; 2];
     for (i, (mu_rho, counted)) in PANELS.into_iter().enumerate() {
-        let run = run(&loop_of(mu_rho), Reduction::Whole, &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64))?;
+        let run = run(&loop_of(mu_rho), Part::Whole, &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64))?;
         let exact = Series {
             name: "exact, no range".to_owned(),
             role: Role::Theory,
@@ -156,7 +156,7 @@ fn search(task: &mut Task<'_>) -> Result<Vec<(f64, [f64; 2])>, Stopped> {
     let mut seen = Vec::new();
     for (i, mu_rho) in SEARCH.into_iter().enumerate() {
         let share = SEARCH.len() as f64;
-        let run = run(&loop_of(mu_rho), Reduction::Whole, &mut task.part(i as f64 / share, (i + 1) as f64 / share))?;
+        let run = run(&loop_of(mu_rho), Part::Whole, &mut task.part(i as f64 / share, (i + 1) as f64 / share))?;
         seen.extend(ends(&run, &units).map(|ends| (mu_rho, ends)));
     }
     Ok(seen)

@@ -5,8 +5,9 @@ use super::line_cell::{scene, units};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes, walked};
 use crate::experiment::mesh::next_fast;
-use crate::experiment::plan::Reduction;
+use crate::experiment::part::Part;
 use crate::experiment::scene::{Range, Scene};
+use crate::experiment::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
@@ -93,11 +94,9 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
     let law = law(shape);
     let length = cell(&law, ratio);
     // An even half is enough for a ridge. Where the stiffness jumps, the mesh may hold a ridge askew.
-    let reduction = if law.is_smooth() { Reduction::Quarter } else { Reduction::Whole };
-    let scene = loop_of(shape, ratio);
-    let walk = walked::walk(&scene, reduction)?;
-    let walk = if mu_rho(ratio) == COARSE { walk.locating_within(LOCATED) } else { walk };
-    let run = walked::run(walk, &scene, task)?;
+    let part = if law.is_smooth() { Part::Quarter } else { Part::Whole };
+    let trapped_within = (mu_rho(ratio) == COARSE).then_some(LOCATED);
+    let run = walked::run(&loop_of(shape, ratio), WalkOptions { part, trapped_within, ..WalkOptions::default() }, task)?;
     let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
     Ok(Loss {
         ratio,

@@ -2,8 +2,9 @@
 
 use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
-use super::tips::{self, Order, TIP, Tip, Way};
+use super::tips::{self, Order, TIP, Tip};
 use super::{Entry, scenes};
+use crate::experiment::part::Part;
 use crate::experiment::scene::Turn;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 
@@ -35,7 +36,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let varied: &[f64] = task.choose(&[], &[0.5, 1.0, 1.5, 2.0]);
     let others = varied.iter().flat_map(|mu| {
         let plain = Order::new(*mu, VARIED);
-        [Order { turn: Turn::At(0.0), ..plain }, Order { way: Way::Whole, ..plain }]
+        [Order { turn: Turn::At(0.0), ..plain }, Order { part: Part::Whole, ..plain }]
     });
     let all: Vec<Order> = orders.iter().copied().chain(others).collect();
     let mut live = tips::run_all(&all, task)?;

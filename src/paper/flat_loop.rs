@@ -2,7 +2,7 @@
 
 use super::figure::Finding;
 use super::task::{Stopped, Task};
-use crate::experiment::plan::{self, Wish};
+use crate::experiment::plan::{self};
 use crate::experiment::planned::run_planned;
 use crate::experiment::record::{Cause, Direction, LoopRecord};
 use crate::experiment::run::{Landing, LoopRun, Report};
@@ -24,7 +24,7 @@ const POINTS: usize = 600;
 /// The closed loop of `scene` as planned.
 pub(super) fn run(scene: &Scene, task: &mut Task<'_>, what: &str) -> Result<(LoopRun, Model), Stopped> {
     let model = scene.model().map_err(|error| refused(scene, error))?;
-    let plan = plan::plan(scene, &model, Wish::Plan);
+    let plan = plan::plan(scene, &model, None);
     let cancel = task.cancel.clone();
     let mut observe = |report: Report<'_>| {
         if let Report::State { fraction, .. } = report {

@@ -5,10 +5,11 @@
 
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
-use crate::experiment::plan::Reduction;
+use crate::experiment::part::Part;
 use crate::experiment::record::{Direction, StateRecord};
 use crate::experiment::run::LoopRun;
 use crate::experiment::scene::{Points, Scene};
+use crate::experiment::walk::WalkOptions;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::units::Units;
 
@@ -24,8 +25,8 @@ pub(super) fn scene(title: &str, length: f64, points: usize, [start, turn, step]
 }
 
 /// Runs the closed loop, and tells how far it is.
-pub(super) fn run(scene: &Scene, reduction: Reduction, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
-    walked::run(walked::walk(scene, reduction)?, scene, task)
+pub(super) fn run(scene: &Scene, part: Part, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
+    walked::run(scene, WalkOptions { part, ..WalkOptions::default() }, task)
 }
 
 /// (u~, p~) of a state.

@@ -2,9 +2,10 @@
 
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
-use crate::experiment::plan::Reduction;
+use crate::experiment::part::Part;
 use crate::experiment::record::Direction;
 use crate::experiment::scene::Turn;
+use crate::experiment::walk::WalkOptions;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
 
@@ -16,23 +17,10 @@ pub(super) fn periodic() -> PeriodicJkr {
     PeriodicJkr::new(TIP, 1.0)
 }
 
-/// Which surface is solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// The even quarter, with all other modes watched: as good as the whole cell. The apex lies between points.
-    Quarter,
-    /// The even quarter, held mirror-symmetric. The apex lies between points.
-    Mirrored,
-    /// The whole cell. The apex lies on a point.
-    Whole,
-}
-
-impl Way {
-    /// Up to 0.7 nothing but the two collective jumps breaks symmetry. Beyond, single points let go one by one; their mirror images
-    /// are then held to do so together.
-    pub fn of(mu_rho: f64) -> Self {
-        if mu_rho < TRAPS { Way::Quarter } else { Way::Mirrored }
-    }
+/// The part of the cell on which the loop of a tip at `mu_rho` is solved. Up to 0.7 nothing but the two collective jumps breaks symmetry.
+/// Beyond, single points let go one by one; their mirror images are then held to do so together. The apex lies between points.
+fn part_for(mu_rho: f64) -> Part {
+    if mu_rho < TRAPS { Part::Quarter } else { Part::Mirrored }
 }
 
 /// mu_rho from which the mesh traps the edge of the contact.
@@ -80,23 +68,23 @@ pub struct Order {
     pub mu_rho: f64,
     /// Points along a side.
     pub points: usize,
-    /// Which surface is solved.
-    pub way: Way,
+    /// Which part of the cell is solved; of the whole the apex lies on a point.
+    pub part: Part,
     /// Where the drive turns.
     pub turn: Turn,
 }
 
 impl Order {
-    /// The loop to zero load and back, solved as [`Way::of`] its mu_rho.
+    /// The loop to zero load and back, on the part of the cell that its mu_rho allows.
     pub fn new(mu_rho: f64, points: usize) -> Self {
-        Self { mu_rho, points, way: Way::of(mu_rho), turn: Turn::ZeroLoad }
+        Self { mu_rho, points, part: part_for(mu_rho), turn: Turn::ZeroLoad }
     }
 
     /// Transforms grow with the points, increments with the root of their number, and iterations with it, too; single points that let
     /// go cost a step each, and a mirrored quarter is a quarter.
     fn cost(&self) -> f64 {
         let steps = if self.mu_rho < TRAPS { 1.0 } else { 20.0 };
-        let share = if self.way == Way::Whole { 4.0 } else { 1.0 };
+        let share = if self.part == Part::Whole { 4.0 } else { 1.0 };
         (self.points as f64).powi(3) * steps * share
     }
 }
@@ -106,15 +94,13 @@ impl Order {
 /// # Errors
 /// Where it stopped, in words.
 pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
-    let Order { mu_rho, points, way, turn } = *order;
+    let Order { mu_rho, points, part, turn } = *order;
     let mut scene = scenes::tip(points, mu_rho);
     scene.drive.turn = turn;
     scene.title += &format!(", n = {points}");
     let range = scene.model().map_err(|error| walked::refused(&scene, error))?.law.range;
-    let walk = walked::walk(&scene, if way == Way::Whole { Reduction::Whole } else { Reduction::Quarter })?;
-    let walk = if way == Way::Mirrored { walk.mirrored() } else { walk };
-    let walk = if mu_rho < TRAPS { walk } else { walk.locating_within(LOCATED) };
-    let record = walked::run(walk, &scene, task)?.record;
+    let options = WalkOptions { part, trapped_within: (mu_rho >= TRAPS).then_some(LOCATED), ..WalkOptions::default() };
+    let record = walked::run(&scene, options, task)?.record;
     // L = 1: a mean stress is a force, an energy per area an energy.
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {

@@ -1,28 +1,21 @@
 //! A closed loop, run for a figure.
 
 use super::task::{Stopped, Task};
-use crate::experiment::plan::Reduction;
-use crate::experiment::run::{LoopRun, Outcome, Report, run_walk};
+use crate::experiment::run::{LoopRun, Outcome, Report, run_loop};
 use crate::experiment::scene::{Scene, SceneError};
-use crate::experiment::walk::Walk;
-use crate::solver::methods::MethodKind;
+use crate::experiment::walk::WalkOptions;
 
-/// A walk on a part of the cell of `scene`.
-pub(super) fn walk(scene: &Scene, reduction: Reduction) -> Result<Walk, Stopped> {
-    Walk::reduced(scene, MethodKind::NewtonKrylov, reduction).map_err(|error| refused(scene, error))
-}
-
-/// Runs the closed loop of `scene` by `walk`, and tells how far it is.
-pub(super) fn run(walk: Walk, scene: &Scene, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
+/// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
+pub(super) fn run(scene: &Scene, options: WalkOptions, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
     task.tell(0.0, &scene.title)?;
     let cancel = task.cancel;
-    let run = run_walk(walk, scene, MethodKind::NewtonKrylov, cancel, &mut |report| {
+    let run = run_loop(scene, options, cancel, &mut |report| {
         if let Report::State { fraction, .. } = report {
             // A request to stop ends the loop by itself.
             let _ = task.tell(fraction, &scene.title);
         }
     });
-    completed(run, scene)
+    completed(run.map_err(|error| refused(scene, error))?, scene)
 }
 
 /// The loop if it is closed.

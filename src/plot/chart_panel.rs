@@ -2,8 +2,8 @@
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::ticks::digits;
-use crate::experiment::chart::{self, Chart, Judged, Model, Point, Verdict};
-use crate::experiment::plan::Reduction;
+use crate::experiment::chart::{self, Chart, Judged, Point, Verdict};
+use crate::experiment::part::Road;
 use crate::solver::methods::MethodKind;
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no error.
@@ -52,7 +52,7 @@ const MARKS: [(Colour, Symbol); MethodKind::ALL.len()] = [
 
 /// Colour and symbol of a way to compute the loop: one for each method, and one for the atlas.
 pub fn mark(point: &Point) -> (Colour, Symbol) {
-    if point.model == Model::Atlas { (Colour::Teal, Symbol::Plus) } else { MARKS[point.method.index()] }
+    if point.model == Road::Atlas { (Colour::Teal, Symbol::Plus) } else { MARKS[point.method.index()] }
 }
 
 /// The rows of a chart on its axes.
@@ -114,7 +114,7 @@ impl<'a> ChartPanel<'a> {
         let mut series: Vec<Series> = Vec::new();
         for first in ways(self.rows) {
             let (colour, symbol) = mark(&first);
-            let quarter = |row: &Judged| row.point.model == Model::Walk(Reduction::Quarter);
+            let quarter = |row: &Judged| row.point.model == Road::QUARTER;
             let own = |row: &Judged| row.point.road() == first.road();
             let done = |row: &Judged| own(row) && row.verdict == Verdict::Done;
             let points = self.places(|row| done(row) && !quarter(row));
@@ -133,7 +133,7 @@ impl<'a> ChartPanel<'a> {
         if self.rows.iter().any(|row| matches!(row.verdict, Verdict::Failed { .. })) {
             series.push(Series::symbols("failed", Symbol::Cross, Colour::Ink, Vec::new()));
         }
-        if self.rows.iter().any(|row| row.point.model == Model::Walk(Reduction::Quarter)) {
+        if self.rows.iter().any(|row| row.point.model == Road::QUARTER) {
             series.push(Series::symbols("hollow: quarter cell", Symbol::Circle, Colour::Ink, Vec::new()));
         }
         series
@@ -191,7 +191,7 @@ pub fn ways(rows: &[Judged]) -> Vec<Point> {
             ways.push(row.point);
         }
     }
-    ways.sort_by_key(|point| (point.model != Model::Atlas, point.method.index()));
+    ways.sort_by_key(|point| (point.model != Road::Atlas, point.method.index()));
     ways
 }
 
@@ -262,14 +262,14 @@ mod tests {
     fn every_method_has_a_mark_of_its_own() {
         let base = Point {
             method: MethodKind::NewtonKrylov,
-            model: Model::Walk(Reduction::Whole),
+            model: Road::WHOLE,
             line: false,
             points: 64,
             precision: chart::Precision::Double,
             step: 0.02,
         };
         let mut marks: Vec<_> = MethodKind::ALL.iter().map(|method| mark(&Point { method: *method, ..base })).collect();
-        marks.push(mark(&Point { model: Model::Atlas, ..base }));
+        marks.push(mark(&Point { model: Road::Atlas, ..base }));
         for (i, a) in marks.iter().enumerate() {
             assert!(marks[..i].iter().all(|b| a.0 != b.0 && a.1 != b.1), "{a:?}");
         }

@@ -180,6 +180,7 @@ fn energy(value: f64) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::experiment::part::Part;
     use crate::experiment::record::{Cause, StateRecord};
     use crate::physics::law::{Morse, Shape};
     use crate::solver::Stop;
@@ -207,7 +208,7 @@ pub(crate) mod tests {
             stiffness_min: 1.0,
             stiffness_error: 0.0,
             energy: 0.0,
-            model: "invented",
+            part: Part::Whole,
             stop: Stop::Stable,
             iterations: 1,
             transforms: 2,

@@ -31,7 +31,7 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
             number(s.residual),
             number(s.stiffness_min),
             number(s.energy),
-            quoted(s.model),
+            quoted(&s.part.to_string()),
             format!("{:.4}", s.milliseconds),
         ];
         let _ = writeln!(text, "{}", cells.join(","));

@@ -1,7 +1,7 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
 use super::scene_edit::Follows;
-use crate::experiment::plan::Wish;
+use crate::experiment::part::Road;
 use crate::experiment::scene::Scene;
 use crate::plot::chart_panel::Cost;
 use crate::solver::methods::MethodKind;
@@ -34,7 +34,7 @@ pub enum Action {
     /// Choose the method.
     SetMethod(MethodKind),
     /// Let the plan decide on the model, or overrule it.
-    SetWish(Wish),
+    SetRoad(Option<Road>),
     /// Choose what follows mu_rho.
     SetFollows(Follows),
     /// Load the preset of this index.

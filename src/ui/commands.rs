@@ -6,7 +6,7 @@ use super::scene_edit;
 use super::tabs::TABS;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
-use crate::experiment::plan::Wish;
+use crate::experiment::part::Road;
 use crate::paper::GALLERY;
 use crate::physics::law::Shape;
 use crate::solver::methods::MethodKind;
@@ -81,8 +81,8 @@ fn all(state: &ViewState) -> Vec<Command> {
         one(&format!("Cohesive law: {}", shape.word().replace('_', " ")), "", Action::EditScene(Box::new(scene)))
     }));
     list.extend(SPEEDS.map(|(speed, _, words)| one(&format!("Speed: {words}"), "", view(ViewOptions { speed, ..state.view }))));
-    let models = [(Wish::Plan, "as planned"), (Wish::Whole, "whole cell"), (Wish::Quarter, "quarter")];
-    list.extend(models.map(|(wish, word)| one(&format!("Model: {word}"), "", Action::SetWish(wish))));
+    let models = [(None, "as planned"), (Some(Road::WHOLE), "whole cell"), (Some(Road::QUARTER), "quarter")];
+    list.extend(models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetRoad(asked))));
     list.extend(MethodKind::ALL.map(|method| one(&format!("Method: {}", method.title()), "", Action::SetMethod(method))));
     list.extend(TABS.map(|(tab, name, _)| one(&format!("Tab: {name}"), "", view(ViewOptions { tab, ..state.view }))));
     let page = |name: String, page: Page| {

@@ -9,7 +9,7 @@ use super::scene_edit::{self, Follows};
 use super::u0_slider;
 use super::view_state::ViewState;
 use crate::experiment::parameter;
-use crate::experiment::plan::Wish;
+use crate::experiment::part::Road;
 use crate::experiment::record::Direction;
 use crate::experiment::scene::{Points, Scene, Turn};
 use crate::physics::law::Shape;
@@ -194,18 +194,18 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
     ui.label("Model").on_hover_text("which part of the cell the walk represents");
     let wishes = [
-        (Wish::Plan, "plan", "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry"),
-        (Wish::Whole, "whole cell", "nothing is left out"),
-        (Wish::Quarter, "quarter", "even patterns only; modes of other symmetry are watched on the whole cell"),
+        (None, "plan", "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry"),
+        (Some(Road::WHOLE), "whole cell", "nothing is left out"),
+        (Some(Road::QUARTER), "quarter", "even patterns only; modes of other symmetry are watched on the whole cell"),
     ];
     ui.horizontal_wrapped(|ui| {
-        for (wish, word, why) in wishes {
-            let chosen = state.wish == wish;
+        for (asked, word, why) in wishes {
+            let chosen = state.asked == asked;
             let radio = ui.radio(chosen, word).on_hover_text(why);
             let name = format!("Model: {word}");
             radio.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &name));
             if radio.clicked() {
-                actions.push(Action::SetWish(wish));
+                actions.push(Action::SetRoad(asked));
             }
         }
     });

@@ -56,6 +56,6 @@ fn numbers(state: &ViewState) -> Vec<String> {
         format!("eigenvalue {:.3} ± {:.3} E*/L", s.stiffness_min, s.stiffness_error),
         format!("energy {:.5} γ", s.energy / state.model.law.surface_energy),
         format!("contact {:.1} %, residual {:.0e}", 100.0 * s.contact_area, s.residual),
-        format!("{}, {} iterations, {:.0} ms", s.model, s.iterations, s.milliseconds),
+        format!("{}, {} iterations, {:.0} ms", s.part, s.iterations, s.milliseconds),
     ]
 }

@@ -3,7 +3,8 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::plan::{Reduction, Road, promise};
+use crate::experiment::part::{Part, Road};
+use crate::experiment::plan::promise;
 use crate::experiment::record::StateRecord;
 use crate::physics::grid::Grid;
 use crate::solver::Stop;
@@ -58,7 +59,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; residual {:.1e} σₘₐₓ",
         now.stiffness_error, now.residual
     ));
-    part(ui, now.model);
+    part(ui, &now.part.to_string());
     part(ui, state.method.title());
     part(ui, "");
     let plural = if now.iterations == 1 { "" } else { "s" };
@@ -93,21 +94,21 @@ fn model(ui: &mut Ui, state: &ViewState) {
 
 /// In a few words: "quarter of 64 × 64, expected error 0.005 %".
 pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
-    let place = match (choice.reduction, grid.is_line()) {
-        (Reduction::Whole, true) => format!("line of {}", grid.nx),
-        (Reduction::Quarter, true) => format!("half a line of {}", grid.nx),
-        (Reduction::Whole, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
-        (Reduction::Quarter, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
+    let place = match (choice.part, grid.is_line()) {
+        (Part::Whole, true) => format!("line of {}", grid.nx),
+        (Part::Quarter, true) => format!("half a line of {}", grid.nx),
+        (Part::Whole, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
+        (Part::Quarter, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
     };
     format!("{place}, {}", promise(Some(choice.plan.predicted_error)))
 }
 
 fn model_sentence(ready: &Ready) -> String {
-    let ModelChoice { plan, reduction, because } = &ready.choice;
+    let ModelChoice { plan, part, because } = &ready.choice;
     let mut words = format!("Plan: {}.", plan.words);
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
-    } else if matches!(plan.road, Road::Atlas(_)) && *reduction == Reduction::Quarter {
+    } else if matches!(plan.road, Road::Atlas) && *part == Part::Quarter {
         words +=
             " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
     }

@@ -17,7 +17,7 @@ pub use select::Selection;
 use super::action::{Measurement, Tab, ViewOptions};
 use super::history::History;
 use super::scene_edit::{self, Follows};
-use crate::experiment::plan::Wish;
+use crate::experiment::part::Road;
 use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
 use crate::experiment::time_step_map::TimeStepMap;
@@ -63,7 +63,7 @@ pub struct ViewState {
     /// The method.
     pub method: MethodKind,
     /// Whether the plan decides on the model.
-    pub wish: Wish,
+    pub asked: Option<Road>,
     /// What follows mu_rho.
     pub follows: Follows,
     /// Facts of the scene, once the solver has sent them.
@@ -154,7 +154,7 @@ impl ViewState {
             scene: Arc::new(scene),
             model,
             method: MethodKind::default(),
-            wish: Wish::default(),
+            asked: None,
             follows: Follows::default(),
             ready: None,
             limits,
@@ -291,9 +291,9 @@ impl ViewState {
     }
 
     /// Lets the plan decide on the model, or overrules it, which begins a new run.
-    pub fn set_wish(&mut self, wish: Wish) {
-        if wish != self.wish {
-            self.wish = wish;
+    pub fn set_road(&mut self, asked: Option<Road>) {
+        if asked != self.asked {
+            self.asked = asked;
             self.restart();
         }
     }
@@ -331,7 +331,7 @@ impl ViewState {
         let mut commands = Vec::new();
         if std::mem::take(&mut self.scene_pending) {
             self.run += 1;
-            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method, wish: self.wish });
+            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method, asked: self.asked });
         }
         if std::mem::take(&mut self.target_pending) {
             self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));

@@ -2,12 +2,12 @@
 //! not enough.
 
 use super::protocol::ModelChoice;
-use crate::experiment::plan::{Reduction, Road, Wish, plan};
+use crate::experiment::part::{Part, Road};
+use crate::experiment::plan::plan;
 use crate::experiment::record::StateRecord;
 use crate::experiment::scene::{Model, Scene, SceneError};
-use crate::experiment::walk::{Walk, Widened};
+use crate::experiment::walk::{Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::precision::Precision;
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
 use std::sync::Arc;
@@ -27,17 +27,17 @@ impl Course {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn new(scene: Arc<Scene>, method: MethodKind, wish: Wish) -> Result<Self, SceneError> {
+    pub fn new(scene: Arc<Scene>, method: MethodKind, asked: Option<Road>) -> Result<Self, SceneError> {
         let model = scene.model()?;
-        let plan = plan(&scene, &model, wish);
+        let plan = plan(&scene, &model, asked);
         let wanted = match plan.road {
             // A hand may go anywhere, so that the walk solves what is shown; the atlas only says what is ahead.
-            Road::Atlas(_) => Reduction::Quarter,
-            Road::Walk(reduction) => reduction,
+            Road::Atlas => Part::Quarter,
+            Road::Walk(part) => part,
         };
-        let because = (wanted == Reduction::Quarter).then(|| objection(&model, method, wish)).flatten();
-        let reduction = if because.is_some() { Reduction::Whole } else { wanted };
-        Ok(Self { scene, method, choice: ModelChoice { plan, reduction, because } })
+        let because = (wanted == Part::Quarter).then(|| objection(&model, method, asked)).flatten();
+        let part = if because.is_some() { Part::Whole } else { wanted };
+        Ok(Self { scene, method, choice: ModelChoice { plan, part, because } })
     }
 
     /// A walk at rest at the start of the drive.
@@ -45,8 +45,7 @@ impl Course {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn walk(&self, cancel: &Cancel) -> Result<Walk, SceneError> {
-        let method = self.method.build(self.scene.seed);
-        Walk::begun(&self.scene, method, self.choice.reduction, Precision::Double, cancel)
+        Walk::start(&self.scene, WalkOptions { part: self.choice.part, ..self.method.into() }, cancel)
     }
 
     /// A walk that stands on an earlier state.
@@ -54,23 +53,23 @@ impl Course {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, SceneError> {
-        Walk::resume_reduced(&self.scene, self.method, self.choice.reduction, state, record)
+        Ok(self.walk(&Cancel::default())?.standing_on(state, record))
     }
 
     /// Goes over to the whole cell, for the reason given. `None` if it was the whole cell already.
-    pub fn widen(&mut self, walk: &mut Walk, because: String, cancel: &Cancel) -> Option<Widened> {
-        let widened = walk.widen(&self.scene, self.method, cancel)?;
-        self.choice.reduction = Reduction::Whole;
-        self.choice.because = Some(because);
+    pub fn widen(&mut self, walk: &mut Walk, because: &Stuck, cancel: &Cancel) -> Option<Widened> {
+        let widened = walk.widen(because, &self.scene, cancel)?;
+        self.choice.part = Part::Whole;
+        self.choice.because = Some(because.to_string());
         Some(widened)
     }
 }
 
 /// Why a part of the cell will not do; `None` if it will.
-fn objection(model: &Model, method: MethodKind, wish: Wish) -> Option<String> {
+fn objection(model: &Model, method: MethodKind, asked: Option<Road>) -> Option<String> {
     if !model.grid.nx.is_multiple_of(4) {
         return Some(format!("{} points a side are no multiple of 4", model.grid.nx));
     }
     // The yardstick stays as it was published, unless somebody asks.
-    (method == MethodKind::Gfmd && wish != Wish::Quarter).then(|| "the paper's method runs as it was published".to_owned())
+    (method == MethodKind::Gfmd && asked != Some(Road::QUARTER)).then(|| "the paper's method runs as it was published".to_owned())
 }

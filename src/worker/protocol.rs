@@ -3,7 +3,8 @@
 use crate::experiment::chart::{Effort, Judged};
 use crate::experiment::ledger::Ledger;
 use crate::experiment::live_loop::{Fineness, LiveLoop};
-use crate::experiment::plan::{Plan, Reduction, Wish};
+use crate::experiment::part::{Part, Road};
+use crate::experiment::plan::Plan;
 use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene};
 use crate::experiment::time_step_map::TimeStepMap;
@@ -134,7 +135,7 @@ pub enum Command {
         /// The method.
         method: MethodKind,
         /// Whether the plan decides on the model.
-        wish: Wish,
+        asked: Option<Road>,
     },
     /// Walk towards this mean displacement (latest wins; the path already gone is kept).
     SetTarget {
@@ -232,7 +233,7 @@ pub struct ModelChoice {
     /// What the plan says of the scene.
     pub plan: Plan,
     /// The part of the cell that the walk represents.
-    pub reduction: Reduction,
+    pub part: Part,
     /// Why the walk runs on the whole cell where the plan or the user would have had a part.
     pub because: Option<String>,
 }

@@ -189,7 +189,6 @@ fn guarded(session: &mut Session, post: &Post, job: impl FnOnce(&mut Session, &m
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::plan::Wish;
     use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
     use crate::physics::indenter::Indenter;
     use crate::physics::law::{Morse, Shape};
@@ -217,7 +216,7 @@ mod tests {
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
         let commands = [
-            Command::SetScene { run: 3, scene, method, wish: Wish::Plan },
+            Command::SetScene { run: 3, scene, method, asked: None },
             Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 },
         ];
         let cancel = Cancel::default();

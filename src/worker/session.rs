@@ -4,7 +4,7 @@ use super::course::Course;
 use super::protocol::{Command, Event, Frame, LoopSummary, Motion, Output, Ready, RunId, Speed, Sweep};
 use crate::experiment::record::{LoopRecord, StateRecord};
 use crate::experiment::scene::{SceneError, Turn};
-use crate::experiment::walk::{EnergyWell, Happening, Progress, Walk, Widened};
+use crate::experiment::walk::{EnergyWell, Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
@@ -77,7 +77,7 @@ impl Session {
             self.motion = motion;
         }
         match command {
-            Command::SetScene { run, scene, method, wish } => match Course::new(scene, method, wish) {
+            Command::SetScene { run, scene, method, asked } => match Course::new(scene, method, asked) {
                 Ok(course) => self.begin(run, course, cancel, sink),
                 Err(error) => self.refuse(run, error, sink),
             },
@@ -107,12 +107,12 @@ impl Session {
         }
         let Some(walk) = &mut self.walk else { return };
         let run = self.run;
-        let mut happenings = Vec::new();
-        let progress = walk.step(cancel, &mut |h| happenings.push(h));
+        let mut seen = Vec::new();
+        let progress = walk.step(cancel, &mut |h| seen.push(h));
         let mut pace = Duration::ZERO;
-        for happening in happenings {
-            match happening {
-                Happening::Moving { stress } => {
+        for observed in seen {
+            match observed {
+                Observed::Moving { stress } => {
                     pace = self.speed.pause(PACE_FILM);
                     let mean_displacement = walk.displacement();
                     let gap = Arc::new(walk.gap());
@@ -121,11 +121,11 @@ impl Session {
                         Frame { mean_displacement, stress, gap, soft_mode: None, relaxing: true, state: None },
                     ));
                 }
-                Happening::Jump(jump) => {
+                Observed::Jump(jump) => {
                     self.record.jumps.push(jump.clone());
                     sink(Output::Event(Event::Jump { run, jump }));
                 }
-                Happening::State(state) => {
+                Observed::State(state) => {
                     if self.sweep.is_some() {
                         pace = self.speed.pause(PACE_STATE);
                     }
@@ -274,15 +274,15 @@ impl Session {
                 }
                 _ => self.rest(sink),
             },
-            Progress::Stuck(message) => {
+            Progress::Stuck(reason) => {
                 let spent = walk.counts().transforms;
-                if let Some(widened) = course.widen(walk, message.clone(), cancel) {
+                if let Some(widened) = course.widen(walk, &reason, cancel) {
                     sink(Output::Event(Event::Remodelled { run: self.run, choice: course.choice.clone() }));
                     return self.go_on_with(widened, spent, sink);
                 }
                 sink(Output::Event(Event::Failed {
                     run: self.run,
-                    message: format!("Not converged: {message}."),
+                    message: format!("Not converged: {reason}."),
                     remedy: "The last good state stays. Try a smaller step, a finer mesh (lower mu_rho), or another seed.".into(),
                 }));
                 self.rest(sink);

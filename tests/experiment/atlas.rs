@@ -2,11 +2,13 @@
 
 use tackscope::experiment::atlas::{Atlas, Cycle, End};
 use tackscope::experiment::mesh::{mesh_error, next_fast};
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, plan};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::{chart, plan};
 use tackscope::experiment::planned::run_planned;
 use tackscope::experiment::record::JumpRecord;
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Scene, Turn};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::theory::flat;
@@ -23,14 +25,14 @@ fn morse(range: f64) -> Law {
 }
 
 fn walked(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
 
 fn planned(scene: &Scene) -> LoopRun {
-    let plan = plan(scene, &scene.model().unwrap(), Wish::Plan);
-    assert!(matches!(plan.road, Road::Atlas(_)), "{}", plan.words);
+    let plan = plan(scene, &scene.model().unwrap(), None);
+    assert!(matches!(plan.road, Road::Atlas), "{}", plan.words);
     let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!((&run.deviation, &run.outcome), (&None, &Outcome::Completed));
     run
@@ -123,7 +125,9 @@ fn a_drive_that_turns_in_mid_branch_is_read_off_too() {
 #[test]
 fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_ground() {
     let scene = preset("fig2");
-    let quarter = run_reduced(&scene, MethodKind::NewtonKrylov, Reduction::Quarter, &Cancel::default(), &mut |_| {}).unwrap();
+    let quarter =
+        run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
+            .unwrap();
     assert_same(&quarter.record.jumps, &walked(&scene).record.jumps, 1e-4);
 }
 

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use tackscope::experiment::chart::{
-    Chart, Effort, Measured, Model, News, Point, Precision, Reference, Verdict, front, measure, points, run,
+    Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points, run,
 };
-use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::part::Road;
 use tackscope::experiment::scene::{Points, Range, Scene};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::solver::methods::MethodKind;
@@ -33,7 +33,7 @@ fn quick() -> &'static Chart {
 }
 
 fn whole(method: MethodKind, points: usize, step: f64) -> Point {
-    Point { method, model: Model::Walk(Reduction::Whole), line: false, points, precision: Precision::Double, step }
+    Point { method, model: Road::WHOLE, line: false, points, precision: Precision::Double, step }
 }
 
 fn measured(scene: &Scene, point: Point) -> Measured {

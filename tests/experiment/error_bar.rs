@@ -5,11 +5,12 @@ use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use tackscope::experiment::atlas::{Atlas, End};
 use tackscope::experiment::error_bar::measured_error;
-use tackscope::experiment::plan::{Reduction, Wish, chart, plan};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::{chart, plan};
 use tackscope::experiment::planned::run_planned;
-use tackscope::experiment::run::run_reduced;
+use tackscope::experiment::run::run_loop;
 use tackscope::experiment::scene::{Cell, Points, Scene, Turn};
-use tackscope::experiment::walk::{Progress, Walk};
+use tackscope::experiment::walk::{Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
@@ -20,20 +21,21 @@ use tackscope::solver::methods::MethodKind::NewtonKrylov;
 fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
     let laws =
         [Shape::Morse(Morse), Shape::Mie(Mie { m: 6.0, n: 2.5 }), Shape::DoubleExponential(DoubleExponential { ratio: 0.4 })];
-    for (shape, (wish, points, finer)) in laws.iter().flat_map(|shape| {
+    for (shape, (asked, points, finer)) in laws.iter().flat_map(|shape| {
         let square = (Points::Square(24), Points::Square(48));
         let line = (Points::Line(32), Points::Line(64));
-        [(Wish::Plan, square), (Wish::Quarter, square), (Wish::Plan, line)]
-            .map(|(wish, (points, finer))| (*shape, (wish, points, finer)))
+        [(None, square), (Some(Road::QUARTER), square), (None, line)]
+            .map(|(asked, (points, finer))| (*shape, (asked, points, finer)))
     }) {
         let scene = scene(shape, 1.9, points);
-        let plan = plan(&scene, &scene.model().unwrap(), wish);
+        let plan = plan(&scene, &scene.model().unwrap(), asked);
         let run = run_planned(&scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap();
         let bar = run.error_bar.expect("a smooth law on flat ground");
         let finer = Scene { cell: Cell { points: finer, ..scene.cell }, ..scene.clone() };
-        let better = run_reduced(&finer, NewtonKrylov, Reduction::Quarter, &Cancel::default(), &mut |_| {}).unwrap();
+        let better =
+            run_loop(&finer, WalkOptions { part: Part::Quarter, ..NewtonKrylov.into() }, &Cancel::default(), &mut |_| {}).unwrap();
         let error = measured_error(&run.record.jumps, &better.record.jumps);
-        assert!(error <= bar && bar < 0.01, "{shape:?} {wish:?}: {error:e} measured, {bar:e} stated");
+        assert!(error <= bar && bar < 0.01, "{shape:?} {asked:?}: {error:e} measured, {bar:e} stated");
     }
 }
 
@@ -41,7 +43,7 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
 fn nothing_is_measured_where_nothing_is_promised() {
     let mut scene = scene(Shape::Morse(Morse), 1.9, Points::Square(24));
     scene.indenter = Indenter::Wave { amplitude: 0.01, periods: [1, 1] };
-    let plan = plan(&scene, &scene.model().unwrap(), Wish::Plan);
+    let plan = plan(&scene, &scene.model().unwrap(), None);
     assert_eq!(run_planned(&scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap().error_bar, None);
 }
 
@@ -68,7 +70,7 @@ fn a_ridge_breaks_up_where_a_dense_matrix_says_so() {
     let ridge = atlas.branches().iter().find(|branch| branch.pattern == Pattern::Ridge).unwrap();
     assert_eq!(ridge.ends[0], End::Breaking);
     let end = ridge.extent().0;
-    let mut walk = Walk::reduced(&scene, NewtonKrylov, Reduction::Whole).unwrap();
+    let mut walk = Walk::start(&scene, WalkOptions { part: Part::Whole, ..NewtonKrylov.into() }, &Cancel::default()).unwrap();
     let [far, near] = [2e-3, 1e-3].map(|before| {
         walk.set_target(end + before);
         while let Progress::Working = walk.step(&Cancel::default(), &mut |_| {}) {}

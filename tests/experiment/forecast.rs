@@ -19,7 +19,7 @@ fn fig2(points: usize) -> Scene {
 
 fn walked(points: usize) -> (LoopRun, Model) {
     let scene = fig2(points);
-    let run = run_loop(&scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     (run, scene.model().unwrap())
 }
@@ -96,7 +96,7 @@ fn on_a_coarse_mesh_that_pins_the_ridge_all_but_a_few_forecasts_contain_the_jump
 fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
     let scene = fig2(16);
     let model = scene.model().unwrap();
-    let first = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap().record().clone();
+    let first = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap().record().clone();
     let states = path
         .iter()
         .map(|&mean_displacement| StateRecord {

@@ -1,18 +1,19 @@
 //! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
 
 use ndarray::Array2;
-use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::part::Part;
 use tackscope::experiment::record::{Cause, JumpRecord};
-use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
-use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 
-fn looped(scene: &Scene, reduction: Reduction) -> LoopRun {
-    let run = run_reduced(scene, MethodKind::NewtonKrylov, reduction, &Cancel::default(), &mut |_| {}).unwrap();
+fn looped(scene: &Scene, reduction: Part) -> LoopRun {
+    let run = run_loop(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
+        .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -42,7 +43,7 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
     let mut run = |periods, seed| {
         scene.indenter = Indenter::Wave { amplitude: 0.3, periods };
         scene.seed = seed;
-        looped(&scene, Reduction::Whole)
+        looped(&scene, Part::Whole)
     };
     let along_x = run([3, 0], 1);
     assert!(!along_x.record.jumps.is_empty());
@@ -54,15 +55,15 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
 #[test]
 fn jumps_on_waves_do_not_depend_on_seed_or_step() {
     let scene = wavy();
-    let first = looped(&scene, Reduction::Whole);
+    let first = looped(&scene, Part::Whole);
     assert!(first.record.jumps.len() >= 8);
     for seed in 2..4 {
-        assert_same(&first, &looped(&Scene { seed, ..scene.clone() }, Reduction::Whole), 1e-3, 0.3, &format!("seed {seed}"));
+        assert_same(&first, &looped(&Scene { seed, ..scene.clone() }, Part::Whole), 1e-3, 0.3, &format!("seed {seed}"));
     }
     for step in [0.011, 0.05] {
         let mut other = scene.clone();
         other.drive.step = step;
-        assert_same(&first, &looped(&other, Reduction::Whole), 1e-3, 0.3, &format!("step {step}"));
+        assert_same(&first, &looped(&other, Part::Whole), 1e-3, 0.3, &format!("step {step}"));
     }
 }
 
@@ -74,7 +75,7 @@ fn gentle_ground_jumps_where_flat_ground_does() {
         (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.05);
         (scene.drive.start, scene.drive.turn) = (3.3, Turn::At(2.75));
         scene.indenter = if amplitude == 0.0 { Indenter::Flat } else { Indenter::Wave { amplitude, periods: [1, 1] } };
-        looped(&scene, Reduction::Whole)
+        looped(&scene, Part::Whole)
     };
     let (right, found) = (gentle(48, 0.0), gentle(48, 1e-4));
     assert_eq!(right.record.jumps.len(), 2, "to a bulge and to a ridge");
@@ -88,7 +89,7 @@ fn steps_longer_than_a_pattern_lives_find_every_pattern() {
     let run = |step| {
         let mut scene = scene.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(48), step);
-        looped(&scene, Reduction::Whole)
+        looped(&scene, Part::Whole)
     };
     let short = run(0.05);
     assert_eq!(short.record.jumps.len(), 8);
@@ -104,7 +105,7 @@ fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     scene.indenter = Indenter::Wave { amplitude: 0.5, periods: [1, 1] };
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.05;
-    let (whole, quarter) = (looped(&scene, Reduction::Whole), looped(&scene, Reduction::Quarter));
+    let (whole, quarter) = (looped(&scene, Part::Whole), looped(&scene, Part::Quarter));
     assert!(!whole.record.jumps.is_empty());
     assert_same(&whole, &quarter, 5e-3, 0.3, "48 points");
 }
@@ -114,8 +115,8 @@ fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
     walk.set_target(target);
     let mut found = None;
     while found.is_none() {
-        let progress = walk.step(&Cancel::default(), &mut |happening| {
-            if let Happening::Jump(jump) = happening {
+        let progress = walk.step(&Cancel::default(), &mut |observed| {
+            if let Observed::Jump(jump) = observed {
                 found = Some(jump);
             }
         });
@@ -126,7 +127,7 @@ fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
 
 /// A walk that has been to `places` in turn.
 fn standing_at(scene: &Scene, places: &[f64]) -> Walk {
-    let mut walk = Walk::new(scene, MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     for &place in places {
         walk.set_target(place);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
@@ -156,7 +157,12 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
             let mut scene = scene.clone();
             scene.drive.step = step;
             let (state, record) = (there.here().clone(), there.record().clone());
-            next_jump(Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap(), target)
+            next_jump(
+                Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
+                    .map(|walk| walk.standing_on(state, record))
+                    .unwrap(),
+                target,
+            )
         };
         let usual = with_step(0.05);
         assert_eq!(broken(usual.cause), breaks, "{usual:?}");
@@ -176,7 +182,9 @@ fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
     let there = standing_at(&scene, &[3.09]);
     scene.drive.step = 1e-4;
     let (state, record) = (there.here().clone(), there.record().clone());
-    let mut walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, record).unwrap();
+    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
+        .map(|walk| walk.standing_on(state, record))
+        .unwrap();
     walk.set_target(2.99);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     assert_eq!(walk.displacement(), 2.99);
@@ -213,7 +221,9 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
             });
             let mut state = there.here().clone();
             state.state.amplitudes = system.amplitudes(&moved, &mut ws);
-            let walk = Walk::resume(&scene, MethodKind::NewtonKrylov, state, there.record().clone()).unwrap();
+            let walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
+                .map(|walk| walk.standing_on(state, there.record().clone()))
+                .unwrap();
             next_jump(walk, scene.drive.start)
         })
         .collect();

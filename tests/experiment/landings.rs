@@ -1,10 +1,12 @@
 //! Where a surface lands when its branch ends: the same place for every seed, on every road, or several that are said.
 
-use tackscope::experiment::plan::{Reduction, Wish, plan};
+use tackscope::experiment::part::Part;
+use tackscope::experiment::plan::plan;
 use tackscope::experiment::planned::run_planned;
 use tackscope::experiment::record::Cause;
-use tackscope::experiment::run::{LoopRun, Outcome, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
@@ -15,13 +17,13 @@ fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
 }
 
 fn quarter(scene: &Scene) -> LoopRun {
-    let run = run_reduced(scene, NewtonKrylov, Reduction::Quarter, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(scene, WalkOptions { part: Part::Quarter, ..NewtonKrylov.into() }, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
 
 fn planned(scene: &Scene) -> LoopRun {
-    let plan = plan(scene, &scene.model().unwrap(), Wish::Plan);
+    let plan = plan(scene, &scene.model().unwrap(), None);
     run_planned(scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap()
 }
 

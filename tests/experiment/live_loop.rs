@@ -21,7 +21,7 @@ fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
 #[test]
 fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
     let scene = fig2();
-    let run = run_loop(&scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     let work = run.record.work() / scene.law.surface_energy;
     for (fineness, tolerance) in [(Fineness::Coarse, 0.01), (Fineness::Fine, 2e-3)] {
@@ -53,7 +53,7 @@ fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
 fn the_reading_says_where_the_walk_will_stand_also_after_turning_round_in_the_middle() {
     let scene = fig2();
     let live = live(&scene, Fineness::Fine);
-    let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     let mut patterns = Vec::new();
     for target in [3.0, 2.0, 3.3, 2.0, 1.0, 0.3, 1.5, 3.0, 3.9, 4.2] {
         let (pattern, sample) = live.reading(walk.record(), target).expect("the walk stands on a known branch");

@@ -5,10 +5,12 @@ use rand_pcg::Pcg64;
 use tackscope::experiment::atlas::Atlas;
 use tackscope::experiment::error_bar::{measured_error, reference};
 use tackscope::experiment::mesh::next_fast;
-use tackscope::experiment::plan::{Reduction, Road, Wish, chart, plan, refusal};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::{chart, plan, refusal};
 use tackscope::experiment::planned::run_planned;
-use tackscope::experiment::run::run_reduced;
+use tackscope::experiment::run::run_loop;
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
@@ -39,17 +41,18 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         let target = [0.1, 0.01, 0.001, 0.0001][rng.random_range(0..4)];
         let scene = scene(shape, ratio, target);
         let model = scene.model().unwrap();
-        let plan = plan(&scene, &model, Wish::Plan);
+        let plan = plan(&scene, &model, None);
         let n = model.grid.nx;
         all += 1;
         let row = format!("{:<18} {ratio:6.2}  {target:6}  {n:5}  {:9.1e}", shape.word(), plan.predicted_error);
-        let Road::Atlas(coarse) = plan.road else {
+        if plan.road != Road::Atlas {
             // Nothing is promised where the stiffness jumps.
             assert!(plan.predicted_error >= 1.0 && !model.law.is_smooth(), "{}", plan.words);
             println!("{row}  {}", plan.words);
             kept += 1;
             continue;
-        };
+        }
+        let coarse = chart(&model.law, model.grid.length, n);
         assert!(plan.predicted_error <= 1.5 * target.max(1e-4), "{}", plan.words);
         let Turn::At(turn) = scene.drive.turn else { unreachable!() };
         let finer = chart(&model.law, model.grid.length, tackscope::experiment::mesh::next_fast(n * 3 / 2));
@@ -84,11 +87,17 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
     for target in [0.1, 0.01, 0.001] {
         let scene = scene(Shape::Morse(Morse), 3.0, target);
         let model = scene.model().unwrap();
-        let plan = plan(&scene, &model, Wish::Plan);
+        let plan = plan(&scene, &model, None);
         let newton = MethodKind::NewtonKrylov;
         let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
         assert_eq!(run.deviation, None);
-        let finer = run_reduced(&reference(&scene, &model), newton, Reduction::Whole, &Cancel::default(), &mut |_| {}).unwrap();
+        let finer = run_loop(
+            &reference(&scene, &model),
+            WalkOptions { part: Part::Whole, ..newton.into() },
+            &Cancel::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         let measured = measured_error(&run.record.jumps, &finer.record.jumps);
         println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);
         assert!(measured <= plan.predicted_error.max(1e-4) && plan.predicted_error <= 1.2 * target, "{measured:e}");
@@ -105,9 +114,9 @@ fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
     ];
     for (name, road, words) in roads {
         let scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
-        let plan = plan(&scene, &scene.model().unwrap(), Wish::Plan);
+        let plan = plan(&scene, &scene.model().unwrap(), None);
         let word = match plan.road {
-            Road::Atlas(_) => "atlas",
+            Road::Atlas => "atlas",
             Road::Walk(reduction) => reduction.word(),
         };
         assert_eq!(word, road, "{name}: {}", plan.words);
@@ -121,8 +130,8 @@ fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
     let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
     scene.indenter = Indenter::Hertz { radius: 256.0 };
     let model = scene.model().unwrap();
-    assert_eq!(plan(&scene, &model, Wish::Plan).road, Road::Walk(Reduction::Quarter));
-    assert_eq!(plan(&scene, &model, Wish::Whole).road, Road::Walk(Reduction::Whole));
+    assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
+    assert_eq!(plan(&scene, &model, Some(Road::WHOLE)).road, Road::WHOLE);
 }
 
 #[test]
@@ -146,7 +155,7 @@ fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
 fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh() {
     for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
         let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
-        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), Wish::Plan).words;
+        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words;
         assert!(words(&scene).contains("no accuracy is promised"), "{name}: {}", words(&scene));
         if let Range::Length(_) = scene.law.range {
             scene.cell.points = Points::Auto;
@@ -154,7 +163,7 @@ fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh(
         }
     }
     let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
-    assert!(plan(&fig2, &fig2.model().unwrap(), Wish::Plan).words.contains("expected error"));
+    assert!(plan(&fig2, &fig2.model().unwrap(), None).words.contains("expected error"));
 }
 
 #[test]
@@ -165,11 +174,11 @@ fn a_wish_overrules_the_plan_but_not_the_scene() {
     small.cell.points = Points::Square(6);
     for scene in [tip, line, small] {
         let model = scene.model().unwrap();
-        assert!(refusal(&scene, &model, Wish::Atlas).is_some() && refusal(&scene, &model, Wish::Plan).is_none());
-        assert_eq!(plan(&scene, &model, Wish::Atlas).road, Road::Walk(Reduction::Whole));
+        assert!(refusal(&scene, &model, Some(Road::Atlas)).is_some() && refusal(&scene, &model, None).is_none());
+        assert_eq!(plan(&scene, &model, Some(Road::Atlas)).road, Road::WHOLE);
     }
     let coarse = scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
-    assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Wish::Atlas), None, "unwise, but possible");
+    assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Some(Road::Atlas)), None, "unwise, but possible");
 }
 
 #[test]

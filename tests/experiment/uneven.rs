@@ -2,11 +2,12 @@
 
 use std::sync::OnceLock;
 use tackscope::experiment::measured_law::MeasuredLaw;
-use tackscope::experiment::plan::{Reduction, Road, Wish, plan};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::plan;
 use tackscope::experiment::record::{Cause, Direction, StateRecord};
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop, run_reduced};
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Range, Scene, Turn};
-use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::solver::Stop;
@@ -18,7 +19,7 @@ fn preset(name: &str) -> Scene {
 }
 
 fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
 }
@@ -71,7 +72,7 @@ fn reach(walk: &mut Walk, target: f64) -> (StateRecord, bool) {
     walk.set_target(target);
     let mut jumped = false;
     loop {
-        match walk.step(&Cancel::default(), &mut |happening| jumped |= matches!(happening, Happening::Jump(_))) {
+        match walk.step(&Cancel::default(), &mut |observed| jumped |= matches!(observed, Observed::Jump(_))) {
             Progress::Working => {}
             Progress::Resting => return (walk.record().clone(), jumped),
             stopped => panic!("{stopped:?} at {}", walk.displacement()),
@@ -85,7 +86,7 @@ fn stress_is_the_derivative_of_the_energy() {
         let mut scene = preset(name);
         scene.drive.step = 0.05;
         let sigma = scene.model().unwrap().law.traction_max();
-        let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap();
+        let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
         let mut checked = 0;
         for i in 0..12 {
             let (u0, short) = (1.2 - 0.2 * f64::from(i), 2e-3);
@@ -149,13 +150,15 @@ fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
     scene.indenter = Indenter::Wave { amplitude: 0.5, periods: [1, 1] };
     scene.drive.step = 0.05;
     let model = scene.model().unwrap();
-    assert_eq!(plan(&scene, &model, Wish::Plan).road, Road::Walk(Reduction::Quarter));
+    assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
     let walked = |reduction| {
-        let run = run_reduced(&scene, MethodKind::NewtonKrylov, reduction, &Cancel::default(), &mut |_| {}).unwrap();
+        let run =
+            run_loop(&scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
+                .unwrap();
         assert_eq!(run.outcome, Outcome::Completed);
         run.record.released_energy_sum()
     };
-    let (quarter, whole) = (walked(Reduction::Quarter), walked(Reduction::Whole));
+    let (quarter, whole) = (walked(Part::Quarter), walked(Part::Whole));
     // The crest is on a mesh point of one and between points of the other.
     assert!((quarter / whole - 1.0).abs() < 0.02, "{quarter} {whole}");
 }
@@ -164,13 +167,16 @@ fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
 fn rough_ground_and_several_crests_are_left_to_the_whole_cell() {
     for name in ["wavy", "rough"] {
         let scene = preset(name);
-        assert_eq!(plan(&scene, &scene.model().unwrap(), Wish::Plan).road, Road::Walk(Reduction::Whole), "{name}");
+        assert_eq!(plan(&scene, &scene.model().unwrap(), None).road, Road::WHOLE, "{name}");
     }
     let scene = preset("rough");
-    let asked = plan(&scene, &scene.model().unwrap(), Wish::Quarter);
-    assert_eq!(asked.road, Road::Walk(Reduction::Whole));
+    let asked = plan(&scene, &scene.model().unwrap(), Some(Road::QUARTER));
+    assert_eq!(asked.road, Road::WHOLE);
     assert!(asked.words.contains("no mirror symmetry"), "{}", asked.words);
-    let refused = Walk::reduced(&scene, MethodKind::NewtonKrylov, Reduction::Quarter).err().unwrap().to_string();
+    let refused = Walk::start(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
+        .err()
+        .unwrap()
+        .to_string();
     assert!(refused.contains("indenter.kind") && refused.contains("needs the whole"), "{refused}");
 }
 
@@ -216,6 +222,6 @@ fn a_mesh_too_coarse_for_the_roughness_says_so_and_auto_chooses_one_that_is_not(
 fn the_search_for_the_first_state_obeys_a_stop() {
     let cancel = Cancel::default();
     cancel.request();
-    let run = run_loop(&preset("rough"), MethodKind::NewtonKrylov, &cancel, &mut |_| {}).unwrap();
+    let run = run_loop(&preset("rough"), MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {}).unwrap();
     assert_eq!((run.outcome, run.record.states[0].stop), (Outcome::Cancelled, Stop::Cancelled));
 }

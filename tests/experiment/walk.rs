@@ -16,7 +16,7 @@ fn preset(name: &str) -> Scene {
 }
 
 fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -196,7 +196,7 @@ fn line_cell_follows_the_exact_ridge_within_a_difference_that_shrinks_with_the_r
 fn a_cancelled_loop_keeps_what_was_computed() {
     let (cancel, mut seen) = (Cancel::default(), 0);
     let token = cancel.clone();
-    let run = run_loop(&preset("fig2"), MethodKind::NewtonKrylov, &cancel, &mut |_| {
+    let run = run_loop(&preset("fig2"), MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {
         seen += 1;
         if seen == 80 {
             token.request();
@@ -212,7 +212,7 @@ fn a_walk_along_the_flat_state_obeys_a_stop_too() {
     let mut scene = preset("fig2");
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (24.0, Turn::At(4.0), 2e-4);
     let (cancel, mut seen) = (Cancel::default(), 0);
-    let run = run_loop(&scene, MethodKind::NewtonKrylov, &cancel, &mut |_| {
+    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {
         seen += 1;
         cancel.request();
     })
@@ -225,7 +225,7 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(32);
     scene.drive.step = 0.05;
-    let run = run_loop(&scene, MethodKind::Gfmd, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(&scene, MethodKind::Gfmd.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     // A thermostat keeps every state above the tolerance, and the record admits it.
     assert!(run.record.states.iter().skip(1).all(|s| s.stop == Stop::NotConverged && s.residual > 1e-6));
@@ -239,7 +239,7 @@ fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode(
     use tackscope::experiment::walk::{Progress, Walk};
     use tackscope::numerics::vector::{add, dot, norm};
     use tackscope::solver::mechanics::{Mechanics, Slides};
-    let mut walk = Walk::new(&preset("fig2"), MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(&preset("fig2"), MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     walk.set_target(1.34);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     assert_eq!(walk.record().pattern, Ridge);

@@ -1,10 +1,11 @@
 //! The Hertzian tip: loops on several meshes against JKR in the periodic cell.
 
 use std::sync::OnceLock;
-use tackscope::experiment::plan::{Reduction, Road, Wish, plan};
-use tackscope::experiment::run::{LoopRun, Outcome, run_reduced, run_walk};
+use tackscope::experiment::part::{Part, Road};
+use tackscope::experiment::plan::plan;
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Scene, Turn};
-use tackscope::experiment::walk::Walk;
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::{scenes, tips};
 use tackscope::physics::pattern::Pattern;
@@ -16,8 +17,9 @@ use tackscope::storage::presets;
 
 const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };
 
-fn run(scene: &Scene, reduction: Reduction) -> LoopRun {
-    let run = run_reduced(scene, MethodKind::NewtonKrylov, reduction, &Cancel::default(), &mut |_| {}).unwrap();
+fn run(scene: &Scene, reduction: Part) -> LoopRun {
+    let run = run_loop(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
+        .unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
 }
@@ -25,7 +27,7 @@ fn run(scene: &Scene, reduction: Reduction) -> LoopRun {
 /// The quarter of mu_rho = 0.5 on 32, 64 or 128 points, computed once for all tests.
 fn fine(points: usize) -> &'static LoopRun {
     static RUNS: [OnceLock<LoopRun>; 3] = [const { OnceLock::new() }; 3];
-    RUNS[points.ilog2() as usize - 5].get_or_init(|| run(&scenes::tip(points, 0.5), Reduction::Quarter))
+    RUNS[points.ilog2() as usize - 5].get_or_init(|| run(&scenes::tip(points, 0.5), Part::Quarter))
 }
 
 /// Over the pull-off force of JKR. The cell has side 1: a mean stress is a force.
@@ -96,7 +98,7 @@ fn in_contact_the_loop_follows_periodic_jkr_within_a_few_per_cent_of_the_pull_of
 #[test]
 fn quarter_and_whole_cell_agree_where_the_mesh_resolves_the_range() {
     for points in [32, 64] {
-        let whole = run(&scenes::tip(points, 0.5), Reduction::Whole);
+        let whole = run(&scenes::tip(points, 0.5), Part::Whole);
         let quarter = fine(points);
         // The apex lies on a point there and between points here.
         assert_eq!(whole.record.jumps.len(), quarter.record.jumps.len());
@@ -105,18 +107,20 @@ fn quarter_and_whole_cell_agree_where_the_mesh_resolves_the_range() {
     }
 }
 
-/// The quarter held mirror-symmetric.
-fn mirrored(scene: &Scene) -> Walk {
-    Walk::reduced(scene, MethodKind::NewtonKrylov, Reduction::Quarter).unwrap().mirrored()
+/// The loop on the quarter held mirror-symmetric.
+fn mirrored(scene: &Scene, trapped_within: Option<f64>) -> LoopRun {
+    let options = WalkOptions { part: Part::Mirrored, trapped_within, ..WalkOptions::default() };
+    let run = run_loop(scene, options, &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed);
+    assert_sound(&run);
+    run
 }
 
 #[test]
 fn at_mu_rho_one_the_mesh_adds_dozens_of_small_jumps_and_the_ledger_still_closes() {
     let scene = scenes::tip(64, 1.0);
-    let run = run_walk(mirrored(&scene), &scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {});
-    assert_eq!(run.outcome, Outcome::Completed);
+    let run = mirrored(&scene, None);
     assert!(run.record.jumps.len() > 24, "{}", run.record.jumps.len());
-    assert_sound(&run);
     // All but the way into contact and out of it are small.
     let mut releases: Vec<f64> = run.record.jumps.iter().map(|j| j.released_energy).collect();
     releases.sort_by(|a, b| b.total_cmp(a));
@@ -127,12 +131,7 @@ fn at_mu_rho_one_the_mesh_adds_dozens_of_small_jumps_and_the_ledger_still_closes
 fn steps_gone_downhill_lose_what_bracketed_jumps_lose_and_their_ledgers_close_alike() {
     for mu_rho in [1.0, 1.5] {
         let scene = scenes::tip(64, mu_rho);
-        let [bracketed, downhill] = [mirrored(&scene), mirrored(&scene).locating_within(0.01)].map(|walk| {
-            let run = run_walk(walk, &scene, MethodKind::NewtonKrylov, &Cancel::default(), &mut |_| {});
-            assert_eq!(run.outcome, Outcome::Completed);
-            assert_sound(&run);
-            run
-        });
+        let [bracketed, downhill] = [None, Some(0.01)].map(|within| mirrored(&scene, within));
         // Every jump comes at most a hundredth of the range late, on either way.
         assert!((pull_off(&downhill) / pull_off(&bracketed) - 1.0).abs() < 0.01);
         assert!(
@@ -167,7 +166,7 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
     // Twice as deep as zero load.
     let mut scene = scenes::tip(32, 0.5);
     scene.drive.turn = Turn::At(-0.03);
-    let run = run(&scene, Reduction::Quarter);
+    let run = run(&scene, Part::Quarter);
     for state in &run.record.states {
         assert!(state.stress.is_finite() && state.energy.is_finite() && state.residual <= 1e-6, "{state:?}");
     }
@@ -184,9 +183,9 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
 #[test]
 fn a_tip_is_planned_on_its_quarter_and_the_preset_runs() {
     let scene = presets::resolve("hertz").unwrap();
-    let planned = plan(&scene, &scene.model().unwrap(), Wish::Plan);
-    assert_eq!(planned.road, Road::Walk(Reduction::Quarter));
-    let run = run(&scene, Reduction::Quarter);
+    let planned = plan(&scene, &scene.model().unwrap(), None);
+    assert_eq!(planned.road, Road::QUARTER);
+    let run = run(&scene, Part::Quarter);
     assert_sound(&run);
     assert_eq!(run.record.jumps.len(), 2);
 }

@@ -1,11 +1,10 @@
 //! Fig. 2 and its patterns, for all the cases.
 
 use std::sync::OnceLock;
-use tackscope::experiment::plan::Reduction;
 use tackscope::experiment::record::{Direction, JumpRecord, StateRecord};
 use tackscope::experiment::run::{LoopRun, run_loop};
 use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
@@ -94,10 +93,10 @@ pub fn go(walk: &mut Walk, target: f64) -> Way {
     walk.set_target(target);
     let (mut states, mut jumps) = (Vec::new(), Vec::new());
     loop {
-        let end = walk.step(&Cancel::default(), &mut |happening| match happening {
-            Happening::State(state) => states.push(state),
-            Happening::Jump(jump) => jumps.push(jump),
-            Happening::Moving { .. } => {}
+        let end = walk.step(&Cancel::default(), &mut |observed| match observed {
+            Observed::State(state) => states.push(state),
+            Observed::Jump(jump) => jumps.push(jump),
+            Observed::Moving { .. } => {}
         });
         if end != Progress::Working {
             return Way { states, jumps, end };
@@ -107,11 +106,11 @@ pub fn go(walk: &mut Walk, target: f64) -> Way {
 
 /// A walk on the whole cell by a method of one's own.
 pub fn walk_by(scene: &Scene, method: impl Method + 'static) -> Walk {
-    Walk::with_method(scene, Box::new(method), Reduction::Whole).unwrap()
+    Walk::start_by(Box::new(method), scene, WalkOptions::default(), &Cancel::default()).unwrap()
 }
 
 pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
-    run_loop(scene, method, &Cancel::default(), &mut |_| {}).unwrap()
+    run_loop(scene, method.into(), &Cancel::default(), &mut |_| {}).unwrap()
 }
 
 /// Patterns visited on one direction.
@@ -121,7 +120,7 @@ pub fn visited(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
 
 /// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target` by way of `turn`.
 fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
-    let mut walk = Walk::new(&fig2(N, 0.05), MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(&fig2(N, 0.05), MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     go(&mut walk, turn);
     let mut states = Vec::new();
     for back in [0.1, 0.05, 0.0] {

@@ -17,7 +17,7 @@ fn scene() -> Scene {
 }
 
 fn walked(scene: &Scene, method: MethodKind) -> LoopRun {
-    let run = run_loop(scene, method, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(scene, method.into(), &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{method:?}");
     run
 }

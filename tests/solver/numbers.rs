@@ -22,7 +22,7 @@ fn budget(time_step: f64, temperature: f64) -> GfmdBudget {
 #[track_caller]
 fn stuck(end: &Progress, word: &str) {
     let Progress::Stuck(reason) = end else { panic!("{end:?}") };
-    assert!(reason.contains(word), "{reason}");
+    assert!(reason.to_string().contains(word), "{reason}");
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Numbers of fewer bits: what they change, and what they must not.
 
-use tackscope::experiment::plan::Reduction;
-use tackscope::experiment::run::{LoopRun, Outcome, run_in_precision};
+use tackscope::experiment::part::Part;
+use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
 use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
 use tackscope::numerics::vector::{add, max_abs, norm, scale};
@@ -17,11 +18,17 @@ use tackscope::storage::{presets, scene_file};
 
 const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
 
-fn looped(precision: Precision, reduction: Reduction) -> LoopRun {
+fn looped(precision: Precision, reduction: Part) -> LoopRun {
     let mut scene: Scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
-    let run = run_in_precision(&scene, MethodKind::NewtonKrylov, reduction, precision, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        &scene,
+        WalkOptions { part: reduction, precision, ..MethodKind::NewtonKrylov.into() },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{precision:?}");
     run
 }
@@ -39,7 +46,7 @@ fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
 
 #[test]
 fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance() {
-    for reduction in [Reduction::Whole, Reduction::Quarter] {
+    for reduction in [Part::Whole, Part::Quarter] {
         let mixed = looped(Precision::Mixed, reduction);
         agree(&mixed, &looped(Precision::Double, reduction), 2e-4, 1e-4);
         assert!(mixed.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-6));
@@ -48,7 +55,7 @@ fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance()
 
 #[test]
 fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
-    for reduction in [Reduction::Whole, Reduction::Quarter] {
+    for reduction in [Part::Whole, Part::Quarter] {
         let single = looped(Precision::Single, reduction);
         agree(&single, &looped(Precision::Double, reduction), 1e-3, 1e-3);
         assert!(single.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-4));

@@ -26,7 +26,7 @@ fn a_flat_saddle_that_a_residual_accepts_at_two_and_a_half_ranges_is_labelled_un
     for state in &way.states {
         assert_eq!(state.stop == Stop::Unstable, state.mean_displacement < 3.10228, "{state:?}");
     }
-    let mut newton = Walk::new(&fig2(24, 0.1), MethodKind::NewtonKrylov).unwrap();
+    let mut newton = Walk::start(&fig2(24, 0.1), MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     let way = go(&mut newton, 2.5);
     assert!(way.states.iter().all(|s| s.stop == Stop::Stable) && newton.record().pattern != Pattern::Flat);
 }
@@ -69,7 +69,7 @@ fn a_dimple_that_methods_without_noise_keep_beyond_2_23_is_labelled_unstable() {
 fn the_walk_leaves_the_dimple_at_its_true_limit_whatever_the_method() {
     for kind in [MethodKind::NewtonKrylov, MethodKind::Lbfgs, MethodKind::ConjugateGradients, MethodKind::Fire] {
         let scene = fig2(super::common::N, 0.05);
-        let mut start = Walk::new(&scene, kind).unwrap();
+        let mut start = Walk::start(&scene, kind.into(), &Cancel::default()).unwrap();
         go(&mut start, 0.3);
         let way = go(&mut start, 2.4);
         let limit = way.jumps.iter().find(|j| j.from == Pattern::Dimple).expect("it gives way");

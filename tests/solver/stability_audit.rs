@@ -10,10 +10,10 @@ use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
-use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::part::Part;
 use tackscope::experiment::record::StateRecord;
 use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
-use tackscope::experiment::walk::{Happening, Progress, Walk};
+use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::dot;
 use tackscope::physics::indenter::Indenter;
@@ -67,7 +67,7 @@ struct Tally {
     faults: Vec<String>,
 }
 
-fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Reduction) {
+fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
     let shape = match rng.random_range(0..6) {
         0 | 1 => Shape::Morse(Morse),
         2 => {
@@ -99,7 +99,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Reduction) {
             seed: rng.random_range(0..1000),
         }),
     };
-    let reduction = if indenter.is_even() && rng.random() { Reduction::Quarter } else { Reduction::Whole };
+    let reduction = if indenter.is_even() && rng.random() { Part::Quarter } else { Part::Whole };
     let start = range * rng.random_range(2.0..5.0);
     let scene = Scene {
         title: "random".to_owned(),
@@ -118,8 +118,11 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Reduction) {
     (scene, reduction)
 }
 
-fn audit(scene: &Scene, reduction: Reduction, tally: &mut Tally) {
-    let Ok(mut walk) = Walk::reduced(scene, MethodKind::NewtonKrylov, reduction) else { return };
+fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
+    let Ok(mut walk) = Walk::start(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
+    else {
+        return;
+    };
     let model = walk.model().clone();
     let dense = Dense::new(model.grid);
     let smooth = model.law.is_smooth();
@@ -132,8 +135,8 @@ fn audit(scene: &Scene, reduction: Reduction, tally: &mut Tally) {
         walk.set_target(target);
         loop {
             let mut states: Vec<StateRecord> = Vec::new();
-            let progress = walk.step(&Cancel::default(), &mut |happening| {
-                if let Happening::State(state) = happening {
+            let progress = walk.step(&Cancel::default(), &mut |observed| {
+                if let Observed::State(state) = observed {
                     states.push(state);
                 }
             });

@@ -27,7 +27,7 @@ fn system(n: usize) -> System {
 fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
     let mut scene: Scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(64);
-    let mut walk = Walk::new(&scene, MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     for &place in places {
         walk.set_target(place);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}

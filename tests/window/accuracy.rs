@@ -5,21 +5,14 @@ use egui::pos2;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
 use tackscope::experiment::chart::{Effort, Errors, Judged, Model, Point, Precision, Verdict};
-use tackscope::experiment::plan::Reduction;
+use tackscope::experiment::part::Part;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::methods::MethodKind;
 use tackscope::worker::protocol::{ChartSoFar, Command, Errand, Event};
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {
     Judged {
-        point: Point {
-            method,
-            model: Model::Walk(Reduction::Whole),
-            line: false,
-            points: 48,
-            precision: Precision::Double,
-            step: 0.08,
-        },
+        point: Point { method, model: Road::WHOLE, line: false, points: 48, precision: Precision::Double, step: 0.08 },
         dissipated_energy: 0.1174,
         errors: Errors { dissipated_energy: error, jumps: error, stress: error },
         transforms: (seconds * 1e4) as usize,

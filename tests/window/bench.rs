@@ -8,7 +8,8 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
-use tackscope::experiment::plan::{Reduction, plan};
+use tackscope::experiment::part::Part;
+use tackscope::experiment::plan::plan;
 use tackscope::experiment::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::experiment::scene::{Model, Scene};
 use tackscope::physics::pattern::Pattern;
@@ -122,8 +123,8 @@ impl Bench {
     pub fn ready(&mut self) {
         let state = self.state();
         let (run, scene) = (state.run, state.scene.clone());
-        let plan = plan(&scene, &self.model, state.wish);
-        let choice = ModelChoice { plan, reduction: Reduction::Quarter, because: None };
+        let plan = plan(&scene, &self.model, state.asked);
+        let choice = ModelChoice { plan, reduction: Part::Quarter, because: None };
         let ready = Ready { model: self.model.clone(), height: None, flat_limits: Some((0.787, 3.102)), choice };
         self.say(Event::Ready { run, ready: Arc::new(ready) });
     }

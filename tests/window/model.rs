@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use egui_kittest::kittest::Queryable;
-use tackscope::experiment::plan::{Reduction, Wish};
+use tackscope::experiment::part::{Part, Road};
 use tackscope::worker::protocol::{Command, Event};
 
 #[test]
@@ -22,12 +22,13 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
     let mut bench = Bench::new();
     bench.heard();
     bench.click("Advanced");
-    for (label, wish) in [("Model: whole cell", Wish::Whole), ("Model: quarter", Wish::Quarter), ("Model: plan", Wish::Plan)] {
+    for (label, asked) in [("Model: whole cell", Some(Road::WHOLE)), ("Model: quarter", Some(Road::QUARTER)), ("Model: plan", None)]
+    {
         bench.window.get_by_label(label).scroll_to_me();
         bench.settle();
         bench.click(label);
         let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::SetScene { wish: asked, .. }] if *asked == wish), "{heard:?}");
+        assert!(matches!(&heard[..], [Command::SetScene { asked: asked, .. }] if *asked == asked), "{heard:?}");
     }
 }
 
@@ -37,7 +38,7 @@ fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
     bench.ready();
     let run = bench.state().run;
     let mut choice = bench.state().ready.as_ref().unwrap().choice.clone();
-    choice.reduction = Reduction::Whole;
+    choice.reduction = Part::Whole;
     choice.because = Some("a mode that is not mirror-symmetric goes soft here".to_owned());
     bench.say(Event::Remodelled { run, choice });
     assert_eq!(bench.state().failure, None);

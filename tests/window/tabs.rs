@@ -70,7 +70,7 @@ fn the_energy_well_is_asked_for_while_it_is_looked_at_and_not_else() {
 
 /// A walk of the window's scene at rest at the last of these u0.
 fn walked(bench: &Bench, path: &[f64]) -> Walk {
-    let mut walk = Walk::new(&bench.state().scene, MethodKind::NewtonKrylov).unwrap();
+    let mut walk = Walk::start(&bench.state().scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     for u0 in path {
         walk.set_target(*u0);
         while walk.step(&Cancel::default(), &mut |_| {}) == Walked::Working {}

@@ -123,7 +123,7 @@ pub(in crate::experiment) struct Journey {
 impl Journey {
     pub(in crate::experiment) fn new(atlas: &Atlas, start: f64, turn: f64) -> Result<Self, Unmapped> {
         if flat::stiffness_min(&atlas.chart.law, atlas.chart.length, start) < 0.0 {
-            return Err(Unmapped(format!("the flat state is not stable at the start, u0 = {start}")));
+            return Err(Unmapped::at(start, "the flat state is not stable where the drive starts"));
         }
         let goals = vec![(Direction::Retraction, start), (Direction::Approach, turn)];
         Ok(Self { goals, place: Place::Flat, here: start, begins: true, end: None, jumps: 0 })
@@ -154,22 +154,22 @@ impl Journey {
         };
         self.jumps += 1;
         if self.jumps > JUMPS {
-            return Err(Unmapped(format!("more than {JUMPS} jumps")));
+            return Err(Unmapped::anywhere(format!("more than {JUMPS} jumps")));
         }
         let &(direction, _) = self.goals.last().expect("a leg was given");
         let next = atlas.landing(self.place, direction == Direction::Retraction)?;
         if let Place::On(i) = next
             && !atlas.branches[i].covers(at)
         {
-            return Err(Unmapped(format!("the jump at u0 = {at:.4} lands beside its branch")));
+            return Err(Unmapped::at(at, "a jump lands beside its branch"));
         }
         let (before, after) = (atlas.at(self.place, at), atlas.at(next, at));
         let released_energy = (before.energy - after.energy) / atlas.chart.law.surface_energy;
         if released_energy.abs() < LEAST_RELEASE {
-            return Err(Unmapped(format!("at u0 = {at:.4} a pattern comes or goes without a jump, continuously")));
+            return Err(Unmapped::at(at, "a pattern comes or goes without a jump, continuously"));
         }
         if !(released_energy > 0.0) || next == self.place {
-            return Err(Unmapped(format!("the jump at u0 = {at:.4} would release {released_energy:.2e} gamma")));
+            return Err(Unmapped::at(at, format!("a jump would release {released_energy:.2e} gamma")));
         }
         let release_error = match self.place {
             // In closed form.
@@ -198,7 +198,7 @@ impl Journey {
         match self.place {
             Place::Flat => Ok(()),
             Place::On(_) => {
-                Err(Unmapped("the loop does not close: drive.start is below the last jump of the retraction".to_owned()))
+                Err(Unmapped::anywhere("the loop does not close: drive.start is below the last jump of the retraction"))
             }
         }
     }

@@ -1,10 +1,12 @@
 //! A loop read off an atlas, in the form of a walk's.
 
 use crate::experiment::atlas::{Atlas, Leg, Place, Unmapped};
+use crate::experiment::part::Part;
 use crate::experiment::plan;
 use crate::experiment::record::StateRecord;
 use crate::experiment::run::{LoopRun, Outcome};
 use crate::experiment::scene::{Model, Scene, Turn};
+use crate::experiment::walk::Stuck;
 use crate::physics::pattern::Pattern;
 use crate::solver::Stop;
 
@@ -16,7 +18,7 @@ pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     let start = scene.drive.start;
     let cycle = match scene.drive.turn {
         Turn::At(turn) => atlas.cycle(start, turn),
-        Turn::ZeroLoad => Err(Unmapped("a tip has no atlas".to_owned())),
+        Turn::ZeroLoad => Err(Unmapped::anywhere("a tip has no atlas")),
     };
     let mut run = LoopRun::empty();
     match cycle {
@@ -24,7 +26,7 @@ pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
             run.record.states = cycle.legs.iter().flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model)).collect();
             run.record.jumps = cycle.jumps;
         }
-        Err(reason) => run.outcome = Outcome::NotConverged { mean_displacement: start, reason: reason.to_string() },
+        Err(reason) => run.outcome = Outcome::NotConverged { mean_displacement: start, reason: Stuck::Unmapped(reason) },
     }
     run.counts.transforms = atlas.transforms().iter().sum();
     run.counts.patterned_increments = run.record.states.iter().filter(|s| s.pattern != Pattern::Flat).count();
@@ -43,9 +45,12 @@ fn states(atlas: &Atlas, leg: &Leg, start: f64, step: f64, model: &Model) -> Vec
 
 fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
     let at = atlas.at(leg.place, u0);
-    let pattern = match leg.place {
-        Place::Flat => Pattern::Flat,
-        Place::On(i) => atlas.branches()[i].pattern,
+    let (pattern, part) = match leg.place {
+        Place::Flat => (Pattern::Flat, Part::Flat),
+        Place::On(i) => {
+            let branch = &atlas.branches()[i];
+            (branch.pattern, if branch.is_ridge { Part::Ridge } else { Part::Quarter })
+        }
     };
     StateRecord {
         direction: leg.direction,
@@ -53,7 +58,7 @@ fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
         stress_over_max: at.stress / model.law.traction_max(),
         energy: at.energy,
         pattern,
-        model: "atlas",
+        part,
         stop: Stop::ReadOff,
         ..StateRecord::placeholder(u0)
     }

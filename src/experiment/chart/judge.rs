@@ -117,7 +117,7 @@ impl Judged {
 pub(super) struct Comparison {
     pub(super) errors: Errors,
     /// Jumps that are missing or too many, in words.
-    pub(super) faults: Vec<String>,
+    pub(super) faults: Vec<(String, String)>,
 }
 
 /// Compares a loop with `truth`.
@@ -157,31 +157,32 @@ fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord,
     pairs
 }
 
-fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<String> {
+/// What is wrong with the jumps, in short for a chart and in full.
+fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<(String, String)> {
     let (ours, theirs) = (&measured.record, &truth.record);
     let mut faults = Vec::new();
     for branch in [Direction::Approach, Direction::Retraction] {
         let reached = |record: &LoopRecord, p: Pattern| record.jumps.iter().any(|j| j.direction == branch && j.to == p);
         for pattern in [Pattern::Bulge, Pattern::Ridge, Pattern::Dimple, Pattern::Contact, Pattern::Other, Pattern::Flat] {
             if reached(theirs, pattern) && !reached(ours, pattern) {
-                faults.push(format!("{pattern} skipped on {branch}"));
+                faults.push((format!("{pattern} skipped"), format!("{pattern} skipped on {branch}")));
             }
         }
     }
     let missing = theirs.jumps.len() - matched;
     if missing > 0 && faults.is_empty() {
-        faults.push(format!("{missing} jumps missing"));
+        faults.push(("jumps missing".to_owned(), format!("{missing} jumps missing")));
     }
     let extra = ours.jumps.len() - matched;
     if extra > 0 {
         let whose = if measured.mu_rho > mesh_rule::SAFE { "jumps of the mesh" } else { "extra jumps" };
-        faults.push(format!("{extra} {whose}"));
+        faults.push((whose.to_owned(), format!("{extra} {whose}")));
     }
     faults
 }
 
 /// What is wrong with a loop, the gravest first.
-fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
+fn verdict(measured: &Measured, jumps: Vec<(String, String)>) -> Verdict {
     let failed = |what: String, message: String| Verdict::Failed { what, message };
     match &measured.outcome {
         Outcome::Cancelled if measured.out_of_time => {
@@ -189,7 +190,7 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         }
         Outcome::Cancelled => return Verdict::Cancelled,
         Outcome::NotConverged { mean_displacement, reason } => {
-            return failed(in_short(reason), format!("{reason}; last state at u0 = {mean_displacement}"));
+            return failed(reason.what(), format!("{reason}; last state at u0 = {mean_displacement}"));
         }
         Outcome::Completed => {}
     }
@@ -203,11 +204,7 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         faults
             .push(("unstable state kept".to_owned(), format!("{} of {} states are unstable", with(Stop::Unstable), states.len())));
     }
-    for fault in jumps {
-        // "bulge skipped" and "jumps missing" say enough on a chart.
-        let short = fault.split_once(" on ").map_or(fault.as_str(), |(what, _)| what);
-        faults.push((short.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ').to_owned(), fault.clone()));
-    }
+    faults.extend(jumps);
     if with(Stop::NotConverged) > 0 {
         let worst = max_abs(&states.iter().map(|s| s.residual).collect::<Vec<_>>());
         let message =
@@ -218,21 +215,6 @@ fn verdict(measured: &Measured, jumps: Vec<String>) -> Verdict {
         None => Verdict::Done,
         Some((what, _)) => failed(what.clone(), faults.iter().map(|(_, message)| message.as_str()).collect::<Vec<_>>().join("; ")),
     }
-}
-
-/// A reason without the place and without what follows it in brackets or after a colon, if it is long.
-fn in_short(reason: &str) -> String {
-    let what = reason.split_once(" (").map_or(reason, |(what, _)| what);
-    let mut what = match what.split_once(" at u0 = ") {
-        Some((before, after)) => format!("{before}{}", after.trim_start_matches(|c: char| c.is_ascii_digit() || "-.".contains(c))),
-        None => what.to_owned(),
-    };
-    if what.len() > 60
-        && let Some(colon) = what.find(": ")
-    {
-        what.truncate(colon);
-    }
-    what
 }
 
 /// Root mean square difference of the stress over the states of `measured` that are on the same pattern as `truth` and away from
@@ -278,24 +260,5 @@ impl<'a> Curve<'a> {
         let a = self.states.get(after.checked_sub(1)?)?;
         let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
         (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_reason_in_short_names_what_happened_and_not_where() {
-        for (reason, short) in [
-            ("NaN: time step beyond its limit (GFMD at u0 = -0.0076)", "NaN: time step beyond its limit"),
-            ("the jump at u0 = 3.8413 would release 0 gamma", "the jump would release 0 gamma"),
-            (
-                "a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell",
-                "a mode that is not mirror-symmetric goes soft here",
-            ),
-        ] {
-            assert_eq!(in_short(reason), short);
-        }
     }
 }

@@ -1,11 +1,13 @@
 //! One loop, with what it took.
 
-use super::{Model, Point, atlas};
+use super::{Point, atlas};
 use crate::experiment::ledger::Ledger;
+use crate::experiment::part::Road;
 use crate::experiment::record::LoopRecord;
-use crate::experiment::run::{LoopRun, Outcome, Report, run_in_precision};
+use crate::experiment::run::{LoopRun, Outcome, Report, run_loop};
 use crate::experiment::scene::{Points, Scene, SceneError};
 use crate::experiment::walk::Counts;
+use crate::experiment::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use cpu_time::ProcessTime;
@@ -74,9 +76,10 @@ pub fn measure(
     let part = cancel.part();
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let mut out_of_time = false;
+    let options = |part| WalkOptions { method: point.method, part, precision: point.precision, trapped_within: None };
     let LoopRun { record, outcome, counts, .. } = match point.model {
-        Model::Atlas => atlas::read_off(&scene, &model),
-        Model::Walk(part_of_cell) => run_in_precision(&scene, point.method, part_of_cell, point.precision, &part, &mut |report| {
+        Road::Atlas => atlas::read_off(&scene, &model),
+        Road::Walk(walked) => run_loop(&scene, options(walked), &part, &mut |report| {
             if processor.elapsed().as_secs_f64() > allowed {
                 out_of_time = true;
                 part.request();

@@ -2,7 +2,8 @@
 
 use super::Measured;
 use crate::experiment::mesh::next_fast;
-use crate::experiment::plan::{Reduction, Road, Wish, plan};
+use crate::experiment::part::Road;
+use crate::experiment::plan::plan;
 use crate::experiment::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
 use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;
@@ -19,25 +20,13 @@ pub(super) const SHARE: f64 = 0.3;
 /// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
 const SECONDS: f64 = 1e-9;
 
-/// The reference of all: a walk on the whole cell.
-const WHOLE: Model = Model::Walk(Reduction::Whole);
-
-/// How much of the cell is solved, and how.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Model {
-    /// A walk on the cell or a part of it.
-    Walk(Reduction),
-    /// The loop read off an atlas of branches (flat ground, square cells). The step is that of the states read off.
-    Atlas,
-}
-
 /// One way to compute the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The relaxation method.
     pub method: MethodKind,
-    /// How much of the cell is solved.
-    pub model: Model,
+    /// How the loop is computed; where it is read off an atlas (flat ground, square cells) the step is that of the states read off.
+    pub model: Road,
     /// True for a line cell.
     pub line: bool,
     /// Points along a side.
@@ -51,16 +40,14 @@ pub struct Point {
 impl Point {
     /// The name of its road on the screen: its method, or the atlas.
     pub fn road(&self) -> &'static str {
-        if self.model == Model::Atlas { "atlas of branches" } else { self.method.title() }
+        if self.model == Road::Atlas { "atlas of branches" } else { self.method.title() }
     }
 
     /// The word of tables for what is solved.
     pub fn model_word(&self) -> &'static str {
-        match (self.line, self.model) {
-            (_, Model::Atlas) => "atlas",
-            (false, Model::Walk(part)) => part.word(),
-            (true, Model::Walk(Reduction::Whole)) => "line",
-            (true, Model::Walk(Reduction::Quarter)) => "half line",
+        match self.model {
+            Road::Walk(part) if self.line => part.of_line().word(),
+            model => model.word(),
         }
     }
 }
@@ -122,7 +109,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     let grid = scene.model()?.grid;
     let mesh = |share: f64| if share < 1.0 { next_fast((share * grid.nx as f64).ceil().max(16.0) as usize) } else { grid.nx };
     let line = grid.is_line();
-    let point = |method, points, step| Point { method, model: WHOLE, line, points, precision: Precision::Double, step };
+    let point = |method, points, step| Point { method, model: Road::WHOLE, line, points, precision: Precision::Double, step };
     let finest = |most: usize, step: f64| {
         let finer = next_fast((1.2 * most as f64 + 1.0).ceil() as usize);
         [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
@@ -165,11 +152,11 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
             && p.points.is_multiple_of(4)
             && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs)
     };
-    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Model::Walk(Reduction::Quarter), ..*p }).collect();
+    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Road::QUARTER, ..*p }).collect();
     list.extend(quarters);
     if !line && scene.indenter == Indenter::Flat && matches!(scene.drive.turn, Turn::At(_)) {
         let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
-        list.extend(meshes.map(|&n| Point { model: Model::Atlas, ..point(MethodKind::NewtonKrylov, n, step) }));
+        list.extend(meshes.map(|&n| Point { model: Road::Atlas, ..point(MethodKind::NewtonKrylov, n, step) }));
     }
     list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
     Ok((list, finest))
@@ -180,11 +167,8 @@ pub(super) fn own(scene: &Scene) -> Result<[Point; 2], SceneError> {
     let decided = scene.model()?;
     let (line, points, step) = (decided.grid.is_line(), decided.grid.nx, scene.drive.step);
     let own = |method, model| Point { method, model, line, points, precision: Precision::Double, step };
-    let planned = match plan(scene, &decided, Wish::Plan).road {
-        Road::Atlas(_) => Model::Atlas,
-        Road::Walk(reduction) => Model::Walk(reduction),
-    };
-    Ok([own(MethodKind::default(), planned), own(MethodKind::Gfmd, WHOLE)])
+    let planned = plan(scene, &decided, None).road;
+    Ok([own(MethodKind::default(), planned), own(MethodKind::Gfmd, Road::WHOLE)])
 }
 
 /// What `tackscope run` would do.
@@ -198,7 +182,7 @@ pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Scen
 }
 
 /// What the correction of a prediction depends on.
-fn key(point: &Point) -> (MethodKind, Model, Precision) {
+fn key(point: &Point) -> (MethodKind, Road, Precision) {
     (point.method, point.model, point.precision)
 }
 
@@ -210,7 +194,7 @@ pub(super) struct Predictor {
     law: Law,
     length: f64,
     /// Measured over predicted, by what it depends on but the mesh and the step.
-    correction: HashMap<(MethodKind, Model, Precision), f64>,
+    correction: HashMap<(MethodKind, Road, Precision), f64>,
 }
 
 impl Predictor {
@@ -247,11 +231,11 @@ impl Predictor {
         let n = point.points as f64;
         let all = if point.line { n } else { n * n };
         let (all, way) = match point.model {
-            WHOLE => (all, self.way),
             // A quarter of the points; what watches over the rest costs about as much again.
-            Model::Walk(Reduction::Quarter) => (all / 2.0, self.way),
+            Road::Walk(part) if part.is_even() => (all / 2.0, self.way),
+            Road::Walk(_) => (all, self.way),
             // As many equilibria whatever the step.
-            Model::Atlas => (all / 4.0, 40.0 * point.step),
+            Road::Atlas => (all / 4.0, 40.0 * point.step),
         };
         // Many small jumps, each a release.
         let trapped = if self.mu_rho(point.points) > SAFE && point.method.build(0).locates() { 8.0 } else { 1.0 };

@@ -1,6 +1,6 @@
 //! One increment along a branch, and the bracketing of where the branch ends.
 
-use super::{Barrier, Before, Happening, Progress, Walk};
+use super::{Barrier, Before, Bracket, Observed, Phase, Progress, Stuck, Walk};
 use crate::experiment::atlas::{Explorer, Rest};
 use crate::experiment::contest::{mixture, shares};
 use crate::experiment::flat_branch::FlatBranch;
@@ -40,11 +40,11 @@ impl Walk {
     /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
     pub(super) fn next_displacement(&self) -> f64 {
         let here = self.here.state.mean_displacement;
-        if let Some(barrier) = &self.barrier {
-            return self.towards(barrier);
+        if let Phase::Bracketing(bracket) = &self.phase {
+            return self.towards(bracket);
         }
         let k = (self.start - here) / self.step;
-        let short = self.short.unwrap_or(f64::INFINITY).min(self.longest());
+        let short = self.behind.short.unwrap_or(f64::INFINITY).min(self.longest());
         match self.direction {
             Direction::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
             Direction::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
@@ -66,7 +66,7 @@ impl Walk {
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
     fn expected_fold(&self) -> Option<f64> {
-        let (Before { at, stiffness: before, .. }, here) = (self.before?, self.here.state.mean_displacement);
+        let (Before { at, stiffness: before, .. }, here) = (self.behind.before?, self.here.state.mean_displacement);
         let now = self.here.stiffness_min?.value;
         (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
@@ -95,17 +95,17 @@ impl Walk {
 
     /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
     /// where there is no expectation, or it did not help last time.
-    pub(super) fn towards(&self, barrier: &Barrier) -> f64 {
+    fn towards(&self, Bracket { barrier, halve, .. }: &Bracket) -> f64 {
         let here = self.here.state.mean_displacement;
         let width = barrier.at - here;
         let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
         let fine = self.located_within() / width.abs();
         // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
         let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
-        if self.halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
+        if *halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
     }
 
-    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Observed)) -> Progress {
         let next = self.next_displacement();
         let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next) else {
             self.here = flat.state(&self.mechanics.system, next);
@@ -138,7 +138,7 @@ impl Walk {
         let mut explorer = Explorer::new(grid.length, grid.nx, law);
         explorer.mechanics.cancel = self.mechanics.cancel.clone();
         let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
-        self.looked += explorer.mechanics.transforms();
+        self.spent.looked += explorer.mechanics.transforms();
         landings
     }
 
@@ -172,40 +172,46 @@ impl Walk {
         z
     }
 
-    pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
         let located = self.located_within();
         let here = self.here.state.mean_displacement;
-        let reached = self.barrier.take_if(|b| (b.at - here).abs() <= located);
+        let reached = match std::mem::replace(&mut self.phase, Phase::Following) {
+            Phase::Bracketing(bracket) if (bracket.barrier.at - here).abs() <= located => Some(bracket.barrier),
+            phase => {
+                self.phase = phase;
+                None
+            }
+        };
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
             Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
             // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
             Some(barrier) => {
-                self.history = History::starting(&self.here.state);
+                self.behind.history = History::starting(&self.here.state);
                 barrier.at
             }
             None => self.next_displacement(),
         };
         let locates = self.method.locates();
         let mut barrier = Barrier { at: next, stiffness: None, soft_mode: Vec::new() };
-        match self.method.follow(&mut self.mechanics, &self.history, &self.here, next) {
+        match self.method.follow(&mut self.mechanics, &self.behind.history, &self.here, next) {
             Ok(mut state) => {
-                self.counts.iterations += state.cost.iterations;
+                self.spent.counts.iterations += state.cost.iterations;
                 let (stiffness, mode) = self.tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
                 if self.cancelled() {
                     return Progress::Cancelled;
                 }
                 let stiffness = match self.all_modes(&state, stiffness) {
                     Ok(stiffness) => stiffness,
-                    Err(reason) => return Progress::Stuck(reason),
+                    Err(stuck) => return Progress::Stuck(stuck),
                 };
                 state.measured(stiffness, mode);
-                if locates && self.barrier.is_none() && self.passed_an_end(&state) {
-                    self.short = Some(0.5 * (next - here).abs());
+                if locates && self.barrier().is_none() && self.passed_an_end(&state) {
+                    self.behind.short = Some(0.5 * (next - here).abs());
                     return Progress::Working;
                 }
                 // Next to an end that is known no budget tells the sign of what vanishes there.
-                let at_end = self.barrier.as_ref().is_some_and(|known| {
+                let at_end = self.barrier().is_some_and(|known| {
                     stiffness.value.is_nan() && known.stiffness.is_some() && (known.at - here).abs() < AT_END * self.model.law.range
                 });
                 if at_end {
@@ -213,21 +219,19 @@ impl Walk {
                 } else if state.stop != Stop::Unstable || !locates {
                     let faded = locates && reached.is_none() && self.faded(&state);
                     if !faded {
-                        let progress = self.take(state, observe);
-                        self.watch_bracket();
-                        return progress;
+                        return self.take(state, observe);
                     }
                 } else {
                     (barrier.stiffness, barrier.soft_mode) = (Some(stiffness.value), state.soft_mode);
                 }
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
-            Err(Lost::Diverged(reason)) => {
-                return Progress::Stuck(format!("NaN: {reason} ({} at u0 = {next:.6})", self.method.name()));
+            Err(Lost::Diverged(why)) => {
+                return Progress::Stuck(Stuck::Diverged { mean_displacement: next, method: self.method.name(), why });
             }
             Err(Lost::Unstable | Lost::Gone) => {}
         }
-        let bracketed = reached.is_some() || self.barrier.is_some();
+        let bracketed = reached.is_some() || self.barrier().is_some();
         if let Some(progress) = (!bracketed).then(|| self.fall(next, observe)).flatten() {
             return progress;
         }
@@ -237,15 +241,14 @@ impl Walk {
             }
             return self.release(self.located(barrier));
         }
-        self.barrier = Some(barrier);
-        self.watch_bracket();
+        self.bracket(barrier);
         Progress::Working
     }
 
     /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the branch may have been unstable on
     /// the way.
     fn passed_an_end(&self, next: &Equilibrium) -> bool {
-        let (Some(before), Some(now)) = (self.before, self.here.stiffness_min) else { return false };
+        let (Some(before), Some(now)) = (self.behind.before, self.here.stiffness_min) else { return false };
         let (here, there) = (self.here.state.mean_displacement, next.state.mean_displacement);
         let expected = now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
         expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.model.law.range
@@ -258,60 +261,69 @@ impl Walk {
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
     fn reconsider(&mut self, du: f64) {
-        self.short = self.short.map(|short| 1.5 * short.max(du.abs())).filter(|short| *short < self.step);
-        let Some(barrier) = &self.barrier else {
-            return;
-        };
+        let short = &mut self.behind.short;
+        *short = short.map(|short| 1.5 * short.max(du.abs())).filter(|short| *short < self.step);
+        let Some(barrier) = self.barrier().cloned() else { return };
         let left = barrier.at - self.here.state.mean_displacement;
         let expected = self.expected_fold().is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
         if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
-            self.barrier = None;
-            self.short = Some(du.abs());
+            self.phase = Phase::Following;
+            self.behind.short = Some(du.abs());
+        } else {
+            self.bracket(barrier);
         }
     }
 
-    pub(super) fn watch_bracket(&mut self) {
-        let width = self.barrier.as_ref().map_or(f64::INFINITY, |b| (b.at - self.here.state.mean_displacement).abs());
-        self.halve = width.is_finite() && width > 0.5 * self.bracket && !self.halve;
-        self.bracket = width;
+    /// What the end of the branch is known to lie before, if anything.
+    fn barrier(&self) -> Option<&Barrier> {
+        match &self.phase {
+            Phase::Bracketing(bracket) => Some(&bracket.barrier),
+            _ => None,
+        }
+    }
+
+    /// Brackets the end of the branch between the present state and `barrier`.
+    fn bracket(&mut self, barrier: Barrier) {
+        let width = (barrier.at - self.here.state.mean_displacement).abs();
+        let halve = match &self.phase {
+            Phase::Bracketing(last) => width > 0.5 * last.width && !last.halve,
+            _ => false,
+        };
+        self.phase = Phase::Bracketing(Bracket { barrier, width, halve });
     }
 
     /// Takes the present state into the history of its branch.
     pub(super) fn remember(&mut self) {
-        self.history.push(&self.here.state);
+        self.behind.history.push(&self.here.state);
     }
 
     /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
-    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
         let (before, energy, stress) = (self.record.clone(), self.here.state.energy, self.here.state.stress);
         let du = state.state.mean_displacement - self.here.state.mean_displacement;
         let work = 0.5 * (stress + state.state.stress) * du;
         let released = (energy + work - state.state.energy) / self.model.law.surface_energy;
         if !self.method.locates() && !(released > -GAIN_MAX) {
-            return Progress::Stuck(format!(
-                "energy gained: too hot a thermostat, or a run into the wall of the law ({:.1e} gamma, {} at u0 = {:.6})",
-                -released,
-                self.method.name(),
-                state.state.mean_displacement
-            ));
+            let (mean_displacement, method) = (state.state.mean_displacement, self.method.name());
+            return Progress::Stuck(Stuck::EnergyGained { mean_displacement, method, gained: -released });
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
         let (at, stiffness_min) = (self.here.state.mean_displacement, self.here.stiffness_min);
-        self.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
+        self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
         self.here = state;
         self.reconsider(du);
         if smooth {
             self.remember();
         } else {
-            self.history = History::starting(&self.here.state);
+            self.behind.history = History::starting(&self.here.state);
         }
         if self.method.locates() {
             self.mechanics.refresh(&self.here.fields);
         }
         let pattern = self.pattern();
         if !self.method.locates() && pattern != before.pattern {
-            observe(Happening::Jump(JumpRecord {
+            observe(Observed::Jump(JumpRecord {
                 direction: self.direction,
                 mean_displacement: self.here.state.mean_displacement,
                 from: before.pattern,

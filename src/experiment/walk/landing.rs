@@ -1,7 +1,7 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
 use super::advance::FIRST;
-use super::{Barrier, Happening, Jumping, Progress, Walk};
+use super::{Barrier, Jumping, Observed, Phase, Progress, Stuck, Walk};
 use crate::experiment::contest::{KICK as FLAT_KICK, Share};
 use crate::experiment::record::{Cause, JumpRecord};
 use crate::numerics::krylov::CgLimits;
@@ -65,7 +65,12 @@ impl Walk {
         let kick = if from_flat { FLAT_KICK } else { KICK };
         let kicked = self.kicked(&self.here.state.amplitudes.clone(), at, &soft_mode, kick, !from_flat);
         let release = Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
-        self.jumping = Some(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, landings });
+        self.jump_on(Box::new(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, landings }))
+    }
+
+    /// The surface moves.
+    fn jump_on(&mut self, jumping: Box<Jumping>) -> Progress {
+        self.phase = Phase::Jumping(jumping);
         Progress::Working
     }
 
@@ -94,7 +99,7 @@ impl Walk {
     fn carried_to(&self, u0: f64) -> (f64, f64) {
         let (here, stress, du) =
             (self.here.state.mean_displacement, self.here.state.stress, u0 - self.here.state.mean_displacement);
-        let slope = self.before.map_or(0.0, |before| (stress - before.stress) / (here - before.at));
+        let slope = self.behind.before.map_or(0.0, |before| (stress - before.stress) / (here - before.at));
         let there = stress + slope * du;
         (there, self.here.state.energy + 0.5 * (stress + there) * du)
     }
@@ -123,27 +128,31 @@ impl Walk {
         if other.state.energy < energy - equal || !energy.is_finite() { other } else { one }
     }
 
-    pub(super) fn relax(&mut self, mut jumping: Jumping, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn relax(&mut self, mut jumping: Box<Jumping>, observe: &mut dyn FnMut(Observed)) -> Progress {
         let slice = jumping.release.advance(&mut self.mechanics, SLICE);
         let u0 = jumping.release.at.state.mean_displacement;
         match slice {
             Slice::Moving => {
                 let stress = jumping.release.at.state.stress;
-                self.jumping = Some(jumping);
-                observe(Happening::Moving { stress });
-                Progress::Working
+                observe(Observed::Moving { stress });
+                self.jump_on(jumping)
             }
             Slice::Cancelled => {
-                self.jumping = Some(jumping);
+                self.phase = Phase::Jumping(jumping);
                 Progress::Cancelled
             }
-            Slice::Stuck => Progress::Stuck(format!("the release at u0 = {u0:.6} found no way down")),
+            Slice::Stuck => Progress::Stuck(Stuck::NoWayDown { mean_displacement: u0 }),
             Slice::Settled(settled) => self.settle(jumping, *settled, observe),
         }
     }
 
     /// Checks the stability of where the release came to rest; lands there, or kicks on.
-    pub(super) fn settle(&mut self, mut jumping: Jumping, settled: NewtonState, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn settle(
+        &mut self,
+        mut jumping: Box<Jumping>,
+        settled: NewtonState,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
         let u0 = settled.at.state.mean_displacement;
         let landed = match self.flat {
             Some(flat) if norm(&settled.at.state.amplitudes) < 1e-4 * self.model.law.range => {
@@ -156,22 +165,21 @@ impl Walk {
             _ => match self.measure(settled, jumping.release.steps) {
                 Ok(state) => state,
                 Err(progress) => {
-                    self.jumping = Some(jumping);
+                    self.phase = Phase::Jumping(jumping);
                     return progress;
                 }
             },
         };
         if landed.stop == Stop::Unstable {
             if jumping.kicks >= KICKS {
-                return Progress::Stuck(format!("after the jump at u0 = {u0:.6} every resting place found was unstable"));
+                return Progress::Stuck(Stuck::OnlyUnstable { mean_displacement: u0 });
             }
             jumping.kicks += 1;
             let kicked = self.kicked(&landed.state.amplitudes, u0, &landed.soft_mode, KICK, true);
             // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
             let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10).max(self.mechanics.system.precision().floor());
             jumping.release = Release::new(kicked).with_tolerance(tolerance);
-            self.jumping = Some(jumping);
-            return Progress::Working;
+            return self.jump_on(jumping);
         }
         self.land(jumping, landed, observe)
     }
@@ -227,26 +235,23 @@ impl Walk {
         Ok(state)
     }
 
-    pub(super) fn land(&mut self, mut jumping: Jumping, landed: Equilibrium, observe: &mut dyn FnMut(Happening)) -> Progress {
+    pub(super) fn land(&mut self, mut jumping: Box<Jumping>, landed: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
         let law = self.model.law;
         let u0 = landed.state.mean_displacement;
         let released = (jumping.energy_before - landed.state.energy) / law.surface_energy;
         let (stress_before, _) = self.carried_to(u0);
-        self.counts.iterations += landed.cost.iterations;
+        self.spent.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
             jumping.kick *= 0.1;
             let kicked = self.kicked(&self.here.state.amplitudes.clone(), u0, &jumping.soft_mode.clone(), jumping.kick, true);
             jumping.release = Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
-            self.jumping = Some(jumping);
-            return Progress::Working;
+            return self.jump_on(jumping);
         }
         if released < -EVENT {
-            return Progress::Stuck(format!(
-                "the release at u0 = {u0:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver"
-            ));
+            return Progress::Stuck(Stuck::NegativeRelease { mean_displacement: u0, released });
         }
-        let Jumping { cause, landings, .. } = jumping;
+        let Jumping { cause, landings, .. } = *jumping;
         self.arrive(landed, Leaving { stress: stress_before, released, cause, landings }, EVENT, observe);
         Progress::Working
     }
@@ -258,12 +263,12 @@ impl Walk {
         landed: Equilibrium,
         Leaving { stress: stress_before, released, cause, landings }: Leaving,
         event: f64,
-        observe: &mut dyn FnMut(Happening),
+        observe: &mut dyn FnMut(Observed),
     ) {
         let left = std::mem::replace(&mut self.here, landed);
         // The flat state is known everywhere.
         let first = (!(self.flat.is_some() && self.here.is_uniform())).then_some(FIRST * self.model.law.range);
-        (self.before, self.short) = (None, first.filter(|first| *first < self.step));
+        (self.behind.before, self.behind.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
         let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
         let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
@@ -283,10 +288,10 @@ impl Walk {
         } else {
             (released, located, cause)
         };
-        self.history = History::starting(&self.here.state);
+        self.behind.history = History::starting(&self.here.state);
         // Nothing else happened on the way.
         self.record.mean_displacement = self.here.state.mean_displacement;
-        observe(Happening::Jump(JumpRecord {
+        observe(Observed::Jump(JumpRecord {
             direction: self.direction,
             mean_displacement: self.here.state.mean_displacement,
             from,

@@ -1,6 +1,6 @@
 //! What a walk shows: the gap, the mode that gives way first, and the energy well along it.
 
-use super::Walk;
+use super::{Phase, Walk};
 use crate::numerics::vector::{add, dot, scale};
 use ndarray::Array2;
 
@@ -34,7 +34,10 @@ impl EnergyWell {
 impl Walk {
     /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
     pub fn gap(&self) -> Array2<f64> {
-        let fields = self.jumping.as_ref().map_or(&self.here.fields, |jumping| &jumping.release.at.fields);
+        let fields = match &self.phase {
+            Phase::Jumping(jumping) => &jumping.release.at.fields,
+            _ => &self.here.fields,
+        };
         self.mechanics.system.unfolded(&fields.gap)
     }
 
@@ -72,7 +75,7 @@ impl Walk {
 
     /// The mode with the sign of the last one asked for, so that pictures do not flicker.
     fn soft_amplitudes(&mut self) -> Option<Vec<f64>> {
-        if self.jumping.is_some() {
+        if matches!(self.phase, Phase::Jumping(_)) {
             return None;
         }
         let mut mode = self.here.soft_mode.clone();

@@ -3,7 +3,7 @@
 use super::super::scenes;
 use super::super::task::{Stopped, Task};
 use super::{Erratum, Evidence};
-use crate::experiment::plan::{Wish, plan};
+use crate::experiment::plan::plan;
 use crate::experiment::planned::run_planned;
 use crate::experiment::scene::Points;
 use crate::paper::walked::{completed, refused};
@@ -148,7 +148,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
     // Turned while the ridge is still a ridge: Eq. 30 is about the cycle from separation to the ridge and back.
     let scene = scenes::flat("a line cell of 1024 ranges", 1024.0, Points::Line(256), 9.5, 3.5, 0.1);
     let model = scene.model().map_err(|error| refused(&scene, error))?;
-    let plan = plan(&scene, &model, Wish::Plan);
+    let plan = plan(&scene, &model, None);
     let found = run_planned(&scene, MethodKind::NewtonKrylov, &plan, task.cancel, &mut |_| {});
     let run = completed(found.map_err(|error| refused(&scene, error))?, &scene)?;
     let (law, units) = (&model.law, Units { length: model.grid.length, surface_energy: model.law.surface_energy });

@@ -1,13 +1,12 @@
 //! Charts of invented rows: written, and looked into.
 
 use super::{CHART_COLUMNS, write_chart_csv};
-use crate::experiment::chart::{Chart, Errors, Judged, Model, Point, Precision, Skipped, Verdict};
-use crate::experiment::plan::Reduction;
+use crate::experiment::chart::{Chart, Errors, Judged, Point, Precision, Skipped, Verdict};
+use crate::experiment::part::Road;
 use crate::solver::methods::MethodKind;
 
 fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
-    let point =
-        Point { method, model: Model::Walk(Reduction::Whole), line: false, points: 64, precision: Precision::Double, step: 0.02 };
+    let point = Point { method, model: Road::WHOLE, line: false, points: 64, precision: Precision::Double, step: 0.02 };
     Judged {
         point,
         dissipated_energy: 0.1 + error,

@@ -2,7 +2,7 @@
 
 use super::ViewState;
 use crate::experiment::chart::{Effort, Model};
-use crate::experiment::plan::{Reduction, Wish};
+use crate::experiment::part::{Part, Road};
 use crate::experiment::scene::{Points, Range};
 use crate::ui::action::Measurement;
 use crate::worker::protocol::{Command, Errand};
@@ -46,14 +46,14 @@ impl ViewState {
         scene.drive.step = point.step;
         self.edit_scene(scene);
         self.set_method(point.method);
-        self.set_wish(match point.model {
-            Model::Walk(Reduction::Whole) => Wish::Whole,
-            Model::Walk(Reduction::Quarter) => Wish::Quarter,
-            _ => Wish::Plan,
+        self.set_road(match point.model {
+            Road::WHOLE => Some(Road::WHOLE),
+            Road::QUARTER => Some(Road::QUARTER),
+            _ => None,
         });
         self.chart = chart;
         self.notice = Some(match point.model {
-            Model::Walk(_) => format!("the scene now runs as {point}"),
+            Road::Walk(_) => format!("the scene now runs as {point}"),
             _ => format!("the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead"),
         });
     }

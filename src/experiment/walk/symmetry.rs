@@ -1,13 +1,18 @@
-//! The watch over a quarter cell: a state that is stable among even fields may still give way to a mode of another symmetry.
+//! The part of the cell: a state that is stable among even fields may still give way to a mode of another symmetry. Such modes are
+//! watched beside the walk, which goes over to the whole cell where one goes soft.
 
-use super::Walk;
+use super::{Stuck, Walk, WalkOptions, solved};
 use crate::experiment::mesh::next_fast;
-use crate::experiment::scene::Model;
+use crate::experiment::part::Part;
+use crate::experiment::scene::{Model, Scene};
+use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::System;
+use crate::solver::Stop;
+use crate::solver::branch::History;
 use crate::solver::equilibrium::{Equilibrium, Stiffness};
 use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use crate::solver::stability::Tracker;
@@ -66,7 +71,7 @@ impl Guard {
 impl Walk {
     /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a quarter cell also over those that are
     /// not. `Err` where one of those is negative.
-    pub(super) fn all_modes(&mut self, found: &Equilibrium, even: Stiffness) -> Result<Stiffness, String> {
+    pub(super) fn all_modes(&mut self, found: &Equilibrium, even: Stiffness) -> Result<Stiffness, Stuck> {
         let Some(guard) = &mut self.guard else {
             return Ok(even);
         };
@@ -79,9 +84,58 @@ impl Walk {
         guard.mechanics.cancel = self.mechanics.cancel.clone();
         let all = guard.check(&displacement, u0);
         if all.value < 0.0 && even.is_stable() {
-            return Err("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell".to_owned());
+            return Err(Stuck::LeavesSymmetry);
         }
         Ok(even.among(all))
+    }
+}
+
+/// A walk on the whole cell that takes over from one on a part.
+pub struct Widened {
+    /// The walk, with the target of the one before.
+    pub walk: Walk,
+    /// True if it stands where the one before stood; false if it is back at the start of the drive.
+    pub stays: bool,
+}
+
+impl Walk {
+    /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if that is not near an equilibrium of the
+    /// whole cell (a tip's apex lies on a point there and between points here), from the start of the drive. A jump under way begins
+    /// anew from the state before it. `None` unless it is `because` a mode left the symmetry of the part.
+    pub fn widen(&mut self, because: &Stuck, scene: &Scene, cancel: &Cancel) -> Option<Widened> {
+        if *because != Stuck::LeavesSymmetry {
+            return None;
+        }
+        let options = WalkOptions { part: Part::Whole, ..self.options };
+        let afresh = || Self::start(scene, options, cancel).ok();
+        let mut walk = afresh()?;
+        let stays = self.stand(&mut walk);
+        if !stays {
+            walk = afresh()?;
+        }
+        walk.target = self.target;
+        Some(Widened { walk, stays })
+    }
+
+    /// Puts `whole` on the present state; false where that is near no equilibrium of it.
+    fn stand(&mut self, whole: &mut Self) -> bool {
+        let u0 = self.here.state.mean_displacement;
+        whole.direction = self.direction;
+        match self.flat {
+            Some(flat) if self.here.is_uniform() => whole.here = flat.state(&whole.mechanics.system, u0),
+            _ => {
+                let even = self.mechanics.field(&self.here.state.amplitudes).clone();
+                let displacement = self.mechanics.system.unfolded(&even);
+                let amplitudes = whole.mechanics.amplitudes(&displacement);
+                whole.here = solved(&mut whole.mechanics, &mut whole.tracker, amplitudes, u0);
+                whole.behind.history = History::starting(&whole.here.state);
+                if !matches!(whole.here.stop, Stop::Stable | Stop::Unstable) {
+                    return false;
+                }
+            }
+        }
+        whole.accept(&mut |_| {});
+        true
     }
 }
 

@@ -1,14 +1,14 @@
-//! What is no jump of the physics: patterns that come and go continuously, and edges of contact that move on by a spacing of the mesh.
+//! From a state to its record, and what is no jump: patterns that come and go continuously.
 
 use super::landing::EVENT;
-use super::{Happening, Walk};
+use super::{Observed, Walk};
 use crate::experiment::flat_branch::FlatBranch;
-use crate::experiment::record::{Cause, Direction, JumpRecord};
+use crate::experiment::part::Part;
+use crate::experiment::record::{Cause, Direction, JumpRecord, StateRecord};
 use crate::numerics::vector::norm;
-use crate::physics::mesh_rule;
-use crate::physics::pattern::{Pattern, contact_set, moves_by_a_spacing};
+use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::theory::flat;
-use crate::solver::equilibrium::Equilibrium;
+use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 
 /// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a jump.
@@ -17,6 +17,60 @@ const WEAK: f64 = 1e-2;
 const APART: f64 = 3e-4;
 
 impl Walk {
+    pub(super) fn pattern(&mut self) -> Pattern {
+        if self.here.is_uniform() && self.mechanics.system.is_flat() {
+            return Pattern::Flat;
+        }
+        let thermal = if self.method.locates() { 0.0 } else { 0.02 * self.model.law.range };
+        if self.mechanics.system.is_flat() && norm(&self.here.state.amplitudes) < thermal {
+            return Pattern::Flat;
+        }
+        classify(self.mechanics.system.unfolded(&self.here.fields.gap).view(), &self.model.law, self.mechanics.system.is_flat())
+    }
+
+    /// Writes the record of the present state and hands it out.
+    pub(super) fn accept(&mut self, observe: &mut dyn FnMut(Observed)) {
+        let law = self.model.law;
+        let uniform = self.here.is_uniform() && self.mechanics.system.is_flat();
+        let pattern = self.pattern();
+        if self.method.locates() {
+            self.note_transition(pattern, observe);
+        }
+        let contact_area = match uniform {
+            true => f64::from(u8::from(self.here.state.mean_displacement < law.contact_gap())),
+            false => contact_area(self.here.fields.gap.view(), &law),
+        };
+        if pattern != Pattern::Flat {
+            self.spent.counts.patterned_increments += 1;
+        }
+        self.pause_clock();
+        let stiffness = self.here.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
+        let length = self.model.grid.length;
+        self.record = StateRecord {
+            direction: self.direction,
+            mean_displacement: self.here.state.mean_displacement,
+            stress: self.here.state.stress,
+            stress_over_max: self.here.state.stress / law.traction_max(),
+            contact_area,
+            pattern,
+            residual: self.here.residual,
+            stiffness_min: stiffness.value * length,
+            stiffness_error: stiffness.error * length,
+            energy: self.here.state.energy,
+            part: match self.options.part {
+                _ if uniform && self.flat.is_some() => Part::Flat,
+                part if self.model.grid.is_line() => part.of_line(),
+                part => part,
+            },
+            stop: self.here.stop,
+            iterations: self.spent.counts.iterations - self.spent.recorded.iterations,
+            transforms: self.transforms() - self.spent.recorded.transforms,
+            milliseconds: std::mem::take(&mut self.spent.worked).as_secs_f64() * 1e3,
+        };
+        self.spent.recorded = Cost { iterations: self.spent.counts.iterations, transforms: self.transforms() };
+        observe(Observed::State(self.record.clone()));
+    }
+
     /// True if the surface came to the present state, of another pattern, without a jump: then the branch it is on goes over into the one
     /// it left, as at a supercritical bifurcation, and there is no stable state of it at a distance before the limit. After a jump there
     /// is one, beside the state that was left.
@@ -52,7 +106,7 @@ impl Walk {
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
     /// come to an end: the flat state has its limit in between, on the stable side of which the surface is as good as flat.
-    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Happening)) {
+    pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
         let Some(flat) = self.flat else { return };
         let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
         let Some(limits) = flat::limits(law, self.model.grid.length) else { return };
@@ -68,7 +122,7 @@ impl Walk {
         }
         let stress = law.at(at).traction;
         let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
-        observe(Happening::Jump(JumpRecord {
+        observe(Observed::Jump(JumpRecord {
             direction: self.direction,
             mean_displacement: at,
             from: if leaves { Pattern::Flat } else { pattern },
@@ -80,17 +134,5 @@ impl Walk {
             cause: Cause::Transition,
             landings: Vec::new(),
         }));
-    }
-
-    /// True if a coarse mesh is why the surface jumped from `left` to the present state: on no mesh does the edge of the contact move by
-    /// more than a spacing in such a jump, so that it vanishes with refinement. Meshes on which the shortest wave that a smooth law makes
-    /// unstable is many spacings long have no such jumps.
-    pub(super) fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
-        let law = self.model.law;
-        if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
-            return false;
-        }
-        let contact = |of: &Equilibrium| contact_set(self.mechanics.system.unfolded(&of.fields.gap).view(), law.contact_gap());
-        moves_by_a_spacing(&contact(left), &contact(&self.here))
     }
 }

@@ -5,9 +5,12 @@
 //! energy tells whether something let go on the way; then the step is halved until it is short enough to say where.
 
 use super::landing::Leaving;
-use super::{Before, Happening, Progress, Walk};
+use super::{Before, Observed, Progress, Walk};
 use crate::experiment::record::Cause;
+use crate::physics::mesh_rule;
+use crate::physics::pattern::{contact_set, moves_by_a_spacing};
 use crate::solver::Stop;
+use crate::solver::equilibrium::Equilibrium;
 use crate::solver::method::predicted;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, descend};
 
@@ -20,18 +23,13 @@ const REACH: f64 = 0.02;
 const RELEASED: f64 = 1e-7;
 
 impl Walk {
-    /// The same walk, for a mesh that traps the edge of a contact: jumps of a few points are located within so many `ranges`.
-    pub fn locating_within(self, ranges: f64) -> Self {
-        Self { falls_within: Some(ranges), ..self }
-    }
-
     /// The step to `next` downhill. `None` if it is not for this walk, or is more than the jump of a few points: then the end of the
     /// branch is to be bracketed.
-    pub(super) fn fall(&mut self, next: f64, observe: &mut dyn FnMut(Happening)) -> Option<Progress> {
-        let within = self.falls_within?;
+    pub(super) fn fall(&mut self, next: f64, observe: &mut dyn FnMut(Observed)) -> Option<Progress> {
+        let within = self.options.trapped_within?;
         let (law, du) = (self.model.law, next - self.here.state.mean_displacement);
         let limits = NewtonLimits { steps: DESCENT, ..NewtonLimits::of(&self.mechanics.system) };
-        let heading = predicted(&mut self.mechanics, &self.history, &self.here, next);
+        let heading = predicted(&mut self.mechanics, &self.behind.history, &self.here, next);
         let settled = descend(&mut self.mechanics, heading, next, REACH * law.range, limits);
         if settled.end != NewtonEnd::Converged {
             return (settled.end == NewtonEnd::Cancelled).then_some(Progress::Cancelled);
@@ -39,12 +37,12 @@ impl Walk {
         // To second order in the step, which is long against what a single point releases.
         let (here, stress) = (self.here.state.mean_displacement, self.here.state.stress);
         let slope = |before: Before| (stress - before.stress) / (here - before.at);
-        let stress_before = stress + self.before.map_or(0.0, slope) * du;
+        let stress_before = stress + self.behind.before.map_or(0.0, slope) * du;
         let work = 0.5 * (stress + stress_before) * du;
         let released = (self.here.state.energy + work - settled.at.state.energy) / law.surface_energy;
         let jumped = released.abs() > RELEASED;
         if jumped && du.abs() > within * law.range {
-            self.short = Some(0.5 * du.abs());
+            self.behind.short = Some(0.5 * du.abs());
             return Some(Progress::Working);
         }
         if jumped {
@@ -57,7 +55,7 @@ impl Walk {
         if state.stop == Stop::Unstable || released < -RELEASED {
             return None;
         }
-        self.counts.iterations += state.cost.iterations;
+        self.spent.counts.iterations += state.cost.iterations;
         if !jumped {
             return Some(self.take(state, observe));
         }
@@ -68,5 +66,17 @@ impl Walk {
             observe,
         );
         Some(Progress::Working)
+    }
+
+    /// True if a coarse mesh is why the surface jumped from `left` to the present state: on no mesh does the edge of the contact move by
+    /// more than a spacing in such a jump, so that it vanishes with refinement. Meshes on which the shortest wave that a smooth law makes
+    /// unstable is many spacings long have no such jumps.
+    pub(super) fn is_of_the_mesh(&mut self, left: &Equilibrium) -> bool {
+        let law = self.model.law;
+        if law.is_smooth() && mesh_rule::is_safe(self.model.mu_rho) {
+            return false;
+        }
+        let contact = |of: &Equilibrium| contact_set(self.mechanics.system.unfolded(&of.fields.gap).view(), law.contact_gap());
+        moves_by_a_spacing(&contact(left), &contact(&self.here))
     }
 }
