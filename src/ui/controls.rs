@@ -54,8 +54,8 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             }
             ui.add_space(4.0);
             ui.label("Actual");
-            ui.label(RichText::new(format!("{:.4} ρ", state.actual / rho)).heading().strong());
-            let (arrow, word) = match state.branch {
+            ui.label(RichText::new(format!("{:.4} ρ", state.run.actual / rho)).heading().strong());
+            let (arrow, word) = match state.run.direction {
                 Direction::Approach => ("▼", "approach"),
                 Direction::Retraction => ("▲", "retraction"),
             };
