@@ -15,9 +15,10 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::pattern::Pattern;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Errand, Event, Page, PaperNews, Speed, Sweep};
+use tackscope::worker::job::Job;
+use tackscope::worker::protocol::{Command, Envelope, Event, Failure, Frame, Page, PageContent, Speed, Sweep};
 use tackscope::worker::session::Session;
-use tackscope::worker::{Output, Worker};
+use tackscope::worker::{SolverHandle, Worker};
 
 fn fig2(points: usize) -> Scene {
     let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
@@ -25,16 +26,28 @@ fn fig2(points: usize) -> Scene {
     scene
 }
 
-fn set_scene(run: u64, scene: Scene) -> Command {
+fn of(run: u64, message: Command) -> Envelope<Command> {
+    Envelope { run, message }
+}
+
+fn set_scene(run: u64, scene: Scene) -> Envelope<Command> {
     wished(run, scene, None)
 }
 
-fn wished(run: u64, scene: Scene, asked: Option<Road>) -> Command {
-    Command::SetScene { run, scene: Arc::new(scene), method: MethodKind::NewtonKrylov, asked }
+fn wished(run: u64, scene: Scene, asked: Option<Road>) -> Envelope<Command> {
+    of(run, Command::SetScene { scene: Arc::new(scene), method: MethodKind::NewtonKrylov, asked })
+}
+
+fn target(run: u64, motion: u64, mean_displacement: f64) -> Envelope<Command> {
+    of(run, Command::SetTarget { motion, mean_displacement })
+}
+
+fn sweep(run: u64, motion: u64, sweep: Sweep) -> Envelope<Command> {
+    of(run, Command::Sweep { motion, sweep })
 }
 
 /// Steps a session by hand, at no pace, until it rests; returns everything it handed out.
-fn drain(session: &mut Session, commands: Vec<Command>) -> Vec<Output> {
+fn drain(session: &mut Session, commands: Vec<Envelope<Command>>) -> Vec<Event> {
     let mut out = Vec::new();
     for command in commands {
         session.command(command, &Cancel::default(), &mut |o| out.push(o));
@@ -46,18 +59,16 @@ fn drain(session: &mut Session, commands: Vec<Command>) -> Vec<Output> {
     out
 }
 
-fn events(out: &[Output]) -> Vec<&Event> {
-    out.iter().filter_map(|o| if let Output::Event(event) = o { Some(event) } else { None }).collect()
+fn frames(out: &[Event]) -> impl Iterator<Item = &Frame> {
+    out.iter().filter_map(|e| if let Event::Frame(frame) = e { Some(&**frame) } else { None })
 }
 
 #[test]
 fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 2.0 }]);
-    let path: Vec<f64> = events(&out)
-        .iter()
-        .filter_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None })
-        .collect();
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), target(1, 1, 2.0)]);
+    let path: Vec<f64> =
+        out.iter().filter_map(|e| if let Event::State(state) = e { Some(state.mean_displacement) } else { None }).collect();
     assert_eq!(*path.last().unwrap(), 2.0);
     assert!(path.windows(2).all(|w| w[0] - w[1] <= 0.02 + 1e-9 && w[1] <= w[0]), "{path:?}");
 }
@@ -66,9 +77,9 @@ fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
 fn slow_motion_takes_four_times_as_long_and_full_speed_does_not_wait() {
     let mut session = Session::default();
     drain(&mut session, vec![set_scene(1, fig2(32))]);
-    session.command(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Approach }, &Cancel::default(), &mut |_| ());
+    session.command(sweep(1, 1, Sweep::Approach), &Cancel::default(), &mut |_| ());
     let mut pause = |speed| {
-        session.command(Command::SetSpeed { speed }, &Cancel::default(), &mut |_| ());
+        session.command(of(1, Command::SetSpeed { speed }), &Cancel::default(), &mut |_| ());
         let now = Instant::now();
         session.step(now, &Cancel::default(), &mut |_| ());
         session.wait(now).expect("it is under way")
@@ -81,12 +92,10 @@ fn slow_motion_takes_four_times_as_long_and_full_speed_does_not_wait() {
 #[test]
 fn a_jump_is_seen_as_a_film_and_told_once() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 3.05 }]);
-    let film = out.iter().filter(|o| matches!(o, Output::Frame(_, frame) if frame.relaxing && frame.state.is_none())).count();
-    let jumps: Vec<_> = events(&out)
-        .into_iter()
-        .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.from, jump.to)) } else { None })
-        .collect();
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), target(1, 1, 3.05)]);
+    let film = frames(&out).filter(|frame| frame.relaxing && frame.state.is_none()).count();
+    let jumps: Vec<_> =
+        out.iter().filter_map(|e| if let Event::Jump(jump) = e { Some((jump.from, jump.to)) } else { None }).collect();
     assert_eq!(jumps, [(Pattern::Flat, Pattern::Bulge)]);
     assert!(film >= 5, "{film} pictures");
 }
@@ -94,9 +103,8 @@ fn a_jump_is_seen_as_a_film_and_told_once() {
 #[test]
 fn a_closed_loop_reports_a_ledger_that_agrees() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
-    let summary =
-        events(&out).into_iter().find_map(|e| if let Event::Loop { summary, .. } = e { Some(summary.clone()) } else { None });
+    let out = drain(&mut session, vec![set_scene(1, fig2(64)), sweep(1, 1, Sweep::Loop)]);
+    let summary = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(summary.clone()) } else { None });
     let summary = summary.expect("a loop was closed");
     let ledger = &summary.ledger;
     assert!(
@@ -108,11 +116,8 @@ fn a_closed_loop_reports_a_ledger_that_agrees() {
 #[test]
 fn commands_of_an_older_run_are_dropped() {
     let mut session = Session::default();
-    let out = drain(
-        &mut session,
-        vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 1.0 }],
-    );
-    let moved = events(&out).into_iter().any(|e| matches!(e, Event::State { run: 2, state } if state.mean_displacement < 4.2));
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), target(1, 1, 1.0)]);
+    let moved = out.iter().any(|e| matches!(e, Event::State(state) if state.mean_displacement < 4.2));
     assert!(!moved);
 }
 
@@ -121,16 +126,16 @@ fn a_scene_that_cannot_run_is_refused_in_words() {
     let mut scene = fig2(64);
     scene.law.surface_energy = f64::NAN;
     let out = drain(&mut Session::default(), vec![set_scene(1, scene)]);
-    let [Event::Failed { message, remedy, .. }] = events(&out)[..] else { panic!("one refusal expected") };
+    let [Event::Failed(Failure { message, remedy })] = &out[..] else { panic!("one refusal expected") };
     assert!(message.contains("law.surface_energy") && message.contains("NaN") && remedy.contains("above 0"), "{message} {remedy}");
 }
 
 /// Waits until the worker has shown `event`, at most a minute: other tests may load the machine.
-fn await_event(worker: &Worker, mut wanted: impl FnMut(&Event) -> bool) -> Event {
+fn await_event(worker: &Worker, mut wanted: impl FnMut(u64, &Event) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_secs(60) {
-        if let Some(event) = worker.next_event(Duration::from_millis(50)).filter(&mut wanted) {
-            return event;
+        if worker.next_event(Duration::from_millis(50)).is_some_and(|e| wanted(e.run, &e.message)) {
+            return;
         }
     }
     panic!("the event did not come");
@@ -144,20 +149,20 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
         counter.fetch_add(1, Ordering::Relaxed);
     });
     worker.send(set_scene(1, fig2(256)));
-    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
-    worker.send(Command::SetTarget { run: 1, motion: 1, mean_displacement: 0.5 });
+    await_event(&worker, |_, e| matches!(e, Event::Rest { .. }));
+    worker.send(target(1, 1, 0.5));
     // In the thick of the first jump.
-    await_event(&worker, |e| matches!(e, Event::State { state, .. } if state.mean_displacement < 3.12));
+    await_event(&worker, |_, e| matches!(e, Event::State(state) if state.mean_displacement < 3.12));
     std::thread::sleep(Duration::from_millis(30));
     let begin = Instant::now();
-    worker.send(Command::Stop { run: 1, motion: 2 });
-    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    worker.send(of(1, Command::Stop { motion: 2 }));
+    await_event(&worker, |_, e| matches!(e, Event::Rest { .. }));
     let answered = begin.elapsed();
     println!("stop answered after {answered:?}");
     // 50 ms are promised; a loaded test machine may itself sleep longer than that.
     assert!(answered < Duration::from_millis(500), "{answered:?}");
-    worker.send(Command::SetTarget { run: 1, motion: 3, mean_displacement: 4.2 });
-    await_event(&worker, |e| matches!(e, Event::Rest { motion: 3, .. }));
+    worker.send(target(1, 3, 4.2));
+    await_event(&worker, |_, e| matches!(e, Event::Rest { motion: 3, .. }));
     assert!(wakes.load(Ordering::Relaxed) > 5);
 }
 
@@ -165,52 +170,51 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
 fn the_latest_of_many_targets_is_where_it_rests() {
     let worker = Worker::spawn(|| {});
     worker.send(set_scene(7, fig2(32)));
-    await_event(&worker, |e| matches!(e, Event::Rest { .. }));
+    await_event(&worker, |_, e| matches!(e, Event::Rest { .. }));
     for i in 0..100 {
-        worker.send(Command::SetTarget { run: 7, motion: i + 1, mean_displacement: 4.2 - 0.005 * i as f64 });
+        worker.send(target(7, i + 1, 4.2 - 0.005 * i as f64));
     }
-    worker.send(Command::SetTarget { run: 7, motion: 101, mean_displacement: 4.0 });
-    await_event(&worker, |e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0));
+    worker.send(target(7, 101, 4.0));
+    await_event(&worker, |_, e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0));
 }
 
 #[test]
 fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
     let mut session = Session::default();
-    let to = |motion, mean_displacement| Command::SetTarget { run: 1, motion, mean_displacement };
-    let rests = |out: &[Output]| -> Vec<u64> {
-        events(out).into_iter().filter_map(|e| if let Event::Rest { motion, .. } = e { Some(*motion) } else { None }).collect()
+    let to = |motion, mean_displacement| target(1, motion, mean_displacement);
+    let rests = |out: &[Event]| -> Vec<u64> {
+        out.iter().filter_map(|e| if let Event::Rest { motion, .. } = e { Some(*motion) } else { None }).collect()
     };
     assert_eq!(rests(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])), [0, 1]);
     // A stop while it rests, and a sweep within milliseconds: the rest of the stop is not the end of the sweep.
-    let sweep = Command::Sweep { run: 1, motion: 3, sweep: Sweep::Retract };
-    assert_eq!(rests(&drain(&mut session, vec![Command::Stop { run: 1, motion: 2 }, sweep])), [2, 3]);
-    let out = drain(&mut session, vec![to(5, 4.1), Command::Stop { run: 1, motion: 4 }, to(4, 4.0)]);
-    assert!(matches!(events(&out).last(), Some(Event::Rest { motion: 5, mean_displacement, .. }) if *mean_displacement == 4.1));
+    let sweep = sweep(1, 3, Sweep::Retract);
+    assert_eq!(rests(&drain(&mut session, vec![of(1, Command::Stop { motion: 2 }), sweep])), [2, 3]);
+    let out = drain(&mut session, vec![to(5, 4.1), of(1, Command::Stop { motion: 4 }), to(4, 4.0)]);
+    assert!(matches!(out.last(), Some(Event::Rest { motion: 5, mean_displacement }) if *mean_displacement == 4.1));
 }
 
 #[test]
 fn the_energy_well_is_told_at_rest_and_on_the_move_while_it_is_watched() {
     let mut session = Session::default();
-    let wells = |out: &[Output]| -> Vec<f64> {
-        let well = |e: &Event| if let Event::Well { well, .. } = e { Some(well.mean_displacement) } else { None };
-        events(out).into_iter().filter_map(well).collect()
+    let wells = |out: &[Event]| -> Vec<f64> {
+        let well = |e: &Event| if let Event::Well(well) = e { Some(well.mean_displacement) } else { None };
+        out.iter().filter_map(well).collect()
     };
-    let to = |motion, mean_displacement| Command::SetTarget { run: 1, motion, mean_displacement };
+    let to = |motion, mean_displacement| target(1, motion, mean_displacement);
     assert!(wells(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])).is_empty());
-    assert_eq!(wells(&drain(&mut session, vec![Command::Watch { energy_well: true }])), [4.1]);
+    assert_eq!(wells(&drain(&mut session, vec![of(1, Command::Watch { energy_well: true })])), [4.1]);
     // The clock of this test stands still, so that one well on the move is all there may be.
     let told = wells(&drain(&mut session, vec![to(2, 3.8)]));
     assert!(told.len() == 2 && told[0] > 3.8 && told[1] == 3.8, "{told:?}");
-    assert!(wells(&drain(&mut session, vec![Command::Watch { energy_well: false }, to(3, 3.6)])).is_empty());
+    assert!(wells(&drain(&mut session, vec![of(1, Command::Watch { energy_well: false }), to(3, 3.6)])).is_empty());
 }
 
 #[test]
 fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), Command::SetTarget { run: 1, motion: 1, mean_displacement: 3.05 }]);
-    let frames = out.iter().filter_map(|o| if let Output::Frame(_, frame) = o { Some(frame) } else { None });
+    let out = drain(&mut session, vec![set_scene(1, fig2(32)), target(1, 1, 3.05)]);
     let (mut resting, mut moving) = (0, 0);
-    for frame in frames {
+    for frame in frames(&out) {
         assert!(!(frame.relaxing && frame.soft_mode.is_some()));
         moving += usize::from(frame.relaxing);
         if let Some(mode) = &frame.soft_mode {
@@ -222,24 +226,39 @@ fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
     assert!(resting > 10 && moving > 3, "{resting} {moving}");
 }
 
+/// Waits until a job has ended, at most a minute, calling `look` now and then.
+fn await_end<T>(job: &mut Job<T>, mut look: impl FnMut(&Job<T>)) -> Result<(), String> {
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_secs(60) {
+        if let Some(end) = job.poll() {
+            return end;
+        }
+        look(job);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("the job did not end");
+}
+
 #[test]
-fn time_steps_are_measured_beside_the_walk_and_the_newest_errand_wins() {
+fn time_steps_are_measured_beside_the_walk_and_the_newest_measurement_takes_the_place_of_the_others() {
     let worker = Worker::spawn(|| {});
     let scene = Arc::new(fig2(16));
-    let measure = |run| Command::Measure { run, errand: Errand::TimeSteps { scene: scene.clone(), turn: 0.2 } };
-    worker.send(measure(1));
-    worker.send(measure(2));
+    let mut job = worker.time_steps(scene.clone(), 0.2);
+    job = {
+        drop(job);
+        worker.time_steps(scene.clone(), 0.2)
+    };
     worker.send(set_scene(2, fig2(16)));
-    await_event(&worker, |e| matches!(e, Event::Measured { run: 2, .. }));
-    worker.send(measure(3));
-    let mut cells = 0;
-    await_event(&worker, |e| {
-        if let Event::TimeSteps { run: 3, map } = e {
-            cells = map.stable.len();
-        }
-        matches!(e, Event::Measured { run: 3, stuck: None })
-    });
-    assert!(cells > 100, "{cells}");
+    job.stop();
+    assert!(!job.is_running());
+    job = worker.time_steps(scene, 0.2);
+    let mut partial = 0;
+    assert_eq!(
+        await_end(&mut job, |job| partial += usize::from(job.so_far.as_ref().is_some_and(|map| map.stable.len() < 100))),
+        Ok(())
+    );
+    let cells = job.so_far.as_ref().map_or(0, |map| map.stable.len());
+    assert!(cells > 100 && partial > 0, "{cells} {partial}");
 }
 
 #[test]
@@ -254,12 +273,12 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
     }
     assert!(began.elapsed() < Duration::from_millis(100), "asking must not wait");
     let mut told = Vec::new();
-    await_event(&worker, |e| {
-        if let Event::Live { run, live } = e {
+    await_event(&worker, |run, e| {
+        if let Event::Live(live) = e {
             assert!(live.found.is_ok(), "{live:?}");
-            told.push((*run, live.fineness));
+            told.push((run, live.fineness));
         }
-        matches!(e, Event::Live { live, .. } if live.fineness == Fineness::Fine)
+        matches!(e, Event::Live(live) if live.fineness == Fineness::Fine)
     });
     assert_eq!(told.last(), Some(&(last, Fineness::Fine)));
     assert!(told.contains(&(last, Fineness::Coarse)) && told.len() < 10, "{told:?}");
@@ -269,39 +288,42 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
 #[test]
 fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
     let worker = Worker::spawn(|| {});
-    let scene = Arc::new(fig2(32));
-    worker.send(Command::Measure { run: 1, errand: Errand::Chart { scene: scene.clone(), effort: Effort::Quick } });
-    await_event(&worker, |e| matches!(e, Event::Chart { chart, .. } if !chart.rows.is_empty()));
+    let mut job = worker.chart(Arc::new(fig2(32)), Effort::Quick);
     let begin = Instant::now();
-    worker.send(Command::StopMeasuring);
-    await_event(&worker, |e| matches!(e, Event::Measured { run: 1, stuck: None }));
+    while job.so_far.as_ref().is_none_or(|chart| chart.rows.is_empty()) {
+        assert!(job.poll().is_none() && begin.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(job.fraction > 0.0 && job.fraction < 1.0 && !job.doing.is_empty(), "{} {}", job.fraction, job.doing);
+    let begin = Instant::now();
+    job.stop();
+    // The errors of the reference come last.
+    while job.so_far.as_ref().is_none_or(|chart| chart.floor.is_none()) {
+        assert!(job.poll().is_none() && begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+        std::thread::sleep(Duration::from_millis(5));
+    }
     println!("stopped after {:?}", begin.elapsed());
-    assert!(begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
 }
 
 #[test]
-fn pages_of_the_paper_are_computed_beside_the_walk_and_the_newest_one_wins() {
+fn pages_of_the_paper_are_computed_beside_the_walk_and_one_that_is_dropped_says_no_more() {
     let worker = Worker::spawn(|| {});
-    worker.send(Command::OpenPage { page: Page::Figure(2) });
-    worker.send(Command::OpenPage { page: Page::Theory });
+    let mut dropped = worker.page(Page::Figure(2));
+    dropped.stop();
     worker.send(set_scene(1, fig2(16)));
-    let mut others = 0;
-    await_event(&worker, |e| {
-        others += usize::from(matches!(e, Event::Paper { news: PaperNews::Figure(_) | PaperNews::Stuck(_), .. }));
-        matches!(e, Event::Paper { page: Page::Theory, news: PaperNews::Theory(_) })
-    });
-    assert_eq!(others, 0, "Fig. 2 was dropped without a word");
-    worker.send(Command::OpenPage { page: Page::Figure(4) });
-    await_event(
-        &worker,
-        |e| matches!(e, Event::Paper { page: Page::Figure(4), news: PaperNews::Figure(figure) } if figure.number == 4),
-    );
-    worker.send(Command::OpenPage { page: Page::Figure(777) });
-    await_event(&worker, |e| matches!(e, Event::Paper { news: PaperNews::Stuck(why), .. } if why.contains("no Fig. 777")));
+    let mut theory = worker.page(Page::Theory);
+    assert_eq!(await_end(&mut theory, |_| {}), Ok(()));
+    assert!(matches!(theory.so_far, Some(PageContent::Theory(_))));
+    assert!(dropped.poll().is_none() && dropped.so_far.is_none(), "Fig. 2 was dropped without a word");
+    let mut figure = worker.page(Page::Figure(4));
+    assert_eq!(await_end(&mut figure, |_| {}), Ok(()));
+    assert!(matches!(&figure.so_far, Some(PageContent::Figure(figure)) if figure.number == 4));
+    let end = await_end(&mut worker.page(Page::Figure(777)), |_| {});
+    assert!(matches!(&end, Err(why) if why.contains("no Fig. 777")), "{end:?}");
 }
 
-fn ready(out: &[Output]) -> &tackscope::worker::protocol::Ready {
-    events(out).into_iter().find_map(|e| if let Event::Ready { ready, .. } = e { Some(&**ready) } else { None }).expect("ready")
+fn ready(out: &[Event]) -> &tackscope::worker::protocol::Ready {
+    out.iter().find_map(|e| if let Event::Ready(ready) = e { Some(&**ready) } else { None }).expect("ready")
 }
 
 #[test]
@@ -322,13 +344,12 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
         assert!(choice.plan.words.contains(words), "{choice:?}");
         // Pictures are always of the whole cell.
         let shape = ready(&out).model.grid.shape();
-        let whole = |o: &Output| if let Output::Frame(_, frame) = o { frame.gap.dim() == shape } else { true };
-        assert!(out.iter().all(whole));
+        assert!(frames(&out).all(|frame| frame.gap.dim() == shape));
         assert!(ready(&out).height.as_ref().is_none_or(|h| h.dim() == shape));
     }
     let out = drain(
         &mut Session::default(),
-        vec![Command::SetScene { run: 1, scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, asked: None }],
+        vec![of(1, Command::SetScene { scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, asked: None })],
     );
     let choice = &ready(&out).choice;
     assert!(choice.part == Part::Whole && choice.because.as_ref().unwrap().contains("as it was published"), "{choice:?}");
@@ -339,15 +360,13 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
     let walked = |asked| {
         let mut session = Session::default();
         let began = Instant::now();
-        let out = drain(&mut session, vec![wished(1, fig2(64), asked), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }]);
+        let out = drain(&mut session, vec![wished(1, fig2(64), asked), sweep(1, 1, Sweep::Loop)]);
         println!("{asked:?}: {:?}", began.elapsed());
-        let jumps: Vec<_> = events(&out)
-            .into_iter()
-            .filter_map(|e| if let Event::Jump { jump, .. } = e { Some((jump.direction, jump.from, jump.to)) } else { None })
+        let jumps: Vec<_> = out
+            .iter()
+            .filter_map(|e| if let Event::Jump(jump) = e { Some((jump.direction, jump.from, jump.to)) } else { None })
             .collect();
-        let energy = events(&out)
-            .into_iter()
-            .find_map(|e| if let Event::Loop { summary, .. } = e { summary.ledger.dissipated_energy() } else { None });
+        let energy = out.iter().find_map(|e| if let Event::Loop(summary) = e { summary.ledger.dissipated_energy() } else { None });
         (jumps, energy.expect("a loop was closed"))
     };
     let (quarter, whole) = (walked(None), walked(Some(Road::WHOLE)));
@@ -364,20 +383,20 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
     for asked in [Some(Road::QUARTER), Some(Road::WHOLE)] {
-        let commands = vec![wished(1, scene.clone(), asked), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
+        let commands = vec![wished(1, scene.clone(), asked), sweep(1, 1, Sweep::Loop)];
         let out = drain(&mut Session::default(), commands);
         let mut path = Vec::new();
-        for event in events(&out) {
+        for event in &out {
             match event {
-                Event::Remodelled { choice, .. } => {
+                Event::Remodelled(choice) => {
                     assert_eq!(choice.part, Part::Whole);
                     let models: Vec<_> = path.iter().map(|s: &StateRecord| s.part).collect();
-                    assert!(models.iter().all(|m| !m.contains("whole")), "{models:?}");
+                    assert!(models.iter().all(|m| *m != Part::Whole), "{models:?}");
                     changes.push(choice.because.clone().unwrap());
                 }
-                Event::State { state, .. } => path.push(state.clone()),
-                Event::Failed { message, .. } => panic!("{message}"),
-                Event::Loop { summary, .. } => ledgers.push(summary.ledger.clone()),
+                Event::State(state) => path.push(state.clone()),
+                Event::Failed(Failure { message, .. }) => panic!("{message}"),
+                Event::Loop(summary) => ledgers.push(summary.ledger.clone()),
                 _ => {}
             }
         }
@@ -397,20 +416,18 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     let range = 0.35;
     scene.law.range = Range::Length(range);
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
-    let commands = vec![wished(1, scene.clone(), Some(Road::QUARTER)), Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop }];
+    let commands = vec![wished(1, scene.clone(), Some(Road::QUARTER)), sweep(1, 1, Sweep::Loop)];
     let out = drain(&mut Session::default(), commands);
-    let events = events(&out);
-    let began = events.iter().rposition(|e| matches!(e, Event::LoopStarted { .. })).expect("a loop");
+    let began = out.iter().rposition(|e| matches!(e, Event::LoopStarted)).expect("a loop");
     let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.part);
-    let shown: Vec<_> =
-        events[began..].iter().filter_map(|e| if let Event::State { state: s, .. } = e { Some(state(s)) } else { None }).collect();
+    let shown: Vec<_> = out[began..].iter().filter_map(|e| if let Event::State(s) = e { Some(state(s)) } else { None }).collect();
     let cancel = Cancel::default();
     let run = run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &cancel, &mut |_| {})
         .expect("a scene");
     assert_eq!(run.outcome, Outcome::Completed);
     assert!(run.deviation.as_ref().is_some_and(|why| why.contains("on the whole cell")), "{:?}", run.deviation);
     assert_eq!(run.record.states.iter().map(state).collect::<Vec<_>>(), shown);
-    let told = events.iter().find_map(|e| if let Event::Loop { summary, .. } = e { Some(&summary.ledger) } else { None });
+    let told = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(&summary.ledger) } else { None });
     assert_eq!(run.ledger(scene.law.surface_energy).as_ref(), told);
 }
 
@@ -418,17 +435,14 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
 fn no_loop_begins_with_an_unstable_state_and_an_open_one_says_so() {
     let mut scene = fig2(32);
     scene.drive.start = 2.5;
-    let sweep = || Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop };
+    let sweep = || sweep(1, 1, Sweep::Loop);
     let out = drain(&mut Session::default(), vec![set_scene(1, scene.clone()), sweep()]);
-    let failed =
-        events(&out).into_iter().find_map(|e| if let Event::Failed { message, .. } = e { Some(message.clone()) } else { None });
+    let failed = out.iter().find_map(|e| if let Event::Failed(Failure { message, .. }) = e { Some(message.clone()) } else { None });
     assert!(failed.as_ref().is_some_and(|words| words.contains("unstable")), "{failed:?}");
-    assert!(!events(&out).iter().any(|e| matches!(e, Event::Loop { .. })));
+    assert!(!out.iter().any(|e| matches!(e, Event::Loop(_))));
     (scene.drive.start, scene.drive.turn) = (3.5, Turn::At(1.8));
     let out = drain(&mut Session::default(), vec![set_scene(1, scene), sweep()]);
-    let ledger = events(&out)
-        .into_iter()
-        .find_map(|e| if let Event::Loop { summary, .. } = e { Some(summary.ledger.clone()) } else { None });
+    let ledger = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(summary.ledger.clone()) } else { None });
     let ledger = ledger.expect("the drive is completed");
     assert!(ledger.open.is_some() && ledger.dissipated_energy().is_none(), "{ledger:?}");
 }
@@ -442,7 +456,7 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
     let mut told: Vec<(u64, Fineness, f64)> = Vec::new();
     let mut listen = |until: Instant| {
         while let Some(event) = worker.next_event(until.saturating_duration_since(Instant::now())) {
-            if let Event::Live { run, live } = event {
+            if let Envelope { run, message: Event::Live(live) } = event {
                 assert!(live.found.is_ok(), "{live:?}");
                 told.push((run, live.fineness, began.elapsed().as_secs_f64()));
             }
@@ -478,14 +492,12 @@ fn the_threads_end_within_two_seconds_whatever_they_are_at() {
     for scene in scenes {
         for pages in [Page::Figure(4), Page::Figure(14), Page::Errata, Page::Theory] {
             let worker = Worker::spawn(|| {});
-            let errand = Errand::Chart { scene: Arc::new(scene.clone()), effort: Effort::Full { seconds: 60.0 } };
             worker.send(set_scene(1, scene.clone()));
-            worker.send(Command::Sweep { run: 1, motion: 1, sweep: Sweep::Loop });
-            worker.send(Command::Measure { run: 1, errand });
-            worker.send(Command::OpenPage { page: pages });
+            worker.send(sweep(1, 1, Sweep::Loop));
+            let jobs = (worker.chart(Arc::new(scene.clone()), Effort::Full { seconds: 60.0 }), worker.page(pages));
             std::thread::sleep(Duration::from_millis(150));
             let began = Instant::now();
-            drop(worker);
+            drop((jobs, worker));
             assert!(began.elapsed() < Duration::from_secs(2), "{pages:?}: {:?}", began.elapsed());
         }
     }

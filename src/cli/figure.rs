@@ -12,7 +12,7 @@ use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, T
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
 use crate::storage::{Failure, drawing as paint};
-use crate::worker::crew::{self, News};
+use crate::worker::figures::{self, Progress};
 use std::path::Path;
 
 /// Room that the files of a figure need, in bytes.
@@ -103,13 +103,13 @@ fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
 fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Teller, out: &Folder) -> Harvest {
     let mut harvest = Harvest::default();
     let mut shares = vec![0.0; entries.len()];
-    crew::compute(entries, size, cancel, &mut |news| match news {
-        News::Progress { index, done, what } => {
+    figures::compute(entries, size, cancel, &mut |progress| match progress {
+        Progress::Working { index, done, what } => {
             shares[index] = done;
             teller.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
             teller.now(&format!("Fig. {}: {what}", entries[index].number));
         }
-        News::Done { index, figure, seconds } => {
+        Progress::Done { index, figure, seconds } => {
             shares[index] = 1.0;
             teller.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
             let entry = entries[index];

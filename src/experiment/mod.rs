@@ -8,6 +8,7 @@ pub mod contest;
 pub mod error_bar;
 pub mod flat_branch;
 pub mod forecast;
+pub mod itinerary;
 pub mod ledger;
 pub mod live_loop;
 pub mod measured_law;

@@ -1,6 +1,7 @@
 //! A whole loop in one call: approach, retraction, and what they add up to.
 
 use super::contest::Share;
+use super::itinerary::Itinerary;
 use super::ledger::Ledger;
 use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use super::scene::{Scene, SceneError, Turn};
@@ -127,11 +128,13 @@ pub fn run_loop(
         drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason };
         return Ok(drive.run);
     }
-    loop {
-        match drive.step(cancel, observe) {
-            Progress::Working => {}
-            Progress::Resting if drive.retracting => break,
-            Progress::Resting => drive.turn_round(),
+    while let Some(target) = drive.itinerary.target() {
+        drive.walk.set_target(target);
+        let progress = drive.step(cancel, observe);
+        match progress {
+            Progress::Working | Progress::Resting => {
+                drive.itinerary.step(&progress, drive.walk.record());
+            }
             Progress::Cancelled => {
                 drive.run.outcome = Outcome::Cancelled;
                 break;
@@ -156,9 +159,7 @@ struct Drive<'s> {
     scene: &'s Scene,
     walk: Walk,
     run: LoopRun,
-    /// Where it turns, if that is known.
-    turn: Option<f64>,
-    retracting: bool,
+    itinerary: Itinerary,
     /// True if the next state is the first of its branch.
     landed: bool,
     lowest: f64,
@@ -168,19 +169,18 @@ impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
         let (start, mut run) = (scene.drive.start, LoopRun::empty());
         run.record.states.push(walk.record().clone());
-        let turn = match scene.drive.turn {
-            Turn::At(turn) => Some(turn),
-            Turn::ZeroLoad => None,
-        };
-        let mut drive = Self { scene, walk, run, turn, retracting: false, landed: true, lowest: start };
-        drive.walk.set_target(scene.depth());
-        drive
+        Self { scene, walk, run, itinerary: Itinerary::closed(scene), landed: true, lowest: start }
     }
 
     /// One step of the walk, told and recorded.
     fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
-        let Self { scene, walk, run, turn, retracting, landed, lowest } = self;
+        let Self { scene, walk, run, itinerary, landed, lowest } = self;
         let start = scene.drive.start;
+        let depth = match scene.drive.turn {
+            Turn::At(turn) => start - turn,
+            Turn::ZeroLoad => f64::INFINITY,
+        };
+        let retracting = itinerary.direction() == Some(Direction::Retraction);
         let mut fresh = false;
         let progress = walk.step(cancel, &mut |observed| match observed {
             Observed::Moving { .. } => {}
@@ -192,8 +192,7 @@ impl<'s> Drive<'s> {
             Observed::State(state) => {
                 fresh = true;
                 *lowest = lowest.min(state.mean_displacement);
-                let depth = turn.map_or(f64::INFINITY, |turn| start - turn);
-                let gone = match *retracting {
+                let gone = match retracting {
                     true => 1.0 + (state.mean_displacement - *lowest) / (start - *lowest),
                     false => (start - state.mean_displacement) / depth,
                 };
@@ -211,17 +210,7 @@ impl<'s> Drive<'s> {
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
             return Progress::Stuck(Stuck::NotFinite);
         }
-        if fresh && turn.is_none() && !*retracting && record.pattern == Pattern::Contact && record.stress <= 0.0 {
-            *turn = Some(record.mean_displacement);
-            self.turn_round();
-            return Progress::Working;
-        }
         progress
-    }
-
-    fn turn_round(&mut self) {
-        self.retracting = true;
-        self.walk.set_target(self.scene.drive.start);
     }
 
     /// On the whole cell, from where the walk stood or from the start of the drive.

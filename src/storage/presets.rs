@@ -35,6 +35,11 @@ pub fn find(name: &str) -> Option<&'static Preset> {
     ALL.iter().find(|preset| preset.name == name)
 }
 
+/// The preset whose scene has this title.
+pub fn titled(title: &str) -> Option<&'static Preset> {
+    ALL.iter().find(|preset| preset.title() == title)
+}
+
 /// The scene that a word of the command line means: a preset's name, or else the path of a scene file.
 ///
 /// # Errors
@@ -60,9 +65,23 @@ impl Preset {
         scene_file::parse(self.text, &format!("presets/{}.toml", self.name))
     }
 
-    /// What to look for: the comment that its file opens with, as one paragraph.
+    /// The title in its file.
+    fn title(&self) -> &'static str {
+        let title = self.text.lines().find_map(|line| line.strip_prefix("title = \"")?.strip_suffix('"'));
+        title.unwrap_or_default()
+    }
+
+    /// What to look for, with these words: the comment that its file opens with, as one paragraph.
     pub fn hint(&self) -> String {
         let comment = self.text.lines().map_while(|line| line.strip_prefix('#'));
         comment.map(str::trim).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The same without these words, as a sentence of its own.
+    pub fn look_for(&self) -> String {
+        let hint = self.hint();
+        let words = hint.split_once(": ").map_or(hint.as_str(), |(_, words)| words);
+        let mut rest = words.chars();
+        rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
     }
 }

@@ -14,7 +14,7 @@ const NEAR: f32 = 10.0;
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     controls(ui, state, actions);
-    let Some(chart) = &state.chart else {
+    let Some(chart) = state.chart.as_ref().and_then(|job| job.so_far.as_ref()) else {
         ui.label(RichText::new("Every method on this scene's loop, against a finer solution. Quick takes half a minute.").weak());
         return;
     };
@@ -48,15 +48,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn controls(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let charting = matches!(state.measuring, Some(Measurement::QuickChart | Measurement::FullChart));
-        if charting {
+        if let Some(job) = state.chart.as_ref().filter(|job| job.is_running()) {
             if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {
                 actions.push(Action::StopMeasuring);
             }
-            let chart = state.chart.as_ref();
-            ui.add(ProgressBar::new(chart.map_or(0.0, |c| c.fraction) as f32).desired_width(60.0).desired_height(14.0));
-            let now = chart.map_or("beginning", |c| c.now.as_str());
-            ui.add(egui::Label::new(RichText::new(now).small()).truncate());
+            ui.add(ProgressBar::new(job.fraction as f32).desired_width(60.0).desired_height(14.0));
+            ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
             return;
         }
         for (word, what, hover) in [

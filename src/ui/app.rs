@@ -3,19 +3,19 @@
 use super::action::{Action, FileTask, Tab, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
-use super::handle::SolverHandle;
-use super::view_state::{Failure, ViewState};
+use super::view_state::ViewState;
 use super::{controls, gap_map, keys, loop_plot, paper, profile, status_bar, tabs, toolbar};
 use crate::experiment::scene::Scene;
 use crate::plot::loop_panel;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
-use crate::worker::job::{Fate, Job};
-use crate::worker::protocol::Command;
+use crate::worker::SolverHandle;
+use crate::worker::job::Job;
+use crate::worker::protocol::{Command, Envelope, Failure};
 use egui::containers::PanelState;
 use egui::scroll_area::ScrollSource;
 use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::Arc;
 
 /// Seconds between two announcements of a jump to a screen reader.
 const ANNOUNCE_EVERY: f64 = 2.0;
@@ -36,9 +36,6 @@ type Opening = Job<Result<Scene, storage::Failure>>;
 
 /// The least room in which the panels stand beside each other (points).
 const LAYOUT: Vec2 = vec2(760.0, 480.0);
-
-/// How often a file that is being opened is asked for, besides the call that tells it is there.
-const ASK_AGAIN: Duration = Duration::from_millis(100);
 
 impl App {
     /// A window on this state, worked by this solver.
@@ -71,7 +68,7 @@ impl App {
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.listen();
-        self.open(&ctx);
+        self.open();
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
@@ -92,47 +89,42 @@ impl App {
         for command in self.state.take_commands() {
             self.solver.send(command);
         }
+        self.state.begin_page(&*self.solver);
     }
 
     fn listen(&mut self) {
-        let (events, frame) = self.solver.poll();
-        for event in events {
+        for event in self.solver.poll() {
             self.state.apply(event);
         }
-        if let Some((run, frame)) = frame {
-            self.state.apply_frame(run, frame);
-        }
+        self.state.poll_jobs();
     }
 
     /// Takes in the file that was being opened, if it is there.
-    fn open(&mut self, ctx: &Context) {
-        let Some((path, opening)) = self.opening.take() else { return };
-        match opening.poll() {
-            Fate::Working => {
-                self.opening = Some((path, opening));
-                ctx.request_repaint_after(ASK_AGAIN);
-            }
-            Fate::Done(Ok(scene)) => {
+    fn open(&mut self) {
+        let Some(end) = self.opening.as_mut().and_then(|(_, job)| job.poll()) else { return };
+        let Some((path, mut job)) = self.opening.take() else { return };
+        match (job.so_far.take(), end) {
+            (Some(Ok(scene)), _) => {
                 self.dialogs.close();
                 self.state.open_scene(scene);
-                if self.state.failure.is_none() {
-                    self.state.notice = Some(format!("{} opened", path.display()));
+                if self.state.messages.failure.is_none() {
+                    self.state.messages.notice = Some(format!("{} opened", path.display()));
                 }
             }
-            Fate::Done(Err(failure)) => {
-                self.state.notice = None;
+            (Some(Err(failure)), _) => {
+                self.state.messages.notice = None;
                 self.fail(&failure, "Choose another path, or mend the file.");
             }
-            Fate::Lost => {
-                let message = format!("{} could not be read: the reader stopped with a fault of its own", path.display());
-                self.state.failure = Some(Failure { message, remedy: "Please report the file.".to_owned() });
+            (None, end) => {
+                let message = format!("{} could not be read: {}", path.display(), end.err().unwrap_or_default());
+                self.state.messages.failure = Some(Failure { message, remedy: "Please report the file.".to_owned() });
             }
         }
     }
 
     fn announce(&mut self, ctx: &Context) {
         let now = ctx.input(|input| input.time);
-        let words = self.state.record.jumps.last().map(|jump| self.state.say_jump(jump)).unwrap_or_default();
+        let words = self.state.run.record.jumps.last().map(|jump| self.state.say_jump(jump)).unwrap_or_default();
         if words != self.announced.0 && now - self.announced.1 >= ANNOUNCE_EVERY {
             self.announced = (words, now);
         }
@@ -200,7 +192,7 @@ impl App {
             Action::Reverse => state.reverse(),
             Action::Play(sweep) => state.play(sweep),
             Action::TogglePlay => state.toggle_play(),
-            Action::Pause(paused) => state.pause(paused),
+            Action::Pause(paused) => state.run.paused = paused,
             Action::Stop => state.stop(),
             Action::Reset => state.reset(),
             Action::EditScene(scene) => state.edit_scene(*scene),
@@ -223,28 +215,28 @@ impl App {
                 ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
-            Action::SetView(view) => state.set_view(view),
-            Action::OpenPage(page) => state.open_page(page),
-            Action::ClosePage => state.close_page(),
+            Action::SetView(view) => state.view = view,
+            Action::OpenPage(page) => state.paper.open(page),
+            Action::ClosePage => state.paper.cancel(),
             Action::OpenPageScene => {
                 if let Some(entry) = state.paper.entry() {
                     state.open_scene((entry.scene)());
-                    state.set_overlay(true);
+                    state.paper.overlay = true;
                 }
             }
-            Action::OverlayTheory(overlay) => state.set_overlay(overlay),
-            Action::EnlargePage(large) => state.enlarge_page(large),
-            Action::Measure(what) => state.measure(what),
+            Action::OverlayTheory(overlay) => state.paper.overlay = overlay,
+            Action::EnlargePage(large) => state.paper.large = large,
+            Action::Measure(what) => state.measure(what, &*self.solver),
             Action::StopMeasuring => state.stop_measuring(),
             Action::UseChartRow(index) => state.use_chart_row(index),
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(forward) => state.step_jump(forward),
             Action::ToggleKept => state.toggle_kept(),
-            Action::ClearSelection => state.selection = None,
+            Action::ClearSelection => state.run.selection = None,
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));
-                state.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
+                state.messages.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
             Action::PasteScene(text) => match scene_file::pasted(&text) {
                 Ok(scene) => state.open_scene(scene),
@@ -255,7 +247,7 @@ impl App {
                 state.view = ViewOptions::default();
                 state.fit_axes(false);
             }
-            Action::DismissFailure => state.failure = None,
+            Action::DismissFailure => state.messages.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }
     }
@@ -275,18 +267,21 @@ impl App {
         let done = match task {
             FileTask::OpenScene => {
                 let (file, ctx) = (path.to_owned(), ctx.clone());
-                let opening = Job::spawn(move || storage::open_scene(&file), move || ctx.request_repaint());
+                let opening = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
+                    report.result(storage::open_scene(&file));
+                    Ok(())
+                });
                 self.opening = Some((path.to_owned(), opening));
-                self.state.notice = Some(format!("opening {} …", path.display()));
+                self.state.messages.notice = Some(format!("opening {} …", path.display()));
                 return;
             }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
-            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.record.states),
-            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.record.jumps),
+            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.run.record.states),
+            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.run.record.jumps),
             FileTask::ExportLoopPng => {
-                let ledger = state.record.ledger(state.model.law.surface_energy);
+                let ledger = state.run.record.ledger(state.model.law.surface_energy);
                 let error = ledger.stated_error(state.predicted_error());
-                let page = loop_panel::page(&state.record, &state.model, &state.scene.title, error);
+                let page = loop_panel::page(&state.run.record, &state.model, &state.scene.title, error);
                 drawing::write_page_png(path, &page).and_then(|()| picture::attach_scene(path, &state.scene))
             }
             FileTask::ExportGapPng => match &state.frame {
@@ -297,15 +292,15 @@ impl App {
         match done {
             Ok(()) => {
                 self.dialogs.close();
-                self.state.failure = None;
-                self.state.notice = Some(format!("{} written", path.display()));
+                self.state.messages.failure = None;
+                self.state.messages.notice = Some(format!("{} written", path.display()));
             }
             Err(failure) => self.fail(&failure, "Choose another path, or mend the file."),
         }
     }
 
     fn fail(&mut self, failure: &storage::Failure, remedy: &str) {
-        self.state.failure = Some(Failure { message: failure.to_string(), remedy: remedy.to_owned() });
+        self.state.messages.failure = Some(Failure { message: failure.to_string(), remedy: remedy.to_owned() });
     }
 }
 
@@ -315,6 +310,6 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.solver.send(Command::Quit);
+        self.solver.send(Envelope { run: self.state.run.id, message: Command::Quit });
     }
 }

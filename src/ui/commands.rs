@@ -49,7 +49,11 @@ fn all(state: &ViewState) -> Vec<Command> {
         one("Reset to rest at the start", "", Action::Reset),
         one("Look at the next jump", "J", Action::StepJump(true)),
         one("Look at the jump before", "K", Action::StepJump(false)),
-        one(if state.kept.is_some() { "Let go of the kept loop" } else { "Keep this loop on the plot" }, "L", Action::ToggleKept),
+        one(
+            if state.plots.kept.is_some() { "Let go of the kept loop" } else { "Keep this loop on the plot" },
+            "L",
+            Action::ToggleKept,
+        ),
         one("Open a scene", "Ctrl+O", Action::AskFile(FileTask::OpenScene)),
         one("Save the scene", "Ctrl+S", Action::AskFile(FileTask::SaveScene)),
         one("Copy the scene as text", "Ctrl+C", Action::CopyScene),

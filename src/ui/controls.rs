@@ -54,8 +54,8 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             }
             ui.add_space(4.0);
             ui.label("Actual");
-            ui.label(RichText::new(format!("{:.4} ρ", state.actual / rho)).heading().strong());
-            let (arrow, word) = match state.branch {
+            ui.label(RichText::new(format!("{:.4} ρ", state.run.actual / rho)).heading().strong());
+            let (arrow, word) = match state.run.direction {
                 Direction::Approach => ("▼", "approach"),
                 Direction::Retraction => ("▲", "retraction"),
             };
@@ -193,13 +193,13 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         edit(actions, Scene { seed, ..(**scene).clone() });
     }
     ui.label("Model").on_hover_text("which part of the cell the walk represents");
-    let wishes = [
+    let models = [
         (None, "plan", "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry"),
         (Some(Road::WHOLE), "whole cell", "nothing is left out"),
         (Some(Road::QUARTER), "quarter", "even patterns only; modes of other symmetry are watched on the whole cell"),
     ];
     ui.horizontal_wrapped(|ui| {
-        for (asked, word, why) in wishes {
+        for (asked, word, why) in models {
             let chosen = state.asked == asked;
             let radio = ui.radio(chosen, word).on_hover_text(why);
             let name = format!("Model: {word}");

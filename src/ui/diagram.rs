@@ -1,7 +1,6 @@
 //! A diagram as a plot of the window: the same value that `storage` draws to file, in the same colours, strokes and symbols.
 
-use super::theme;
-use super::typeset::{append, set};
+use super::theme::{self, append, set};
 use crate::plot::legend::{Look, entries};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::{Scale, scales};

@@ -13,7 +13,7 @@ const BALL: f32 = 7.0;
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState) {
     let palette = theme::palette(theme::ground(ui));
-    let Some(well) = &state.well else {
+    let Some(well) = &state.run.well else {
         ui.label(RichText::new("No well yet: it is measured where the surface rests.").weak());
         return;
     };
@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
     let reach = well.offsets.last().copied().unwrap_or(1.0) / rho;
     let energies: Vec<[f64; 2]> = well.offsets.iter().zip(&well.energies).map(|(a, e)| [a / rho, e / gamma]).collect();
     let parabola: Vec<[f64; 2]> = well.offsets.iter().map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma]).collect();
-    let top = state.well_scale;
+    let top = state.plots.well_scale;
     let shown = small(ui, "well", "offset along the soft mode / ρ", "energy / γ")
         .x_grid_spacer(|input| grid(input, 8.0))
         .y_grid_spacer(|input| grid(input, 5.0))

@@ -27,9 +27,10 @@ fn why(cause: Cause) -> &'static str {
 
 /// Sum and table.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
-    let jumps = &state.record.jumps;
+    let jumps = &state.run.record.jumps;
     let sum = ui.label(
-        RichText::new(format!("{}, {:.4} γ released", state.record.tally(), state.record.released_energy_sum() + 0.0)).weak(),
+        RichText::new(format!("{}, {:.4} γ released", state.run.record.tally(), state.run.record.released_energy_sum() + 0.0))
+            .weak(),
     );
     // Invisible, only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(sum.id, |node| {
@@ -41,7 +42,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         return;
     }
     let palette = theme::palette(theme::ground(ui));
-    let selected = state.selection.as_ref().and_then(|selection| selection.jump);
+    let selected = state.run.selection.as_ref().and_then(|selection| selection.jump);
     let marked = selected.map(|index| jumps.len() - index);
     let colour = ui.visuals().selection.bg_fill.gamma_multiply(0.55);
     let faint = ui.visuals().faint_bg_color;

@@ -1,7 +1,7 @@
 //! The paper's figures in the window: their diagrams, with gap maps and smaller diagrams inside.
 
 use super::diagram;
-use super::typeset::set;
+use super::theme::set;
 use crate::paper::Figure;
 use crate::plot::panel::{Content, Panel, letter};
 use crate::plot::typeset::number;

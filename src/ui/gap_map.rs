@@ -229,7 +229,7 @@ fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
     let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
     let word = if relaxing {
         "jumping … (no equilibrium)"
-    } else if state.hint {
+    } else if state.messages.hint {
         "Drag down slowly. Something will snap."
     } else {
         return;
@@ -251,7 +251,7 @@ fn waiting(ui: &Ui, state: &ViewState, map: Rect) {
     }
     if waits {
         let colour = ui.visuals().text_color().gamma_multiply(share.max(0.3));
-        let words = if state.failure.is_some() { "no picture of this scene" } else { WAITING };
+        let words = if state.messages.failure.is_some() { "no picture of this scene" } else { WAITING };
         ui.painter().text(map.center(), Align2::CENTER_CENTER, words, theme::small(), colour);
     }
 }
@@ -294,6 +294,6 @@ fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<
 /// The map in one sentence.
 fn sentence(state: &ViewState, cache: &MapCache) -> String {
     let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else { return format!("Gap map: {WAITING}") };
-    let pattern = state.state.as_ref().map_or("at rest", |s| s.pattern.word());
+    let pattern = state.run.state.as_ref().map_or("at rest", |s| s.pattern.word());
     format!("Gap map: {pattern}, gap from {:.3} to {:.3} rho", picture.min / state.rho(), picture.max / state.rho())
 }

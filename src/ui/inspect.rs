@@ -11,7 +11,7 @@ const WIDTH: f32 = 216.0;
 
 /// The card, in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action>) {
-    let Some(selection) = &state.selection else { return };
+    let Some(selection) = &state.run.selection else { return };
     let s = &selection.state;
     let palette = theme::palette(theme::ground(ui));
     // In the corner that the curve of a loop leaves free, unless the state itself is there.
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action
             for line in numbers(state) {
                 ui.label(RichText::new(line).small());
             }
-            if let Some(jump) = selection.jump.and_then(|i| state.record.jumps.get(i)) {
+            if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
                 let words = format!("{} → {} released {:.4} γ", jump.from, jump.to, jump.released_energy);
                 ui.label(RichText::new(words).small().color(palette.jump));
             }
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, plot: Rect, actions: &mut Vec<Action
 
 /// The numbers, one a line.
 fn numbers(state: &ViewState) -> Vec<String> {
-    let Some(selection) = &state.selection else { return Vec::new() };
+    let Some(selection) = &state.run.selection else { return Vec::new() };
     let s = &selection.state;
     vec![
         format!("u₀ {:.5} ρ", s.mean_displacement / state.rho()),

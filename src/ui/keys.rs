@@ -99,7 +99,7 @@ fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Actio
         Key::R => Action::Reverse,
         Key::L => Action::ToggleKept,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
-        Key::Escape if state.selection.is_some() && !state.busy => Action::ClearSelection,
+        Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => Action::ClearSelection,
         Key::Escape => Action::Stop,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
         Key::Slash if shift => Action::ToggleHelp,

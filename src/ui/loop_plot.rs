@@ -52,7 +52,7 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
     ui.horizontal(|ui| {
         ui.label(RichText::new("Stress against u₀").heading().strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if state.fit.is_some() && ui.button("Scene axes").clicked() {
+            if state.plots.fit.is_some() && ui.button("Scene axes").clicked() {
                 actions.push(Action::Fit(false));
             }
             let leaves = state.data_leave_view();
@@ -67,9 +67,9 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 
 /// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks against it.
 fn dissipated(state: &ViewState) -> (String, Option<String>) {
-    if let Some(closed) = &state.closed_loop {
+    if let Some(closed) = &state.run.closed_loop {
         let ledger = &closed.summary.ledger;
-        let contested = contested(&state.record.jumps);
+        let contested = contested(&state.run.record.jumps);
         let words = match (ledger.dissipated_energy(), &ledger.open) {
             (Some(loss), _) if contested.is_some() => format!("∮ dissipated {loss:.4}{} γ", or_else(state, loss)),
             (Some(loss), _) => {
@@ -81,7 +81,7 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
         let open = ledger.open.as_ref().map(|open| format!("{}; {}", open.reason, open.remedy));
         return (words, open.or_else(|| ledger.warning()).or(contested));
     }
-    let Some(Ok(live)) = state.live.as_ref().map(|live| &live.state.found) else {
+    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
         return ("Play loop to see what one cycle dissipates.".to_owned(), None);
     };
     let loss = live.dissipated_energy;
@@ -98,7 +98,7 @@ fn contested(jumps: &[JumpRecord]) -> Option<String> {
 
 /// What a loop that loses `loss` would lose by its other landing, as the live loop knows it: " or 0.1292".
 fn or_else(state: &ViewState, loss: f64) -> String {
-    let Some(Ok(live)) = state.live.as_ref().map(|live| &live.state.found) else { return String::new() };
+    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else { return String::new() };
     let mut known: Vec<f64> = live.rivals.iter().filter_map(|rival| rival.dissipated_energy).collect();
     if known.is_empty() {
         return String::new();
@@ -113,30 +113,30 @@ fn or_else(state: &ViewState, loss: f64) -> String {
 fn panel(state: &ViewState) -> Panel {
     let ([left, bottom], [right, top]) = state.axes();
     let law = &state.model.law;
-    let latest = state.record.jumps.len().saturating_sub(JUMPS_MAX);
-    let closed = state.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none());
+    let latest = state.run.record.jumps.len().saturating_sub(JUMPS_MAX);
+    let closed = state.run.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none());
     let theory = theory(state, [[left, right], [bottom, top]]);
     let mut panel = Panel {
         x: Axis::linear("u₀ / ρ").from_to(left, right),
         y: Axis::linear("stress / σ_max").from_to(bottom, top),
         areas: closed.map_or_else(Vec::new, |closed| closed.loss.clone()),
-        series: loop_panel::branches(&state.curve).into_iter().filter(|branch| !branch.points.is_empty()).collect(),
-        arrows: loop_panel::jumps(&state.record.jumps[latest..], law),
-        labels: loop_panel::names(&state.curve, right - left),
+        series: loop_panel::branches(&state.run.curve).into_iter().filter(|branch| !branch.points.is_empty()).collect(),
+        arrows: loop_panel::jumps(&state.run.record.jumps[latest..], law),
+        labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
-    panel.series.extend(state.flat_state.iter().cloned());
+    panel.series.extend(state.plots.flat_state.iter().cloned());
     panel.series.extend(live(state));
     panel.series.extend(theory.iter().map(|(line, _)| line.clone()));
     panel.labels.extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
     ahead(state, &mut panel);
     let rho = state.rho();
-    if let Some(selection) = &state.selection {
+    if let Some(selection) = &state.run.selection {
         let at = [selection.state.mean_displacement / rho, selection.state.stress_over_max];
         panel.series.push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
     }
-    if let Some(now) = &state.state {
+    if let Some(now) = &state.run.state {
         let at = vec![[now.mean_displacement / rho, now.stress_over_max]];
         let symbol = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
         panel.series.extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
@@ -151,15 +151,18 @@ fn joined<'a>(pieces: impl IntoIterator<Item = &'a [[f64; 2]]>) -> Vec<[f64; 2]>
 
 /// The loop that is kept, broad and grey, and earlier ones, thin and grey.
 fn others(state: &ViewState) -> Vec<Series> {
-    let kept = state.kept.iter().map(|kept| ("kept", Role::Simulation, joined(kept.lines.iter().map(Vec::as_slice))));
-    let earlier =
-        state.ghosts.iter().map(|ghost| ("earlier", Role::Guide, joined(ghost.pieces.iter().map(|piece| piece.points.as_slice()))));
+    let kept = state.plots.kept.iter().map(|kept| ("kept", Role::Simulation, joined(kept.lines.iter().map(Vec::as_slice))));
+    let earlier = state
+        .plots
+        .ghosts
+        .iter()
+        .map(|ghost| ("earlier", Role::Guide, joined(ghost.pieces.iter().map(|piece| piece.points.as_slice()))));
     kept.chain(earlier).map(|(name, role, points)| Series::line(name, role, Colour::Grey, points)).collect()
 }
 
 /// The loop of the atlas, thin, with its jumps dashed.
 fn live(state: &ViewState) -> Vec<Series> {
-    let Some(live) = state.live.as_ref().filter(|live| !live.pieces.is_empty()) else { return Vec::new() };
+    let Some(live) = state.plots.live.as_ref().filter(|live| !live.pieces.is_empty()) else { return Vec::new() };
     let line = joined(live.pieces.iter().map(|(_, points)| points.as_slice()));
     let jumps: Vec<[[f64; 2]; 2]> = live.jumps.iter().map(|(u0, [from, to])| [[*u0, *from], [*u0, *to]]).collect();
     let jumps = joined(jumps.iter().map(|jump| jump.as_slice()));
@@ -197,15 +200,15 @@ fn theory(state: &ViewState, axes: [[f64; 2]; 2]) -> Vec<(Series, Option<Label>)
 
 /// The plot in one sentence.
 fn sentence(state: &ViewState) -> String {
-    let Some(now) = &state.state else { return "Stress against u0: nothing recorded yet".to_owned() };
+    let Some(now) = &state.run.state else { return "Stress against u0: nothing recorded yet".to_owned() };
     let mut words = format!(
         "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {}",
         now.pattern,
         now.mean_displacement / state.rho(),
         now.stress_over_max,
-        state.record.tally()
+        state.run.record.tally()
     );
-    if let Some(closed) = &state.closed_loop {
+    if let Some(closed) = &state.run.closed_loop {
         words.push_str(&match closed.summary.ledger.dissipated_energy() {
             Some(loss) => format!(", dissipated {loss:.4} gamma"),
             None => ", loop not closed".to_owned(),

@@ -1,14 +1,13 @@
 //! Floor 7: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
 //!
 //! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s; only [`app`] acts on them.
-//! The state is plain data that is built and updated without egui. The solver is behind [`handle::SolverHandle`]: its thread
-//! never blocks the window, and tests drive one by hand. May use everything below; touches files only through `storage`, starts no thread.
+//! The state is plain data that is built and updated without egui. The solver is behind [`crate::worker::SolverHandle`]:
+//! its thread never blocks the window, and tests drive one by hand. May use everything below; touches files only through `storage`, starts no thread.
 //!
 //! Lengths are shown in units of the range rho, stresses in units of sigma_max, energies in units of gamma.
 
 pub mod action;
 pub mod app;
-pub mod handle;
 pub mod history;
 pub mod scene_edit;
 pub mod theme;
@@ -40,7 +39,6 @@ mod status_bar;
 mod tabs;
 mod time_steps;
 mod toolbar;
-mod typeset;
 mod u0_slider;
 
 pub use app::App;

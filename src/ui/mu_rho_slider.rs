@@ -29,8 +29,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
     accessibility(ui, state, &response, &mut wanted);
     paint(ui, state, rail, &x_of, &response);
-    for ((name, mu), (row, right)) in TICKS.into_iter().zip(PLACES) {
-        if tick(ui, rail, x_of(mu), name, mu, row, right) {
+    for ((name, mu), place) in TICKS.into_iter().zip(PLACES) {
+        if tick(ui, rail, x_of(mu), (name, mu), place) {
             wanted = Some(mu);
         }
     }
@@ -64,7 +64,7 @@ fn paint(ui: &Ui, state: &ViewState, rail: Rect, x_of: &dyn Fn(f64) -> f32, resp
 }
 
 /// One named tick, a button on its name; true when clicked.
-fn tick(ui: &Ui, rail: Rect, x: f32, name: &str, mu: f64, row: usize, right: bool) -> bool {
+fn tick(ui: &Ui, rail: Rect, x: f32, (name, mu): (&str, f64), (row, right): (usize, bool)) -> bool {
     let y = rail.bottom() + 12.0 + 14.0 * row as f32;
     let (anchor, at) = if right { (Align2::LEFT_CENTER, pos2(x + 3.0, y)) } else { (Align2::RIGHT_CENTER, pos2(x - 3.0, y)) };
     let galley = ui.painter().layout_no_wrap(name.to_owned(), theme::small(), ui.visuals().weak_text_color());

@@ -2,14 +2,13 @@
 
 use super::action::Action;
 use super::figure_plot;
-use super::theme::{self, Palette};
-use super::typeset::set;
+use super::theme::{self, Palette, set};
 use super::view_state::ViewState;
 use crate::paper::errata::Erratum;
 use crate::paper::figure::Finding;
 use crate::paper::{Figure, GALLERY};
 use crate::plot::typeset::number;
-use crate::worker::protocol::Page;
+use crate::worker::protocol::{Page, PageContent};
 use egui::{Context, ProgressBar, RichText, Role, ScrollArea, Ui, WidgetInfo};
 
 /// The tab.
@@ -71,19 +70,13 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.label(set(entry.look_for, 12.5, text));
     }
     progress(ui, state, actions);
-    match paper.page {
-        Page::Figure(number) => {
-            if let Some(figure) = paper.figures.get(&number) {
-                figure_plot::figure(ui, figure);
-                words(ui, figure);
-            }
+    match paper.known.get(&paper.page) {
+        Some(PageContent::Figure(figure)) => {
+            figure_plot::figure(ui, figure);
+            words(ui, figure);
         }
-        Page::Errata => {
-            if let Some(errata) = &paper.errata {
-                self::errata(ui, errata);
-            }
-        }
-        Page::Theory => {}
+        Some(PageContent::Errata(errata)) => self::errata(ui, errata),
+        Some(PageContent::Theory(_)) | None => {}
     }
 }
 
@@ -107,15 +100,15 @@ fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: boo
 
 fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let paper = &state.paper;
-    if let Some((done, what)) = &paper.progress {
+    if let Some((_, job)) = &paper.job {
         ui.horizontal(|ui| {
             if ui.button("Cancel").clicked() {
                 actions.push(Action::ClosePage);
             }
-            ui.add(ProgressBar::new(*done as f32).desired_width(80.0).desired_height(14.0));
-            ui.add(egui::Label::new(RichText::new(what).small()).truncate());
+            ui.add(ProgressBar::new(job.fraction as f32).desired_width(80.0).desired_height(14.0));
+            ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
         });
-    } else if let Some(why) = &paper.stuck {
+    } else if let Some(why) = &paper.missing {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(format!("Not there: {why}.")).color(theme::palette(theme::ground(ui)).warn));
             if ui.button("Compute").clicked() {

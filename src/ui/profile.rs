@@ -51,7 +51,7 @@ fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (b
     let gap: Vec<f64> = if along_x { picture.gap.row(index).to_vec() } else { picture.gap.column(index).to_vec() };
     let n = gap.len();
     // The map is not rolled on uneven ground, so that the height belongs to the same row.
-    let height: Vec<f64> = match state.ready.as_ref().and_then(|ready| ready.height.as_ref()) {
+    let height: Vec<f64> = match state.run.ready.as_ref().and_then(|ready| ready.height.as_ref()) {
         Some(h) if h.dim() == picture.gap.dim() => {
             if along_x {
                 h.row(index).to_vec()

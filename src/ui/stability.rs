@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     let ground = theme::ground(ui);
-    let ahead = forecast(&state.record, &state.model);
+    let ahead = forecast(&state.run.record, &state.model);
     let words = foreseen(state, ahead.as_ref());
     ui.label(RichText::new(&words).strong());
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
@@ -100,12 +100,12 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, grou
     if let Some(ahead) = ahead {
         bracket(plot, state, ahead, palette);
     }
-    let panel = Panel { series: branches(&state.stiffness).into(), ..Panel::default() };
+    let panel = Panel { series: branches(&state.run.stiffness).into(), ..Panel::default() };
     diagram::draw(plot, &panel, ground);
     let corner = PlotPoint::new(right - 0.01 * (right - left), high[1] - 0.02 * (high[1] - low[1]));
     let value = Text::new("value", corner, RichText::new(present(state)).small());
     plot.text(value.color(palette.now).anchor(egui::Align2::RIGHT_TOP).allow_hover(false));
-    let Some(now) = &state.state else { return };
+    let Some(now) = &state.run.state else { return };
     let x = now.mean_displacement / state.rho();
     let place = |e: f64| eigenvalue_scale(e).clamp(low[1], high[1]);
     if now.stiffness_error > 0.0 {
@@ -133,7 +133,7 @@ fn bracket(plot: &mut PlotUi<'_>, state: &ViewState, ahead: &Forecast, palette: 
 
 /// The present eigenvalue with its error.
 fn present(state: &ViewState) -> String {
-    match &state.state {
+    match &state.run.state {
         None => "nothing recorded yet".to_owned(),
         Some(now) if now.stiffness_error > 0.0 => format!("now {:.4} ± {:.4} E*/L", now.stiffness_min, now.stiffness_error),
         Some(now) => format!("now {:.4} E*/L", now.stiffness_min),
@@ -143,7 +143,7 @@ fn present(state: &ViewState) -> String {
 /// The forecast in one line.
 fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
     let rho = state.rho();
-    let way = match state.branch {
+    let way = match state.run.direction {
         Direction::Approach => "down",
         Direction::Retraction => "up",
     };

@@ -14,7 +14,7 @@ use egui::{RichText, Ui};
 /// The bar; a failure takes a line of its own.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let palette = theme::palette(theme::ground(ui));
-    if let Some(failure) = &state.failure {
+    if let Some(failure) = &state.messages.failure {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("⚠").color(palette.warn).strong());
             ui.label(RichText::new(&failure.message).color(palette.warn).strong());
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 actions.push(Action::Undo);
             }
         });
-    } else if let Some(notice) = &state.notice {
+    } else if let Some(notice) = &state.messages.notice {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("✔").color(palette.good));
             ui.label(notice);
@@ -34,14 +34,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
-        match &state.state {
+        match &state.run.state {
             Some(now) => facts(ui, state, now),
             None => {
                 ui.label(RichText::new("waiting for the solver").weak());
             }
         }
         model(ui, state);
-        if let Some(live) = &state.live {
+        if let Some(live) = &state.plots.live {
             part(ui, "");
             let colour = theme::palette(theme::ground(ui)).live;
             ui.label(RichText::new(live.words()).color(colour));
@@ -87,18 +87,18 @@ fn stability(now: &StateRecord, palette: &theme::Palette) -> (String, egui::Colo
 /// The model in use and the error it is expected to have; the plan's sentence on hover.
 fn model(ui: &mut Ui, state: &ViewState) {
     let grid = &state.model.grid;
-    let Some(ready) = &state.ready else { return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny)) };
+    let Some(ready) = &state.run.ready else { return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny)) };
     part(ui, "");
     ui.label(model_words(&ready.choice, grid)).on_hover_text(model_sentence(ready));
 }
 
 /// In a few words: "quarter of 64 × 64, expected error 0.005 %".
 pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
-    let place = match (choice.part, grid.is_line()) {
-        (Part::Whole, true) => format!("line of {}", grid.nx),
-        (Part::Quarter, true) => format!("half a line of {}", grid.nx),
-        (Part::Whole, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
-        (Part::Quarter, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
+    let place = match (choice.part.is_even(), grid.is_line()) {
+        (false, true) => format!("line of {}", grid.nx),
+        (true, true) => format!("half a line of {}", grid.nx),
+        (false, false) => format!("whole cell {} × {}", grid.nx, grid.ny),
+        (true, false) => format!("quarter of {} × {}", grid.nx, grid.ny),
     };
     format!("{place}, {}", promise(Some(choice.plan.predicted_error)))
 }

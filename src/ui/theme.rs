@@ -1,9 +1,13 @@
-//! Fonts, light and dark visuals, and the few colours with a meaning.
+//! Fonts, light and dark visuals, the few colours with a meaning, and lines of text with formulas.
 
 use crate::experiment::record::Direction;
 use crate::plot::panel::Colour;
 use crate::plot::style::{Ground, Rgb};
-use egui::{Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals};
+use crate::plot::typeset::{Script, runs};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{
+    Align, Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals,
+};
 use std::sync::Arc;
 
 const DEJAVU: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
@@ -138,4 +142,27 @@ fn rounded(mut v: Visuals) -> Visuals {
 /// Font of tick labels and other small print inside pictures.
 pub fn small() -> FontId {
     FontId::proportional(11.0)
+}
+
+/// The line with Greek letters, sub- and superscripts.
+pub fn set(text: &str, size: f32, colour: Color32) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    append(&mut job, text, size, colour);
+    job
+}
+
+/// Goes on with another line of another colour.
+pub fn append(job: &mut LayoutJob, text: &str, size: f32, colour: Color32) {
+    for run in runs(text) {
+        let (size, valign) = match run.script {
+            Script::Base => (size, Align::BOTTOM),
+            Script::Sub => (0.74 * size, Align::BOTTOM),
+            Script::Super => (0.74 * size, Align::TOP),
+        };
+        job.append(
+            &run.text,
+            0.0,
+            TextFormat { font_id: FontId::proportional(size), color: colour, valign, ..TextFormat::default() },
+        );
+    }
 }

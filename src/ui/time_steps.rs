@@ -15,19 +15,19 @@ const MARKS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 /// Button, progress and map.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let palette = theme::palette(theme::ground(ui));
+    let job = state.run.time_steps.as_ref();
     ui.horizontal_wrapped(|ui| {
-        if state.measuring == Some(Measurement::TimeSteps) {
+        if let Some(job) = job.filter(|job| job.is_running()) {
             if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {
                 actions.push(Action::StopMeasuring);
             }
-            let done = state.time_steps.as_ref().map_or(0.0, |map| map.fraction());
-            ui.add(ProgressBar::new(done as f32).desired_width(56.0).desired_height(14.0));
+            ui.add(ProgressBar::new(job.fraction as f32).desired_width(56.0).desired_height(14.0));
         } else if ui.button("Measure").on_hover_text("let a tiny perturbation go at states along the approach").clicked() {
             actions.push(Action::Measure(Measurement::TimeSteps));
         }
         legend(ui, &palette);
     });
-    let Some(map) = &state.time_steps else {
+    let Some(map) = job.and_then(|job| job.so_far.as_ref()) else {
         ui.label(RichText::new("Which time steps does GFMD survive on the way down? Measure, and compare with the bound.").weak());
         return;
     };

@@ -2,11 +2,15 @@
 
 use super::action::{Action, FileTask, ViewOptions};
 use super::controls::named;
+use super::theme::set;
 use super::view_state::ViewState;
 use crate::plot::typeset::plain;
 use crate::storage::presets;
 use crate::worker::protocol::{Speed, Sweep};
-use egui::{Align, ComboBox, Layout, Ui, vec2};
+use egui::{Align, ComboBox, Layout, RichText, Ui, vec2};
+
+/// Width of the button beside the presets, with its gap (points).
+const INFO: f32 = 26.0;
 
 /// The bar; it wraps where the window is narrow.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -50,7 +54,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let label = ui.label("Preset");
-    let width = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 190.0 };
+    let opened = presets::titled(state.title_opened());
+    // The button beside it takes its room from it: the bar is full.
+    let room = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 190.0 };
+    let width = if opened.is_some() { room - INFO } else { room };
     let title = plain(&state.scene.title);
     // A width of its own bounds a combo box from below only; a long title must not push the bar into a second row.
     let size = vec2(width, ui.spacing().interact_size.y);
@@ -65,6 +72,21 @@ fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         });
         combo.response.labelled_by(label.id).on_hover_text(format!("{title}\n{}", state.scene.source));
     });
+    if let Some(preset) = opened {
+        let card = ui.menu_button("ℹ", |ui| look_for(ui, preset, state));
+        named(card.response, "What to look for").on_hover_text("what to look for in this preset");
+    }
+}
+
+/// What the preset that was opened shows, on a card.
+fn look_for(ui: &mut Ui, preset: &presets::Preset, state: &ViewState) {
+    ui.set_width(340.0);
+    // A menu's own layout justifies its lines.
+    ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
+        ui.label(RichText::new(plain(state.title_opened())).strong());
+        ui.label(set(&preset.look_for(), 13.0, ui.visuals().text_color()));
+        ui.label(RichText::new(&state.scene.source).small().weak());
+    });
 }
 
 fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -74,19 +96,19 @@ fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             Sweep::Retract => "Play retract",
             Sweep::Loop => "Play loop",
         };
-        let button = egui::Button::new(text).selected(state.sweep == Some(sweep));
+        let button = egui::Button::new(text).selected(state.run.sweep() == Some(sweep));
         if named(ui.add(button), name).on_hover_text(name).clicked() {
             actions.push(Action::Play(sweep));
         }
     }
-    let (face, name) = if state.paused { ("▶", "Go on") } else { ("⏸", "Pause") };
-    if named(ui.add_enabled(state.busy || state.paused, egui::Button::new(face)), name)
+    let (face, name) = if state.run.paused { ("▶", "Go on") } else { ("⏸", "Pause") };
+    if named(ui.add_enabled(state.run.is_busy() || state.run.paused, egui::Button::new(face)), name)
         .on_hover_text(format!("{name} (Space)"))
         .clicked()
     {
-        actions.push(Action::Pause(!state.paused));
+        actions.push(Action::Pause(!state.run.paused));
     }
-    if named(ui.add_enabled(state.busy, egui::Button::new("⏹")), "Stop").on_hover_text("Stop (Esc)").clicked() {
+    if named(ui.add_enabled(state.run.is_busy(), egui::Button::new("⏹")), "Stop").on_hover_text("Stop (Esc)").clicked() {
         actions.push(Action::Stop);
     }
     speed(ui, state, actions);

@@ -39,9 +39,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     ticks(ui, state, rail, &y_of);
     let painter = ui.painter();
     painter.rect_filled(rail, 4.0, ui.visuals().widgets.inactive.bg_fill);
-    let walked = Rect::from_min_max(pos2(rail.left(), y_of(state.actual)), rail.right_bottom());
+    let walked = Rect::from_min_max(pos2(rail.left(), y_of(state.run.actual)), rail.right_bottom());
     painter.rect_filled(walked, 4.0, palette.elastomer);
-    let actual = y_of(state.actual);
+    let actual = y_of(state.run.actual);
     let tip = pos2(rail.center().x + 18.0, actual);
     let arrow = vec![tip, tip + vec2(9.0, -6.0), tip + vec2(9.0, 6.0)];
     painter.add(Shape::convex_polygon(arrow, palette.retraction, Stroke::NONE));
@@ -63,9 +63,9 @@ fn words(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
         (target_y, actual_y) = (middle + up, middle - up);
     }
     ui.painter().text(pos2(x, target_y), Align2::LEFT_CENTER, "target", theme::small(), palette.approach);
-    let word = if state.paused {
+    let word = if state.run.paused {
         "paused"
-    } else if state.busy {
+    } else if state.run.is_busy() {
         "actual …"
     } else {
         "actual"

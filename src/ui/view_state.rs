@@ -1,61 +1,34 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
-mod axes;
-mod keep;
-mod listen;
-mod live_view;
-mod measure;
-mod motion;
-mod paper;
-mod select;
+mod jobs;
+mod plots;
+mod run;
 
-pub use keep::Kept;
-pub use live_view::LiveView;
-pub use paper::PaperState;
-pub use select::Selection;
+pub use jobs::PaperState;
+pub use plots::{Kept, LiveView, Plots};
+pub use run::{ClosedLoop, RunView, Selection};
 
-use super::action::{Measurement, Tab, ViewOptions};
+use super::action::{Tab, ViewOptions};
 use super::history::History;
 use super::scene_edit::{self, Follows};
 use crate::experiment::part::Road;
-use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::record::{JumpRecord, StateRecord};
 use crate::experiment::scene::{Model, Scene, SceneError};
-use crate::experiment::time_step_map::TimeStepMap;
-use crate::experiment::walk::EnergyWell;
-use crate::plot::curve::Curve;
-use crate::plot::loop_panel::flat_state;
-use crate::plot::panel::{Area, Series};
+use crate::plot::curve::eigenvalue_scale;
+use crate::plot::loop_panel::{flat_state, loss};
 use crate::solver::methods::MethodKind;
-use crate::worker::protocol::{ChartSoFar, Command, Frame, LoopSummary, Motion, Ready, RunId, Speed, Sweep};
-use std::collections::VecDeque;
+use crate::worker::job::Job;
+use crate::worker::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep};
 use std::sync::Arc;
 
+/// Most states kept for the export; the oldest quarter goes when it is full.
+const STATES_MAX: usize = 200_000;
 /// What the title of an edited scene begins with.
 const CHANGED: &str = "Changed: ";
 
-/// Something went wrong, in words, with what to do about it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failure {
-    /// What happened.
-    pub message: String,
-    /// The remedy.
-    pub remedy: String,
-}
-
-/// A closed loop as it is drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ClosedLoop {
-    /// Its numbers.
-    pub summary: LoopSummary,
-    /// Its area.
-    pub loss: Vec<Area>,
-}
-
-/// The state of the window.
-#[derive(Clone, Debug)]
+/// The state of the window. What belongs to one run is in `run`; the rest survives it.
+#[derive(Debug)]
 pub struct ViewState {
-    /// Id of the present run; events of others are dropped.
-    pub run: RunId,
     /// The scene.
     pub scene: Arc<Scene>,
     /// What the scene was decided to be.
@@ -66,78 +39,50 @@ pub struct ViewState {
     pub asked: Option<Road>,
     /// What follows mu_rho.
     pub follows: Follows,
-    /// Facts of the scene, once the solver has sent them.
-    pub ready: Option<Arc<Ready>>,
     /// Ends of the u0 slider (lower, upper).
     pub limits: (f64, f64),
     /// Where u0 is asked to go.
     pub target: f64,
-    /// Where u0 is.
-    pub actual: f64,
-    /// Direction of the last motion.
-    pub branch: Direction,
-    /// The sweep under way.
-    pub sweep: Option<Sweep>,
     /// The last sweep that was played.
     pub last_sweep: Sweep,
-    /// Held.
-    pub paused: bool,
-    /// The solver has something to do.
-    pub busy: bool,
-    /// The newest picture.
+    /// The present run.
+    pub run: RunView,
+    /// The newest picture; that of the last run until this one has sent its own.
     pub frame: Option<Arc<Frame>>,
-    /// The newest equilibrium.
-    pub state: Option<StateRecord>,
-    /// Everything recorded in this run or loop.
-    pub record: LoopRecord,
-    /// The curve of `record`.
-    pub curve: Curve,
-    /// The smallest eigenvalue (E*/L) along `record`, as the stability tab draws it.
-    pub stiffness: Curve,
-    /// The newest energy well.
-    pub well: Option<Arc<EnergyWell>>,
-    /// Height of the well's picture (gamma).
-    pub well_scale: f64,
-    /// The time-step map as far as it is measured.
-    pub time_steps: Option<Arc<TimeStepMap>>,
-    /// The chart of speed against accuracy as far as it is measured.
-    pub chart: Option<Arc<ChartSoFar>>,
-    /// The measurement under way.
-    pub measuring: Option<Measurement>,
+    /// What the diagrams show beside the run.
+    pub plots: Plots,
+    /// The measurement of speed against accuracy.
+    pub chart: Option<Job<ChartSoFar>>,
     /// The paper's pages.
     pub paper: PaperState,
-    /// The live loop.
-    pub live: Option<LiveView>,
-    /// The stored state somebody looks at.
-    pub selection: Option<Selection>,
-    /// Curves of earlier loops.
-    pub ghosts: VecDeque<Curve>,
-    /// The loop that is kept to compare with.
-    pub kept: Option<Kept>,
-    /// The last closed loop.
-    pub closed_loop: Option<ClosedLoop>,
-    /// The flat state's curve.
-    pub flat_state: Vec<Series>,
+    /// What is said in words.
+    pub messages: Messages,
+    /// How things are drawn.
+    pub view: ViewOptions,
+    /// Undo and redo.
+    pub history: History,
+    told: Told,
+}
+
+/// What the window says in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Messages {
     /// What went wrong.
     pub failure: Option<Failure>,
     /// What went right ("written ...").
     pub notice: Option<String>,
     /// True until the first jump.
     pub hint: bool,
-    /// How things are drawn.
-    pub view: ViewOptions,
-    /// Plot fitted to the data instead of the scene: (lower left, upper right).
-    pub fit: Option<([f64; 2], [f64; 2])>,
-    /// Undo and redo.
-    pub history: History,
-    /// The newest motion asked for; a rest that ends an older one is stale.
+}
+
+/// What the solver was told; a command is the difference to what the window shows.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    run: RunId,
     motion: Motion,
-    scene_pending: bool,
-    target_pending: bool,
-    watching: bool,
-    /// The speed that the solver was told.
+    paused: bool,
+    energy_well: bool,
     speed: Speed,
-    outbox: Vec<Command>,
 }
 
 impl ViewState {
@@ -149,51 +94,29 @@ impl ViewState {
         let model = scene.model()?;
         let limits = scene_edit::limits(&scene, &model);
         Ok(Self {
-            run: 0,
-            flat_state: flat_state(&model, limits.into()),
+            plots: Plots::new(flat_state(&model, limits.into())),
             scene: Arc::new(scene),
             model,
             method: MethodKind::default(),
             asked: None,
             follows: Follows::default(),
-            ready: None,
             limits,
             target: limits.1,
-            actual: limits.1,
-            branch: Direction::Approach,
-            sweep: None,
             last_sweep: Sweep::Loop,
-            paused: false,
-            busy: false,
+            run: RunView::new(1, limits.1, limits.1),
             frame: None,
-            state: None,
-            record: LoopRecord::default(),
-            curve: Curve::default(),
-            stiffness: Curve::default(),
-            well: None,
-            well_scale: 0.01,
-            time_steps: None,
             chart: None,
-            measuring: None,
             paper: PaperState::default(),
-            live: None,
-            selection: None,
-            ghosts: VecDeque::new(),
-            kept: None,
-            closed_loop: None,
-            failure: None,
-            notice: None,
-            hint: true,
+            messages: Messages { failure: None, notice: None, hint: true },
             view: ViewOptions::default(),
-            fit: None,
             history: History::default(),
-            motion: 0,
-            scene_pending: true,
-            target_pending: false,
-            watching: false,
-            speed: Speed::default(),
-            outbox: Vec::new(),
+            told: Told::default(),
         })
+    }
+
+    /// The title of the scene that was opened, whatever was edited since.
+    pub fn title_opened(&self) -> &str {
+        self.scene.title.strip_prefix(CHANGED).unwrap_or(&self.scene.title)
     }
 
     /// The range rho.
@@ -203,7 +126,7 @@ impl ViewState {
 
     /// True while the solver has said nothing of this run yet: the picture that is shown is that of the last one.
     pub fn is_waiting(&self) -> bool {
-        self.state.is_none()
+        self.run.state.is_none()
     }
 
     /// Back to rest at the start.
@@ -219,7 +142,7 @@ impl ViewState {
             Ok(model) => model,
             Err(error) => {
                 let remedy = "The scene stays as it was; choose a value that is allowed.".to_owned();
-                self.failure = Some(Failure { message: error.to_string(), remedy });
+                self.messages.failure = Some(Failure { message: error.to_string(), remedy });
                 return false;
             }
         };
@@ -229,18 +152,18 @@ impl ViewState {
             self.target = self.limits.1;
         }
         if model != self.model {
-            self.ghosts.clear();
+            self.plots.ghosts.clear();
         }
         // Mesh and step are what a chart compares; another law or cell is another loop.
         let loop_of = |m: &Model| (m.law, m.grid.length, m.grid.is_line(), m.indenter);
         if loop_of(&model) != loop_of(&self.model) {
             self.chart = None;
         }
-        self.flat_state = flat_state(&model, self.limits.into());
+        self.plots.flat_state = flat_state(&model, self.limits.into());
         self.scene = Arc::new(scene);
         self.model = model;
-        self.failure = None;
-        self.fit = None;
+        self.messages.failure = None;
+        self.plots.fit = None;
         self.restart();
         true
     }
@@ -268,8 +191,8 @@ impl ViewState {
             self.frame = None;
             self.history.end_gesture();
             self.history.remember(before);
-            self.hint = true;
-            self.notice = None;
+            self.messages.hint = true;
+            self.messages.notice = None;
         }
     }
 
@@ -298,64 +221,111 @@ impl ViewState {
         }
     }
 
-    /// Forgets the run; the solver is told at the end of the frame.
+    /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
-        self.scene_pending = true;
-        self.target_pending = self.target != self.limits.1;
-        // The session counts afresh from the rest at the start, which is motion 0.
-        self.motion = u64::from(self.target_pending);
-        // A page of the paper belongs to no run.
-        self.outbox.retain(|command| matches!(command, Command::OpenPage { .. } | Command::ClosePage));
-        if self.paused {
-            self.pause(false);
-        }
-        self.sweep = None;
-        self.busy = self.target_pending;
-        self.ready = None;
-        self.notice = None;
-        self.state = None;
-        self.actual = self.limits.1;
-        self.branch = Direction::Approach;
-        self.record = LoopRecord::default();
-        self.curve = Curve::default();
-        self.stiffness = Curve::default();
-        self.closed_loop = None;
-        self.selection = None;
-        self.well = None;
-        self.time_steps = None;
-        self.measuring = None;
+        self.run = RunView::new(self.run.id + 1, self.limits.1, self.target);
+        self.chart.iter_mut().for_each(Job::stop);
+        self.messages.notice = None;
     }
 
-    /// What the solver must hear, at most one scene and one target per frame, in the order that makes sense to it.
-    pub fn take_commands(&mut self) -> Vec<Command> {
+    /// What the solver must hear: at most one scene and one motion per frame, in the order that makes sense to it.
+    pub fn take_commands(&mut self) -> Vec<Envelope<Command>> {
+        let (run, told) = (&self.run, &mut self.told);
+        let motion = run.motion;
         let mut commands = Vec::new();
-        if std::mem::take(&mut self.scene_pending) {
-            self.run += 1;
-            commands.push(Command::SetScene { run: self.run, scene: self.scene.clone(), method: self.method, asked: self.asked });
+        if told.run != run.id {
+            // A session counts motions afresh, from the rest at the start, and is not held.
+            *told = Told { run: run.id, motion: 0, paused: false, ..*told };
+            commands.push(Command::SetScene { scene: self.scene.clone(), method: self.method, asked: self.asked });
         }
-        if std::mem::take(&mut self.target_pending) {
-            self.outbox.retain(|command| !matches!(command, Command::Sweep { .. }));
-            commands.push(Command::SetTarget { run: self.run, motion: self.motion, mean_displacement: self.target });
+        if std::mem::replace(&mut told.motion, motion) != motion {
+            commands.push(match run.play {
+                Play::Rest => Command::Stop { motion },
+                Play::ToTarget => Command::SetTarget { motion, mean_displacement: self.target },
+                Play::Sweep(sweep) => Command::Sweep { motion, sweep },
+            });
         }
-        let run = self.run;
-        commands.extend(self.outbox.drain(..).map(|command| match command {
-            Command::Sweep { motion, sweep, .. } => Command::Sweep { run, motion, sweep },
-            Command::Stop { motion, .. } => Command::Stop { run, motion },
-            other => other,
-        }));
-        let watching = self.view.tab == Tab::EnergyWell;
-        if std::mem::replace(&mut self.watching, watching) != watching {
-            commands.push(Command::Watch { energy_well: watching });
+        if std::mem::replace(&mut told.paused, run.paused) != run.paused {
+            commands.push(Command::Pause { paused: run.paused });
         }
-        if std::mem::replace(&mut self.speed, self.view.speed) != self.view.speed {
-            commands.push(Command::SetSpeed { speed: self.view.speed });
+        let energy_well = self.view.tab == Tab::EnergyWell;
+        if std::mem::replace(&mut told.energy_well, energy_well) != energy_well {
+            commands.push(Command::Watch { energy_well });
         }
-        commands
+        let speed = self.view.speed;
+        if std::mem::replace(&mut told.speed, speed) != speed {
+            commands.push(Command::SetSpeed { speed });
+        }
+        commands.into_iter().map(|message| Envelope { run: run.id, message }).collect()
+    }
+
+    /// Takes an event of the solver in. Those of another run are stale and dropped, but for live loops, which are late by nature.
+    pub fn apply(&mut self, Envelope { run, message }: Envelope<Event>) {
+        if run != self.run.id && !matches!(message, Event::Live(_)) {
+            return;
+        }
+        match message {
+            Event::Ready(ready) => self.run.ready = Some(ready),
+            Event::State(state) => self.add_state(state),
+            Event::Frame(frame) => {
+                self.moved_to(frame.mean_displacement);
+                self.frame = Some(frame);
+            }
+            Event::Jump(jump) => {
+                self.messages.hint = false;
+                self.run.curve.cut();
+                self.run.stiffness.cut();
+                self.run.record.jumps.push(jump);
+            }
+            Event::LoopStarted => self.archive(),
+            Event::Loop(summary) => self.run.closed_loop = Some(ClosedLoop { summary, loss: loss(&self.run.curve) }),
+            // The end of an older motion: the newest is on its way to the solver.
+            Event::Rest { motion, .. } if motion != self.run.motion => {}
+            Event::Rest { mean_displacement, .. } => {
+                self.moved_to(mean_displacement);
+                self.run.play = Play::Rest;
+            }
+            Event::Well(well) => self.take_well(well),
+            Event::Live(live) => self.take_live(run, live),
+            Event::Remodelled(choice) => {
+                let why = choice.because.as_deref().unwrap_or("asked for");
+                self.messages.notice = Some(format!("now on the whole cell: {why}"));
+                if let Some(ready) = &mut self.run.ready {
+                    Arc::make_mut(ready).choice = choice;
+                }
+            }
+            Event::Failed(failure) => {
+                self.messages.failure = Some(failure);
+                self.run.play = Play::Rest;
+            }
+        }
+    }
+
+    fn add_state(&mut self, state: StateRecord) {
+        self.moved_to(state.mean_displacement);
+        self.run.direction = state.direction;
+        // Who has been all the way down is told nothing new.
+        self.messages.hint &= state.mean_displacement > self.limits.0;
+        self.run.curve.push(&state, &self.model.law);
+        self.run.stiffness.push_with(&state, &self.model.law, eigenvalue_scale(state.stiffness_min));
+        if self.run.record.states.len() >= STATES_MAX {
+            self.run.record.states.drain(..STATES_MAX / 4);
+        }
+        self.run.record.states.push(state.clone());
+        self.run.state = Some(state);
+    }
+
+    /// A sweep takes the thumb along; otherwise the thumb stays where the hand left it.
+    fn moved_to(&mut self, u0: f64) {
+        self.run.actual = u0;
+        if self.run.sweep().is_some() {
+            self.target = u0;
+        }
     }
 
     /// What the plan expects of the loss; NaN while it is not known.
     pub fn predicted_error(&self) -> f64 {
-        self.ready.as_ref().map_or(f64::NAN, |ready| ready.choice.plan.predicted_error)
+        self.run.ready.as_ref().map_or(f64::NAN, |ready| ready.choice.plan.predicted_error)
     }
 
     /// A jump in words.

@@ -1,7 +1,7 @@
 //! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the hand rests.
 
-use super::end::{Ending, end};
-use super::protocol::{Event, LiveState, RunId};
+use super::protocol::{Envelope, Event, LiveState, RunId};
+use super::system::{self, Instant};
 use crate::experiment::live_loop::{Fineness, LiveLoops};
 use crate::experiment::scene::{Drive, Model, Scene};
 use crate::numerics::cancel::Cancel;
@@ -9,36 +9,30 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Silence after which the hand counts as resting.
 const REST: Duration = Duration::from_millis(150);
 
-/// A scene whose loop is wanted.
-struct Wish {
-    run: RunId,
-    scene: Arc<Scene>,
-}
+/// A scene whose loop is wanted, with its run.
+type Wanted = Envelope<Arc<Scene>>;
 
-/// Handle of the thread. Dropping it cancels, and waits for it a little.
+/// Handle of the thread.
 pub(super) struct Live {
-    mailbox: Option<Sender<Wish>>,
+    mailbox: Option<Sender<Wanted>>,
     quit: Cancel,
-    stale: Receiver<Wish>,
+    stale: Receiver<Wanted>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Live {
     /// Starts the thread; it sleeps until a scene comes.
-    pub(super) fn spawn(tell: impl Fn(Event) + Send + 'static) -> Self {
-        let (mailbox, wishes) = bounded(1);
-        let stale = wishes.clone();
+    pub(super) fn spawn(tell: impl Fn(Envelope<Event>) + Send + 'static) -> Self {
+        let (mailbox, wanted) = bounded(1);
+        let stale = wanted.clone();
         let quit = Cancel::default();
         let loops = LiveLoops::obeying(&quit);
-        let thread = std::thread::Builder::new()
-            .name("live loop".into())
-            .spawn(move || run(&wishes, loops, &tell))
-            .expect("the system refuses to start a thread");
+        let thread = system::spawn("live loop", move || run(&wanted, loops, &tell));
         Self { mailbox: Some(mailbox), quit, stale, thread: Some(thread) }
     }
 
@@ -46,13 +40,12 @@ impl Live {
     pub(super) fn ask(&self, run: RunId, scene: Arc<Scene>) {
         let _ = self.stale.try_recv();
         if let Some(mailbox) = &self.mailbox {
-            let _ = mailbox.try_send(Wish { run, scene });
+            let _ = mailbox.try_send(Envelope { run, message: scene });
         }
     }
-}
 
-impl Ending for Live {
-    fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
+    /// Asks the thread to end, and gives its handle away; `None` if that was done before.
+    pub(super) fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
         self.quit.request();
         let _ = self.stale.try_recv();
         self.mailbox = None;
@@ -60,38 +53,32 @@ impl Ending for Live {
     }
 }
 
-impl Drop for Live {
-    fn drop(&mut self) {
-        end(&mut [self]);
-    }
-}
-
-fn run(wishes: &Receiver<Wish>, mut loops: LiveLoops, tell: &dyn Fn(Event)) {
+fn run(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envelope<Event>)) {
     let mut known: Option<(Model, Drive, u64, Arc<LiveState>)> = None;
-    let mut next = wishes.recv().ok();
-    while let Some(wish) = next.take() {
-        let Ok(model) = wish.scene.model() else {
-            next = wishes.recv().ok();
+    let mut next = wanted.recv().ok();
+    while let Some(Envelope { run, message: scene }) = next.take() {
+        let Ok(model) = scene.model() else {
+            next = wanted.recv().ok();
             continue;
         };
-        let (drive, seed) = (wish.scene.drive, wish.scene.seed);
+        let (drive, seed) = (scene.drive, scene.seed);
         // A reset, another method: the loop stays what it was.
         let same = known.take().filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
-        let mut state = same.map_or_else(|| computed(&mut loops, &wish.scene, &model, Fineness::Coarse), |(.., state)| state);
-        tell(Event::Live { run: wish.run, live: state.clone() });
+        let mut state = same.map_or_else(|| computed(&mut loops, &scene, &model, Fineness::Coarse), |(.., state)| state);
+        tell(Envelope { run, message: Event::Live(state.clone()) });
         if state.fineness == Fineness::Coarse {
-            match wishes.recv_timeout(REST) {
+            match wanted.recv_timeout(REST) {
                 Ok(newer) => next = Some(newer),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    state = computed(&mut loops, &wish.scene, &model, Fineness::Fine);
-                    tell(Event::Live { run: wish.run, live: state.clone() });
+                    state = computed(&mut loops, &scene, &model, Fineness::Fine);
+                    tell(Envelope { run, message: Event::Live(state.clone()) });
                 }
             }
         }
         known = Some((model, drive, seed, state));
         if next.is_none() {
-            next = wishes.recv().ok();
+            next = wanted.recv().ok();
         }
     }
 }

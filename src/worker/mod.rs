@@ -1,17 +1,18 @@
-//! Floor 6: the solver thread, three that work beside it (measurements, the live loop, the paper's figures), and their channels; and the signals that ask the process to end. The caller passes `wake`, called whenever something new can be received.
+//! Floor 6: the only threads and channels. The solver's thread and the live loop's beside it, background jobs (measurements, the
+//! paper's figures, whatever else takes its time), and the signals that ask the process to end. The caller passes `wake`, called
+//! whenever something new can be received. Names no window, writes no files.
 
-mod aside;
-mod course;
-pub mod crew;
-mod end;
+pub mod figures;
 pub mod job;
-mod live;
-mod measure;
-mod paper;
 pub mod protocol;
-mod run_loop;
 pub mod session;
 pub mod signals;
 
-pub use protocol::Output;
+mod live;
+mod measurements;
+mod run_loop;
+mod setup;
+mod system;
+
+pub use protocol::SolverHandle;
 pub use run_loop::Worker;

@@ -1,5 +1,6 @@
 //! What the window says to the solver, and what it hears back.
 
+use super::job::Job;
 use crate::experiment::chart::{Effort, Judged};
 use crate::experiment::ledger::Ledger;
 use crate::experiment::live_loop::{Fineness, LiveLoop};
@@ -17,7 +18,7 @@ use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Identifies one run of one scene; events of an older run are stale and dropped by the receiver.
+/// Identifies one run of one scene.
 pub type RunId = u64;
 
 /// Number of a motion within its run, counted by the sender from 1. A rest names the motion it ends, so that the end of an older one
@@ -33,6 +34,18 @@ pub enum Sweep {
     Retract,
     /// A fresh closed loop: start, turn, start.
     Loop,
+}
+
+/// What the surface is doing, or is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Play {
+    /// Nothing.
+    #[default]
+    Rest,
+    /// It walks to the target.
+    ToTarget,
+    /// It walks by itself.
+    Sweep(Sweep),
 }
 
 /// How fast sweeps and jumps are shown.
@@ -58,25 +71,6 @@ impl Speed {
     }
 }
 
-/// A measurement that takes its time, done beside the walk by a thread of its own.
-#[derive(Clone, Debug)]
-pub enum Errand {
-    /// Which time steps GFMD survives along the approach.
-    TimeSteps {
-        /// The scene.
-        scene: Arc<Scene>,
-        /// Where the approach ends (length).
-        turn: f64,
-    },
-    /// Speed against accuracy of every method.
-    Chart {
-        /// The scene.
-        scene: Arc<Scene>,
-        /// How much trouble to take.
-        effort: Effort,
-    },
-}
-
 /// A page of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Page {
@@ -88,24 +82,15 @@ pub enum Page {
     Theory,
 }
 
-/// News of a page.
+/// What stands on a page of the paper.
 #[derive(Clone, Debug)]
-pub enum PaperNews {
-    /// It is being computed.
-    Progress {
-        /// Share that is done, 0 to 1.
-        done: f64,
-        /// What is being done.
-        what: String,
-    },
-    /// A figure is there.
+pub enum PageContent {
+    /// A figure.
     Figure(Arc<Figure>),
-    /// The errata are there.
+    /// The errata.
     Errata(Arc<Vec<Erratum>>),
-    /// The theory is there.
+    /// The theory.
     Theory(Arc<ZeroRange>),
-    /// It could not be computed.
-    Stuck(String),
 }
 
 /// A chart of speed against accuracy as far as it is measured.
@@ -113,23 +98,33 @@ pub enum PaperNews {
 pub struct ChartSoFar {
     /// What was measured, in that order.
     pub rows: Vec<Judged>,
-    /// How many points were left out because they would take too long.
-    pub skipped: usize,
-    /// What is being measured now, in words.
-    pub now: String,
-    /// Share of the work that is done, 0 to 1.
-    pub fraction: f64,
     /// The reference's own error of the dissipated energy, once everything is measured.
     pub floor: Option<f64>,
+}
+
+/// Something went wrong, in words, with what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What happened.
+    pub message: String,
+    /// The remedy.
+    pub remedy: String,
+}
+
+/// A message with the run it belongs to; one of another run is stale, and is dropped where it arrives.
+#[derive(Clone, Debug)]
+pub struct Envelope<T> {
+    /// The run.
+    pub run: RunId,
+    /// What is said.
+    pub message: T,
 }
 
 /// From the window to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Forget everything and rest at the start of this scene.
+    /// Forget everything and rest at the start of this scene: a new run, whose id the envelope carries.
     SetScene {
-        /// Id that every event of this run will carry.
-        run: RunId,
         /// The scene.
         scene: Arc<Scene>,
         /// The method.
@@ -139,8 +134,6 @@ pub enum Command {
     },
     /// Walk towards this mean displacement (latest wins; the path already gone is kept).
     SetTarget {
-        /// The run it is meant for.
-        run: RunId,
         /// Its number.
         motion: Motion,
         /// u0 (length).
@@ -148,8 +141,6 @@ pub enum Command {
     },
     /// Walk by itself.
     Sweep {
-        /// The run it is meant for.
-        run: RunId,
         /// Its number.
         motion: Motion,
         /// Which way.
@@ -162,8 +153,6 @@ pub enum Command {
     },
     /// Drop the present target and sweep; answers within 50 ms with [`Event::Rest`].
     Stop {
-        /// The run it is meant for.
-        run: RunId,
         /// Its number.
         motion: Motion,
     },
@@ -177,22 +166,6 @@ pub enum Command {
         /// True while somebody looks at it.
         energy_well: bool,
     },
-    /// Measure something beside the walk; replaces a measurement under way.
-    Measure {
-        /// The run it is meant for.
-        run: RunId,
-        /// What.
-        errand: Errand,
-    },
-    /// Drop the measurement under way; what was measured stands.
-    StopMeasuring,
-    /// Compute a page of the paper beside everything else; replaces one under way.
-    OpenPage {
-        /// Which.
-        page: Page,
-    },
-    /// Drop the page under way.
-    ClosePage,
     /// End the thread.
     Quit,
 }
@@ -260,116 +233,53 @@ pub struct LiveState {
     pub milliseconds: f64,
 }
 
-/// From the solver to the window. Every variant but `Paper` belongs to a run.
+/// From the solver to the window.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The scene is accepted and at rest at its start.
-    Ready {
-        /// Run.
-        run: RunId,
-        /// Facts of the scene.
-        ready: Arc<Ready>,
-    },
+    Ready(Arc<Ready>),
     /// One more equilibrium on the path.
-    State {
-        /// Run.
-        run: RunId,
-        /// Its record.
-        state: StateRecord,
-    },
+    State(StateRecord),
+    /// The newest picture; one that nobody took yet is replaced.
+    Frame(Arc<Frame>),
     /// A jump was completed.
-    Jump {
-        /// Run.
-        run: RunId,
-        /// Its record.
-        jump: JumpRecord,
-    },
+    Jump(JumpRecord),
     /// A fresh loop starts here: earlier states belong to an earlier loop (a ghost).
-    LoopStarted {
-        /// Run.
-        run: RunId,
-    },
+    LoopStarted,
     /// A closed loop is complete.
-    Loop {
-        /// Run.
-        run: RunId,
-        /// Its numbers.
-        summary: LoopSummary,
-    },
+    Loop(LoopSummary),
     /// Nothing left to do: at the target, stopped, or stuck.
     Rest {
-        /// Run.
-        run: RunId,
         /// The motion that ended; 0 before the first.
         motion: Motion,
         /// u0 where it rests.
         mean_displacement: f64,
     },
     /// The energy around a state along its soft mode.
-    Well {
-        /// Run.
-        run: RunId,
-        /// The well.
-        well: Arc<EnergyWell>,
-    },
+    Well(Arc<EnergyWell>),
     /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late: newer than the last one shown is
     /// good enough.
-    Live {
-        /// Run.
-        run: RunId,
-        /// The loop.
-        live: Arc<LiveState>,
-    },
-    /// More of the time-step map.
-    TimeSteps {
-        /// Run.
-        run: RunId,
-        /// What is measured so far.
-        map: Arc<TimeStepMap>,
-    },
-    /// More of the chart.
-    Chart {
-        /// Run.
-        run: RunId,
-        /// What is measured so far.
-        chart: Arc<ChartSoFar>,
-    },
-    /// The measurement is over: done, dropped, or stuck for the reason given.
-    Measured {
-        /// Run.
-        run: RunId,
-        /// Why it could not be finished.
-        stuck: Option<String>,
-    },
+    Live(Arc<LiveState>),
     /// The model was changed on the way; the state stays.
-    Remodelled {
-        /// Run.
-        run: RunId,
-        /// What runs now, and why.
-        choice: ModelChoice,
-    },
-    /// News of a page of the paper, which belongs to no run.
-    Paper {
-        /// Which.
-        page: Page,
-        /// What.
-        news: PaperNews,
-    },
+    Remodelled(ModelChoice),
     /// Something went wrong; the last good state stays.
-    Failed {
-        /// Run.
-        run: RunId,
-        /// What happened.
-        message: String,
-        /// What to do about it.
-        remedy: String,
-    },
+    Failed(Failure),
 }
 
-/// What a session hands out.
-pub enum Output {
-    /// For the series.
-    Event(Event),
-    /// For the mailbox.
-    Frame(RunId, Frame),
+/// A solver as the window sees it, with what is computed beside it: a thread, or a session stepped by hand. No call blocks.
+pub trait SolverHandle {
+    /// Passes a command on.
+    fn send(&self, command: Envelope<Command>);
+
+    /// The events since the last call, the newest picture last.
+    fn poll(&self) -> Vec<Envelope<Event>>;
+
+    /// Begins to measure which time steps GFMD survives on an approach that ends at `turn` (length).
+    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap>;
+
+    /// Begins to measure speed against accuracy of every method.
+    fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar>;
+
+    /// Begins to compute a page of the paper.
+    fn page(&self, page: Page) -> Job<PageContent>;
 }

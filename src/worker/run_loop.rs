@@ -1,36 +1,33 @@
-//! The solver thread: commands in, events out, one picture in a mailbox.
+//! The solver thread: commands in, events out, the newest picture in a mailbox.
 
-use super::aside::Aside;
-use super::end::{Ending, end};
+use super::figures;
+use super::job::{Job, Wake};
 use super::live::Live;
-use super::protocol::{Command, Errand, Event, Frame, Output, Page, RunId};
+use super::measurements;
+use super::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle};
 use super::session::Session;
-use super::{measure, paper};
+use super::system::{self, Instant};
+use crate::experiment::chart::Effort;
+use crate::experiment::scene::Scene;
+use crate::experiment::time_step_map::TimeStepMap;
 use crate::numerics::cancel::Cancel;
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::Instant;
 
-/// Handle of the solver thread and of those that work beside it. Dropping it cancels all, and waits for them a little.
+/// Handle of the solver thread, and of the live loop's beside it. Dropping it cancels both, and waits for them a little.
 pub struct Worker {
-    solver: Solver,
-    events: Receiver<Event>,
-    frames: Receiver<(RunId, Arc<Frame>)>,
-    bench: Aside<(RunId, Errand)>,
-    live: Live,
-    paper: Aside<Page>,
-}
-
-/// Handle of the solver thread alone.
-struct Solver {
-    commands: Sender<Command>,
+    commands: Sender<Envelope<Command>>,
+    events: Receiver<Envelope<Event>>,
+    frames: Receiver<Envelope<Event>>,
     /// Raised to end the thread; never taken back.
     quit: Cancel,
     /// Raised to interrupt the present work; a part of `quit`.
     cancel: Cancel,
     thread: Option<JoinHandle<()>>,
+    live: Live,
+    wake: Wake,
 }
 
 impl Worker {
@@ -41,99 +38,84 @@ impl Worker {
         let (mailbox, frames) = bounded(1);
         let quit = Cancel::default();
         let cancel = quit.part();
-        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
-        let aside = || {
-            let (outbox, wake) = (outbox.clone(), wake.clone());
-            move |event| {
-                let _ = outbox.send(event);
-                wake();
-            }
-        };
-        let (bench, live, paper) = (measure::spawn(aside()), Live::spawn(aside()), paper::spawn(aside()));
-        let post = Post { outbox, mailbox, stale: frames.clone(), wake };
+        let wake: Wake = Arc::new(wake);
+        let post = Post { outbox, mailbox, stale: frames.clone(), wake: wake.clone() };
+        let live = Live::spawn({
+            let post = post.clone();
+            move |envelope| post.send(envelope)
+        });
         let token = cancel.clone();
-        let thread = std::thread::Builder::new()
-            .name("solver".into())
-            .spawn(move || run(&inbox, &post, &token))
-            .expect("the system refuses to start a thread");
-        let solver = Solver { commands, quit, cancel, thread: Some(thread) };
-        Self { solver, events, frames, bench, live, paper }
-    }
-
-    /// Hands a command over; never blocks. A command that makes the present work pointless interrupts it.
-    pub fn send(&self, command: Command) {
-        match &command {
-            Command::Measure { run, errand } => self.bench.start((*run, errand.clone())),
-            Command::StopMeasuring => self.bench.stop(),
-            Command::OpenPage { page } => self.paper.start(*page),
-            Command::ClosePage => self.paper.stop(),
-            Command::SetScene { run, scene, .. } => {
-                // Another scene makes the measurement of this one pointless.
-                self.bench.stop();
-                self.live.ask(*run, scene.clone());
-            }
-            _ => {}
-        }
-        if matches!(command, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
-            self.solver.cancel.request();
-        }
-        // The thread lives as long as this handle, so the channel is open.
-        let _ = self.solver.commands.send(command);
-    }
-
-    /// Drains the events that have arrived; never blocks.
-    pub fn events(&self) -> impl Iterator<Item = Event> + '_ {
-        self.events.try_iter()
+        let thread = Some(system::spawn("solver", move || run(&inbox, &post, &token)));
+        Self { commands, events, frames, quit, cancel, thread, live, wake }
     }
 
     /// Waits for the next event, for callers without a window.
-    pub fn next_event(&self, patience: std::time::Duration) -> Option<Event> {
+    pub fn next_event(&self, patience: std::time::Duration) -> Option<Envelope<Event>> {
         self.events.recv_timeout(patience).ok()
-    }
-
-    /// The newest picture, if there is one that was not taken yet.
-    pub fn take_frame(&self) -> Option<(RunId, Arc<Frame>)> {
-        self.frames.try_recv().ok()
     }
 }
 
-impl Ending for Solver {
-    fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
-        self.quit.request();
-        let _ = self.commands.send(Command::Quit);
-        self.thread.take()
+impl SolverHandle for Worker {
+    /// A command that makes the present work pointless interrupts it.
+    fn send(&self, command: Envelope<Command>) {
+        if let Command::SetScene { scene, .. } = &command.message {
+            self.live.ask(command.run, scene.clone());
+        }
+        if matches!(command.message, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
+            self.cancel.request();
+        }
+        // The thread lives as long as this handle, so the channel is open.
+        let _ = self.commands.send(command);
+    }
+
+    fn poll(&self) -> Vec<Envelope<Event>> {
+        self.events.try_iter().chain(self.frames.try_recv()).collect()
+    }
+
+    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
+        Job::start(self.wake.clone(), move |report| measurements::time_steps(&scene, turn, report))
+    }
+
+    fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
+        Job::start(self.wake.clone(), move |report| measurements::chart(&scene, effort, report))
+    }
+
+    fn page(&self, page: Page) -> Job<PageContent> {
+        figures::page(page, self.wake.clone())
     }
 }
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        end(&mut [&mut self.solver, &mut self.bench, &mut self.live, &mut self.paper]);
+        self.quit.request();
+        let _ = self.commands.send(Envelope { run: 0, message: Command::Quit });
+        system::end(self.thread.take().into_iter().chain(self.live.ask_to_end()));
     }
 }
 
 /// The sending side of everything the window hears.
-pub(super) struct Post {
-    outbox: Sender<Event>,
-    mailbox: Sender<(RunId, Arc<Frame>)>,
-    stale: Receiver<(RunId, Arc<Frame>)>,
-    wake: Arc<dyn Fn() + Send + Sync>,
+#[derive(Clone)]
+struct Post {
+    outbox: Sender<Envelope<Event>>,
+    mailbox: Sender<Envelope<Event>>,
+    stale: Receiver<Envelope<Event>>,
+    wake: Wake,
 }
 
 impl Post {
-    fn event(&self, event: Event) {
-        let _ = self.outbox.send(event);
-        (self.wake)();
-    }
-
-    /// Replaces a picture that nobody took yet.
-    fn frame(&self, run: RunId, frame: Frame) {
-        let _ = self.stale.try_recv();
-        let _ = self.mailbox.try_send((run, Arc::new(frame)));
+    /// A picture replaces one that nobody took yet.
+    fn send(&self, envelope: Envelope<Event>) {
+        if matches!(envelope.message, Event::Frame(_)) {
+            let _ = self.stale.try_recv();
+            let _ = self.mailbox.try_send(envelope);
+        } else {
+            let _ = self.outbox.send(envelope);
+        }
         (self.wake)();
     }
 }
 
-fn run(inbox: &Receiver<Command>, post: &Post, cancel: &Cancel) {
+fn run(inbox: &Receiver<Envelope<Command>>, post: &Post, cancel: &Cancel) {
     let mut session = Session::default();
     loop {
         let wait = session.wait(Instant::now());
@@ -143,7 +125,7 @@ fn run(inbox: &Receiver<Command>, post: &Post, cancel: &Cancel) {
             Some(pause) if pause.is_zero() => match inbox.try_recv() {
                 Ok(command) => Ok(command),
                 Err(TryRecvError::Empty) => {
-                    work(&mut session, post, cancel);
+                    step(&mut session, post, cancel);
                     continue;
                 }
                 Err(TryRecvError::Disconnected) => Err(()),
@@ -155,34 +137,31 @@ fn run(inbox: &Receiver<Command>, post: &Post, cancel: &Cancel) {
             },
         };
         match command {
-            Ok(Command::Quit) | Err(()) => return,
+            Err(()) | Ok(Envelope { message: Command::Quit, .. }) => return,
             Ok(command) => {
                 cancel.clear();
-                guarded(&mut session, post, |session, sink| session.command(command, cancel, sink));
+                let run = command.run;
+                guarded(&mut session, post, run, |session, sink| session.command(command, cancel, sink));
             }
         }
     }
 }
 
-fn work(session: &mut Session, post: &Post, cancel: &Cancel) {
-    guarded(session, post, |session, sink| session.step(Instant::now(), cancel, sink));
+fn step(session: &mut Session, post: &Post, cancel: &Cancel) {
+    guarded(session, post, session.run(), |session, sink| session.step(Instant::now(), cancel, sink));
 }
 
-/// Runs `job`; a panic in it is told once, and the session goes on from its last good state.
-fn guarded(session: &mut Session, post: &Post, job: impl FnOnce(&mut Session, &mut dyn FnMut(Output))) {
-    let mut sink = |output| match output {
-        Output::Event(event) => post.event(event),
-        Output::Frame(run, frame) => post.frame(run, frame),
-    };
-    let caught = catch_unwind(AssertUnwindSafe(|| job(session, &mut sink)));
+/// Runs `work`, whose events are those of `run`; a panic in it is told once, and the session goes on from its last good state.
+fn guarded(session: &mut Session, post: &Post, run: RunId, work: impl FnOnce(&mut Session, &mut dyn FnMut(Event))) {
+    let mut sink = |event| post.send(Envelope { run, message: event });
+    let caught = catch_unwind(AssertUnwindSafe(|| work(session, &mut sink)));
     if let Err(panic) = caught {
         let words = panic.downcast_ref::<&str>().map(|s| (*s).to_owned()).or_else(|| panic.downcast_ref::<String>().cloned());
-        let run = session.recover();
-        post.event(Event::Failed {
-            run,
+        session.recover();
+        sink(Event::Failed(Failure {
             message: format!("The solver stopped with a fault of its own: {}", words.unwrap_or_else(|| "no words".into())),
             remedy: "It rests on the last good state. Please save the scene and report it.".into(),
-        });
+        }));
     }
 }
 
@@ -215,30 +194,25 @@ mod tests {
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
-        let commands = [
-            Command::SetScene { run: 3, scene, method, asked: None },
-            Command::SetTarget { run: 3, motion: 1, mean_displacement: 4.0 },
-        ];
+        let commands = [Command::SetScene { scene, method, asked: None }, Command::SetTarget { motion: 1, mean_displacement: 4.0 }];
+        let of_run_3 = |message| Envelope { run: 3, message };
         let cancel = Cancel::default();
         for command in commands {
-            guarded(&mut session, &post, |session, sink| session.command(command, &cancel, sink));
+            guarded(&mut session, &post, 3, |session, sink| session.command(of_run_3(command), &cancel, sink));
         }
         for _ in 0..4 {
-            work(&mut session, &post, &cancel);
+            step(&mut session, &post, &cancel);
         }
         events.try_iter().for_each(drop);
-        guarded(&mut session, &post, |_, _| panic!("a fault for the test"));
-        let told: Vec<Event> = events.try_iter().collect();
-        assert!(
-            matches!(&told[..], [Event::Failed { run: 3, message, .. }] if message.contains("a fault for the test")),
-            "{told:?}"
-        );
-        guarded(&mut session, &post, |session, sink| {
-            session.command(Command::SetTarget { run: 3, motion: 2, mean_displacement: 4.19 }, &cancel, sink)
-        });
-        work(&mut session, &post, &cancel);
+        guarded(&mut session, &post, 3, |_, _| panic!("a fault for the test"));
+        let told: Vec<Envelope<Event>> = events.try_iter().collect();
+        let [Envelope { run: 3, message: Event::Failed(failure) }] = &told[..] else { panic!("{told:?}") };
+        assert!(failure.message.contains("a fault for the test"), "{told:?}");
+        let target = of_run_3(Command::SetTarget { motion: 2, mean_displacement: 4.19 });
+        guarded(&mut session, &post, 3, |session, sink| session.command(target, &cancel, sink));
+        step(&mut session, &post, &cancel);
         let next =
-            events.try_iter().find_map(|e| if let Event::State { state, .. } = e { Some(state.mean_displacement) } else { None });
+            events.try_iter().find_map(|e| if let Event::State(state) = e.message { Some(state.mean_displacement) } else { None });
         // Four steps of 0.02 down from 4.2, then one up.
         assert!((next.unwrap() - 4.14).abs() < 1e-9, "{next:?}");
     }

@@ -1,5 +1,6 @@
 //! Requests from outside to end: Ctrl-C, SIGTERM (batch systems, `kill`), SIGHUP (a terminal that closes).
 
+use super::system::Instant;
 use crate::numerics::cancel::Cancel;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -7,7 +8,7 @@ use std::process::exit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// SIGHUP, which only Unix has.
 const SIGHUP: i32 = 1;

@@ -39,6 +39,8 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
         let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
         assert!(!scene.title.is_empty() && !scene.source.is_empty());
         assert!(preset.hint().starts_with("What to look for"), "{}", preset.name);
+        assert!(preset.look_for().starts_with(char::is_uppercase), "{}", preset.look_for());
+        assert_eq!(presets::titled(&scene.title), Some(preset));
         assert_eq!(preset.text.lines().take_while(|line| line.starts_with('#')).count(), 2, "{}", preset.name);
         assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
     }

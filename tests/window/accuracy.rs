@@ -3,12 +3,11 @@
 use super::bench::Bench;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
-use tackscope::experiment::chart::{Effort, Errors, Judged, Model, Point, Precision, Verdict};
-use tackscope::experiment::part::Part;
+use tackscope::experiment::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
+use tackscope::experiment::part::Road;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::methods::MethodKind;
-use tackscope::worker::protocol::{ChartSoFar, Command, Errand, Event};
+use tackscope::worker::protocol::{ChartSoFar, Command};
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {
     Judged {
@@ -27,38 +26,35 @@ fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged
     }
 }
 
-fn chart() -> Arc<ChartSoFar> {
+fn chart() -> ChartSoFar {
     let failed =
         Verdict::Failed { what: "2 jumps missing".to_owned(), message: "two jumps of the reference are missing".to_owned() };
-    Arc::new(ChartSoFar {
+    ChartSoFar {
         rows: vec![
             row(MethodKind::NewtonKrylov, 0.3, 1e-4, Verdict::Done),
             row(MethodKind::Fire, 2.0, 3e-4, Verdict::Done),
             row(MethodKind::Gfmd, 9.0, f64::NAN, failed),
         ],
-        skipped: 1,
-        now: String::new(),
-        fraction: 1.0,
         floor: Some(1e-6),
-    })
+    }
 }
 
 #[test]
 fn a_chart_is_asked_for_shown_as_it_comes_and_cancelled() {
     let mut bench = Bench::new();
     bench.click("Speed and accuracy tab");
-    bench.heard();
     bench.click("Run quick");
-    let heard = bench.heard();
-    assert!(matches!(&heard[..], [Command::Measure { errand: Errand::Chart { effort: Effort::Quick, .. }, .. }]), "{heard:?}");
-    let run = bench.state().run;
-    let so_far = ChartSoFar { now: "fire, whole, n = 48".to_owned(), rows: chart().rows[..1].to_vec(), ..ChartSoFar::default() };
-    bench.say(Event::Chart { run, chart: Arc::new(so_far) });
+    let (effort, report) = bench.chart();
+    assert_eq!(effort, Effort::Quick);
+    report.progress(0.3, "fire, whole, n = 48");
+    report.result(ChartSoFar { rows: chart().rows[..1].to_vec(), floor: None });
+    bench.settle();
     let names = bench.names();
     assert!(names.contains("fire, whole, n = 48") && names.contains("1 points measured, 0 of them failed"), "{names}");
     bench.click("Cancel");
-    assert!(matches!(bench.heard()[..], [Command::StopMeasuring]));
-    bench.say(Event::Measured { run, stuck: None });
+    assert!(report.cancel.requested());
+    report.end(Ok(()));
+    bench.settle();
     assert!(bench.window.query_by_label("Run full").is_some());
     assert!(bench.names().contains("1 points measured"), "what was measured stays");
 }
@@ -67,8 +63,11 @@ fn a_chart_is_asked_for_shown_as_it_comes_and_cancelled() {
 fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes_its_settings_the_scenes() {
     let mut bench = Bench::new();
     bench.click("Speed and accuracy tab");
-    let run = bench.state().run;
-    bench.say(Event::Chart { run, chart: chart() });
+    bench.click("Run quick");
+    let (_, report) = bench.chart();
+    report.result(chart());
+    report.end(Ok(()));
+    bench.settle();
     let plot = bench.window.get_by_label("Speed against accuracy: 3 points measured, 1 of them failed").rect();
     // Which row the pointer is on is known by what is said beside it.
     let mut found: Vec<(&str, egui::Pos2)> = Vec::new();

@@ -8,26 +8,31 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
+use tackscope::experiment::chart::Effort;
 use tackscope::experiment::part::Part;
 use tackscope::experiment::plan::plan;
 use tackscope::experiment::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::experiment::scene::{Model, Scene};
+use tackscope::experiment::time_step_map::TimeStepMap;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::solver::Stop;
 use tackscope::storage::{presets, scene_file};
 use tackscope::ui::App;
-use tackscope::ui::handle::SolverHandle;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
-use tackscope::worker::protocol::{Command, Event, Frame, ModelChoice, Ready, RunId};
+use tackscope::worker::SolverHandle;
+use tackscope::worker::job::{Job, Reporter};
+use tackscope::worker::protocol::{ChartSoFar, Command, Envelope, Event, Frame, ModelChoice, Page, PageContent, Ready, RunId};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
 struct Wire {
-    commands: Vec<Command>,
-    events: Vec<Event>,
-    frame: Option<(RunId, Arc<Frame>)>,
+    commands: Vec<Envelope<Command>>,
+    events: Vec<Envelope<Event>>,
+    time_steps: Vec<(Arc<Scene>, f64, Reporter<TimeStepMap>)>,
+    charts: Vec<(Effort, Reporter<ChartSoFar>)>,
+    pages: Vec<(Page, Reporter<PageContent>)>,
 }
 
 /// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
@@ -35,13 +40,30 @@ struct Wire {
 struct FakeSolver(Rc<RefCell<Wire>>);
 
 impl SolverHandle for FakeSolver {
-    fn send(&mut self, command: Command) {
+    fn send(&self, command: Envelope<Command>) {
         self.0.borrow_mut().commands.push(command);
     }
 
-    fn poll(&mut self) -> (Vec<Event>, Option<(RunId, Arc<Frame>)>) {
-        let mut wire = self.0.borrow_mut();
-        (std::mem::take(&mut wire.events), wire.frame.take())
+    fn poll(&self) -> Vec<Envelope<Event>> {
+        std::mem::take(&mut self.0.borrow_mut().events)
+    }
+
+    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
+        let (job, report) = Job::new(Arc::new(|| {}));
+        self.0.borrow_mut().time_steps.push((scene, turn, report));
+        job
+    }
+
+    fn chart(&self, _: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
+        let (job, report) = Job::new(Arc::new(|| {}));
+        self.0.borrow_mut().charts.push((effort, report));
+        job
+    }
+
+    fn page(&self, page: Page) -> Job<PageContent> {
+        let (job, report) = Job::new(Arc::new(|| {}));
+        self.0.borrow_mut().pages.push((page, report));
+        job
     }
 }
 
@@ -90,7 +112,27 @@ impl Bench {
 
     /// The commands since the last call.
     pub fn heard(&self) -> Vec<Command> {
+        self.heard_of().into_iter().map(|envelope| envelope.message).collect()
+    }
+
+    /// The same with their runs.
+    pub fn heard_of(&self) -> Vec<Envelope<Command>> {
         std::mem::take(&mut self.solver.0.borrow_mut().commands)
+    }
+
+    /// The time-step map that was asked for.
+    pub fn time_steps(&self) -> (Arc<Scene>, f64, Reporter<TimeStepMap>) {
+        self.solver.0.borrow_mut().time_steps.pop().expect("it was asked for")
+    }
+
+    /// The chart that was asked for.
+    pub fn chart(&self) -> (Effort, Reporter<ChartSoFar>) {
+        self.solver.0.borrow_mut().charts.pop().expect("it was asked for")
+    }
+
+    /// The pages that were asked for since the last call.
+    pub fn pages(&self) -> Vec<(Page, Reporter<PageContent>)> {
+        std::mem::take(&mut self.solver.0.borrow_mut().pages)
     }
 
     pub fn targets(&self) -> Vec<f64> {
@@ -113,8 +155,14 @@ impl Bench {
             .collect()
     }
 
+    /// The solver says something of the present run.
     pub fn say(&mut self, event: Event) {
-        self.solver.0.borrow_mut().events.push(event);
+        self.say_of(self.state().run.id, event);
+    }
+
+    /// The solver says something of this run.
+    pub fn say_of(&mut self, run: RunId, message: Event) {
+        self.solver.0.borrow_mut().events.push(Envelope { run, message });
         self.window.step();
         self.settle();
     }
@@ -122,16 +170,14 @@ impl Bench {
     /// The solver accepts the scene and says which model runs.
     pub fn ready(&mut self) {
         let state = self.state();
-        let (run, scene) = (state.run, state.scene.clone());
-        let plan = plan(&scene, &self.model, state.asked);
-        let choice = ModelChoice { plan, reduction: Part::Quarter, because: None };
+        let plan = plan(&state.scene, &self.model, state.asked);
+        let choice = ModelChoice { plan, part: Part::Quarter, because: None };
         let ready = Ready { model: self.model.clone(), height: None, flat_limits: Some((0.787, 3.102)), choice };
-        self.say(Event::Ready { run, ready: Arc::new(ready) });
+        self.say(Event::Ready(Arc::new(ready)));
     }
 
     /// The solver reaches the flat state at `u0`: its closed form.
     pub fn reach(&mut self, u0: f64, direction: Direction) {
-        let run = self.state().run;
         let law = self.model.law;
         let stress = law.at(u0).traction;
         let state = StateRecord {
@@ -145,7 +191,7 @@ impl Bench {
             stiffness_min: flat::stiffness_min(&law, self.model.grid.length, u0),
             stiffness_error: 0.0,
             energy: law.at(u0).energy,
-            model: "flat, closed form",
+            part: Part::Flat,
             stop: Stop::Stable,
             iterations: 0,
             transforms: 0,
@@ -153,8 +199,11 @@ impl Bench {
         };
         let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
         let frame = Frame { mean_displacement: u0, stress, gap, soft_mode: None, relaxing: false, state: Some(state.clone()) };
-        self.solver.0.borrow_mut().frame = Some((run, Arc::new(frame)));
-        self.say(Event::State { run, state });
+        let run = self.state().run.id;
+        let said = [Event::State(state), Event::Frame(Arc::new(frame))].map(|message| Envelope { run, message });
+        self.solver.0.borrow_mut().events.extend(said);
+        self.window.step();
+        self.settle();
     }
 
     pub fn jump(&mut self, u0: f64) {
@@ -170,8 +219,7 @@ impl Bench {
             cause: Cause::FlatLimit,
             landings: Vec::new(),
         };
-        let run = self.state().run;
-        self.say(Event::Jump { run, jump });
+        self.say(Event::Jump(jump));
     }
 
     pub fn click(&mut self, label: &str) {

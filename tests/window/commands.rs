@@ -34,7 +34,7 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
     assert_eq!(bench.state().view.tab, Tab::Stability);
     bench.press(Modifiers::COMMAND, Key::K);
     bench.click("Play approach");
-    assert!(bench.state().sweep.is_some());
+    assert!(bench.state().run.sweep().is_some());
 }
 
 #[test]

@@ -21,7 +21,7 @@ impl Bench {
         self.window.get_by_label("Open").click();
         self.window.run_steps(2);
         let begin = Instant::now();
-        while self.state().notice.as_ref().is_some_and(|notice| notice.starts_with("opening")) {
+        while self.state().messages.notice.as_ref().is_some_and(|notice| notice.starts_with("opening")) {
             assert!(begin.elapsed() < Duration::from_secs(10), "it is opened or refused");
             std::thread::sleep(Duration::from_millis(2));
             self.window.step();
@@ -45,7 +45,7 @@ fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
         let mut bench = Bench::new();
         bench.open(&path);
         assert_eq!(*bench.state().scene, hertz());
-        assert!(bench.names().contains("opened") && bench.state().failure.is_none());
+        assert!(bench.names().contains("opened") && bench.state().messages.failure.is_none());
     }
 }
 
@@ -73,7 +73,7 @@ fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
     ] {
         let mut bench = Bench::new();
         bench.open(&at(name));
-        let failure = bench.state().failure.clone().expect("refused");
+        let failure = bench.state().messages.failure.clone().expect("refused");
         assert!(failure.message.contains(words) && failure.message.contains(name), "{failure:?}");
         assert_eq!(*bench.state().scene, fig2());
     }

@@ -21,7 +21,7 @@ fn the_live_loop_is_drawn_and_its_energy_and_milliseconds_are_in_the_status_bar(
     bench.reach(4.2, Direction::Approach);
     let live = live();
     let lost = live.found.as_ref().unwrap().dissipated_energy;
-    bench.say(Event::Live { run: 1, live });
+    bench.say(Event::Live(live));
     let names = bench.names();
     let status = format!("loop {lost:.4} γ in 7 ms (atlas, 40 points)");
     let headline = format!("live loop: {lost:.4} γ lost in 8 jumps");
@@ -35,14 +35,14 @@ fn a_loop_of_an_older_run_is_shown_until_a_newer_one_comes_and_never_after_it() 
     let mut bench = Bench::new();
     bench.click("law cosine");
     bench.click("law mie");
-    let shown = |bench: &Bench| bench.state().live.as_ref().map(|live| live.run);
-    bench.say(Event::Live { run: 2, live: live() });
+    let shown = |bench: &Bench| bench.state().plots.live.as_ref().map(|live| live.run);
+    bench.say_of(2, Event::Live(live()));
     assert_eq!(shown(&bench), Some(2));
-    bench.say(Event::Live { run: 1, live: live() });
+    bench.say_of(1, Event::Live(live()));
     assert_eq!(shown(&bench), Some(2));
     bench.press(Modifiers::NONE, Key::End);
     assert_eq!(bench.state().foreseen(), None, "it belongs to another law");
-    bench.say(Event::Live { run: 3, live: live() });
+    bench.say_of(3, Event::Live(live()));
     assert_eq!(shown(&bench), Some(3));
 }
 
@@ -50,7 +50,7 @@ fn a_loop_of_an_older_run_is_shown_until_a_newer_one_comes_and_never_after_it() 
 fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves() {
     let mut bench = Bench::new();
     bench.reach(4.2, Direction::Approach);
-    bench.say(Event::Live { run: 1, live: live() });
+    bench.say_of(1, Event::Live(live()));
     assert_eq!(bench.state().foreseen(), None);
     bench.enter("Target", "2.0");
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
@@ -65,6 +65,6 @@ fn a_scene_the_atlas_does_not_hold_says_so_in_words() {
     let mut bench = Bench::new();
     bench.reach(4.2, Direction::Approach);
     let found = Err("the atlas holds square cells on flat ground".to_owned());
-    bench.say(Event::Live { run: 1, live: Arc::new(LiveState { found, fineness: Fineness::Coarse, milliseconds: 0.0 }) });
+    bench.say(Event::Live(Arc::new(LiveState { found, fineness: Fineness::Coarse, milliseconds: 0.0 })));
     assert!(bench.names().contains("no live loop: the atlas holds square cells on flat ground"), "{}", bench.names());
 }

@@ -10,6 +10,7 @@ mod live;
 mod model;
 mod paper;
 mod select;
+mod stepped;
 mod tabs;
 
 use bench::{Bench, fig2};
@@ -20,14 +21,15 @@ use tackscope::experiment::record::Direction;
 use tackscope::experiment::scene::Points;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
-use tackscope::worker::protocol::{Command, Event, LoopSummary, Sweep};
+use tackscope::worker::protocol::{Command, Envelope, Event, Failure, LoopSummary, Sweep};
 
 #[test]
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
     let bench = Bench::new();
-    let heard = bench.heard();
-    assert!(matches!(&heard[..], [Command::SetScene { run: 1, method: MethodKind::NewtonKrylov, .. }]), "{heard:?}");
-    assert!(bench.state().hint);
+    let heard = bench.heard_of();
+    let opened = |message: &Command| matches!(message, Command::SetScene { method: MethodKind::NewtonKrylov, .. });
+    assert!(matches!(&heard[..], [Envelope { run: 1, message }] if opened(message)), "{heard:?}");
+    assert!(bench.state().messages.hint);
     assert_eq!(bench.state().target, bench.state().limits.1);
 }
 
@@ -95,7 +97,7 @@ fn the_thumb_stays_where_the_hand_left_it_while_the_solver_is_on_its_way() {
     bench.press(Modifiers::NONE, Key::End);
     bench.reach(3.9, Direction::Approach);
     assert_eq!(bench.state().target, bench.state().limits.0);
-    assert_eq!(bench.state().actual, 3.9);
+    assert_eq!(bench.state().run.actual, 3.9);
     assert!(bench.names().contains("3.9000 ρ"));
 }
 
@@ -113,8 +115,9 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
     for (label, wanted) in [("Play approach", Sweep::Approach), ("Play retract", Sweep::Retract), ("Play loop", Sweep::Loop)] {
         bench.heard();
         bench.click(label);
-        let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::Sweep { run: 1, sweep, .. }] if *sweep == wanted), "{heard:?}");
+        let heard = bench.heard_of();
+        let asked = |message: &Command| matches!(message, Command::Sweep { sweep, .. } if *sweep == wanted);
+        assert!(matches!(&heard[..], [Envelope { run: 1, message }] if asked(message)), "{heard:?}");
     }
     bench.click("Pause");
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
@@ -122,7 +125,7 @@ fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
     assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
     bench.click("Stop");
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
-    assert!(!bench.state().busy);
+    assert!(!bench.state().run.is_busy());
 }
 
 #[test]
@@ -130,15 +133,14 @@ fn a_sweep_takes_the_thumb_along() {
     let mut bench = Bench::new();
     bench.click("Play approach");
     bench.reach(3.7, Direction::Approach);
-    assert_eq!((bench.state().target, bench.state().actual), (3.7, 3.7));
-    bench.say(Event::Rest { run: 1, motion: 1, mean_displacement: 3.7 });
-    assert!(bench.state().sweep.is_none() && !bench.state().busy);
+    assert_eq!((bench.state().target, bench.state().run.actual), (3.7, 3.7));
+    bench.say(Event::Rest { motion: 1, mean_displacement: 3.7 });
+    assert!(bench.state().run.sweep().is_none() && !bench.state().run.is_busy());
 }
 
 #[test]
 fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     let mut bench = Bench::new();
-    let run = bench.state().run;
     bench.press(Modifiers::NONE, Key::End);
     bench.reach(3.9, Direction::Approach);
     bench.click("Stop");
@@ -149,13 +151,13 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     };
     let sweep = motion(&bench.heard()).expect("a sweep was asked for");
     for motion in [sweep - 2, sweep - 1] {
-        bench.say(Event::Rest { run, motion, mean_displacement: 3.9 });
+        bench.say(Event::Rest { motion, mean_displacement: 3.9 });
     }
     bench.reach(3.92, Direction::Retraction);
-    assert!(bench.state().busy && bench.state().sweep == Some(Sweep::Retract));
+    assert!(bench.state().run.is_busy() && bench.state().run.sweep() == Some(Sweep::Retract));
     assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
-    bench.say(Event::Rest { run, motion: sweep, mean_displacement: 3.92 });
-    assert!(!bench.state().busy && bench.state().sweep.is_none());
+    bench.say(Event::Rest { motion: sweep, mean_displacement: 3.92 });
+    assert!(!bench.state().run.is_busy() && bench.state().run.sweep().is_none());
 }
 
 #[test]
@@ -165,7 +167,7 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
     bench.click("law cosine");
     let scenes = bench.scenes();
     assert_eq!(scenes.iter().map(|scene| scene.law.shape.word()).collect::<Vec<_>>(), ["cosine"]);
-    assert_eq!(bench.state().run, 2);
+    assert_eq!(bench.state().run.id, 2);
     bench.click("law mie");
     assert_eq!(bench.scenes()[0].title, format!("Changed: {}", fig2().title));
     bench.press(Modifiers::COMMAND, Key::Z);
@@ -251,7 +253,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     bench.press(Modifiers::NONE, Key::Escape);
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     bench.reach(3.0, Direction::Approach);
-    bench.say(Event::Rest { run: 1, motion: 2, mean_displacement: 3.0 });
+    bench.say(Event::Rest { motion: 2, mean_displacement: 3.0 });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
     bench.press(Modifiers::NONE, Key::Period);
@@ -282,12 +284,29 @@ fn number_keys_load_presets() {
 }
 
 #[test]
+fn what_to_look_for_in_a_preset_is_one_click_away_while_it_is_edited_too() {
+    let mut bench = Bench::new();
+    let words = "Lowering u0, the flat surface jumps to a bulge";
+    assert!(!bench.names().contains(words));
+    bench.click("What to look for");
+    assert!(bench.names().contains(words), "{}", bench.names());
+    bench.press(Modifiers::NONE, Key::Escape);
+    bench.click("law cosine");
+    bench.click("What to look for");
+    assert!(bench.names().contains(words), "{}", bench.names());
+    bench.press(Modifiers::NONE, Key::Escape);
+    bench.press(Modifiers::NONE, Key::Num3);
+    bench.click("What to look for");
+    assert!(bench.names().contains("Nothing jumps."), "{}", bench.names());
+}
+
+#[test]
 fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
     let mut bench = Bench::new();
     bench.reach(3.2, Direction::Approach);
-    assert!(bench.state().hint);
+    assert!(bench.state().messages.hint);
     bench.jump(3.102);
-    assert!(!bench.state().hint);
+    assert!(!bench.state().messages.hint);
     let names = bench.names();
     for words in ["flat → ridge", "3.102", "0.1234", "flat limit", "1 jump,"] {
         assert!(names.contains(words), "{words} in {names}");
@@ -298,9 +317,9 @@ fn the_hint_goes_with_the_first_jump_which_is_listed_and_drawn() {
 fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
     let mut bench = Bench::new();
     bench.reach(0.3, Direction::Approach);
-    assert!(bench.state().hint);
+    assert!(bench.state().messages.hint);
     bench.reach(0.2, Direction::Approach);
-    assert!(!bench.state().hint);
+    assert!(!bench.state().messages.hint);
 }
 
 #[test]
@@ -326,36 +345,34 @@ fn the_status_bar_says_stability_model_and_cost() {
 fn stale_events_of_an_older_run_are_dropped() {
     let mut bench = Bench::new();
     bench.click("law cosine");
-    let state = bench.state().clone();
-    bench.say(Event::Failed { run: 1, message: "old".to_owned(), remedy: String::new() });
-    bench.say(Event::Rest { run: 1, motion: 0, mean_displacement: 1.0 });
-    assert_eq!(bench.state().failure, None);
-    assert_eq!(bench.state().actual, state.actual);
+    let actual = bench.state().run.actual;
+    bench.say_of(1, Event::Failed(Failure { message: "old".to_owned(), remedy: String::new() }));
+    bench.say_of(1, Event::Rest { motion: 0, mean_displacement: 1.0 });
+    assert_eq!(bench.state().messages.failure, None);
+    assert_eq!(bench.state().run.actual, actual);
 }
 
 #[test]
 fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
-    bench.say(Event::Failed {
-        run: 1,
+    bench.say(Event::Failed(Failure {
         message: "did not converge at u0 = 0.31".to_owned(),
         remedy: "Take a smaller step.".to_owned(),
-    });
+    }));
     let names = bench.names();
     assert!(names.contains("did not converge") && names.contains("Take a smaller step."), "{names}");
-    assert_eq!(bench.state().actual, 3.9);
+    assert_eq!(bench.state().run.actual, 3.9);
     bench.click("Dismiss");
-    assert_eq!(bench.state().failure, None);
+    assert_eq!(bench.state().messages.failure, None);
 }
 
 #[test]
 fn a_closed_loop_shades_its_area_and_says_its_number() {
     let mut bench = Bench::new();
-    let run = bench.state().run;
     bench.ready();
     bench.click("Play loop");
-    bench.say(Event::LoopStarted { run });
+    bench.say(Event::LoopStarted);
     for u0 in [4.0, 3.0, 2.0, 1.0] {
         bench.reach(u0, Direction::Approach);
     }
@@ -363,11 +380,11 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     for u0 in [1.5, 4.0] {
         bench.reach(u0, Direction::Retraction);
     }
-    bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.4322)) });
+    bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
     assert!(bench.names().contains("dissipated 0.4321 γ, expected error 0.005 %"), "{}", bench.names());
-    assert!(bench.state().closed_loop.as_ref().is_some_and(|closed| closed.loss.iter().any(|area| area.spans.len() > 20)));
-    bench.say(Event::LoopStarted { run });
-    assert_eq!((bench.state().ghosts.len(), bench.state().closed_loop.is_none()), (1, true));
+    assert!(bench.state().run.closed_loop.as_ref().is_some_and(|closed| closed.loss.iter().any(|area| area.spans.len() > 20)));
+    bench.say(Event::LoopStarted);
+    assert_eq!((bench.state().plots.ghosts.len(), bench.state().run.closed_loop.is_none()), (1, true));
 }
 
 fn ledger(released_energy_sum: f64, loop_integral: f64) -> Ledger {
@@ -381,16 +398,15 @@ fn summary(ledger: Ledger) -> LoopSummary {
 #[test]
 fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() {
     let mut bench = Bench::new();
-    let run = bench.state().run;
     bench.ready();
     for u0 in [4.0, 3.0, 2.0, 1.0] {
         bench.reach(u0, Direction::Approach);
     }
-    bench.say(Event::Loop { run, summary: summary(ledger(0.4321, 0.3)) });
+    bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
     let names = bench.names();
     assert!(names.contains("dissipated 0.4321 γ") && names.contains("the loop integral, 0.3000 gamma, is not the sum"), "{names}");
     let open = Open { reason: "it ends as bulge and began as flat".to_owned(), remedy: "raise drive.start".to_owned() };
-    bench.say(Event::Loop { run, summary: summary(Ledger { open: Some(open), ..ledger(0.4321, 0.3) }) });
+    bench.say(Event::Loop(summary(Ledger { open: Some(open), ..ledger(0.4321, 0.3) })));
     let names = bench.names();
     assert!(names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"), "{names}");
     assert!(!names.contains("0.4321"), "{names}");
@@ -414,18 +430,18 @@ fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
 fn a_kept_loop_stays_while_the_law_changes_until_it_is_let_go() {
     let mut bench = Bench::new();
     bench.press(Modifiers::NONE, Key::L);
-    assert!(bench.state().kept.is_none() && bench.names().contains("no loop to keep"));
+    assert!(bench.state().plots.kept.is_none() && bench.names().contains("no loop to keep"));
     for u0 in [4.0, 3.9, 3.8] {
         bench.reach(u0, Direction::Approach);
     }
-    let drawn: Vec<[f64; 2]> = bench.state().curve.points().collect();
+    let drawn: Vec<[f64; 2]> = bench.state().run.curve.points().collect();
     bench.press(Modifiers::NONE, Key::L);
     bench.click("law cosine");
-    assert!(bench.state().curve.points().next().is_none());
-    let kept = bench.state().kept.clone().expect("it is kept");
+    assert!(bench.state().run.curve.points().next().is_none());
+    let kept = bench.state().plots.kept.clone().expect("it is kept");
     assert_eq!((kept.lines.concat(), kept.title), (drawn, fig2().title));
     bench.press(Modifiers::NONE, Key::L);
-    assert!(bench.state().kept.is_none());
+    assert!(bench.state().plots.kept.is_none());
 }
 
 #[test]
@@ -444,7 +460,7 @@ fn without_a_file_chooser_the_path_can_be_typed() {
     assert!(path.exists());
     assert!(bench.names().contains("mine.toml written"));
     bench.open("/nowhere/at/all.toml".as_ref());
-    assert!(bench.state().failure.is_some(), "{}", bench.names());
+    assert!(bench.state().messages.failure.is_some(), "{}", bench.names());
     bench.press(Modifiers::NONE, Key::Escape);
     assert_eq!(*bench.state().scene, fig2());
 }

@@ -28,7 +28,7 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
         bench.settle();
         bench.click(label);
         let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::SetScene { asked: asked, .. }] if *asked == asked), "{heard:?}");
+        assert!(matches!(&heard[..], [Command::SetScene { asked: heard, .. }] if *heard == asked), "{heard:?}");
     }
 }
 
@@ -36,12 +36,11 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
 fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
     let mut bench = Bench::new();
     bench.ready();
-    let run = bench.state().run;
-    let mut choice = bench.state().ready.as_ref().unwrap().choice.clone();
-    choice.reduction = Part::Whole;
+    let mut choice = bench.state().run.ready.as_ref().unwrap().choice.clone();
+    choice.part = Part::Whole;
     choice.because = Some("a mode that is not mirror-symmetric goes soft here".to_owned());
-    bench.say(Event::Remodelled { run, choice });
-    assert_eq!(bench.state().failure, None);
+    bench.say(Event::Remodelled(choice));
+    assert_eq!(bench.state().messages.failure, None);
     let names = bench.names();
     assert!(names.contains("now on the whole cell: a mode that is not mirror-symmetric goes soft here"), "{names}");
     assert!(names.contains("whole cell 64 × 64, expected error"), "{names}");

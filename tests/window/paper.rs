@@ -11,7 +11,8 @@ use tackscope::paper::figure::Finding;
 use tackscope::paper::overlay::ZeroRange;
 use tackscope::paper::{Figure, GALLERY, Size, Task};
 use tackscope::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol};
-use tackscope::worker::protocol::{Command, Event, Page, PaperNews};
+use tackscope::worker::job::Reporter;
+use tackscope::worker::protocol::{Page, PageContent};
 
 fn opened() -> Bench {
     let mut bench = Bench::new();
@@ -20,14 +21,11 @@ fn opened() -> Bench {
     bench
 }
 
-/// What the window asked of the paper since the last call.
-fn asked(bench: &Bench) -> Vec<Option<Page>> {
-    let page = |command| match command {
-        Command::OpenPage { page } => Some(Some(page)),
-        Command::ClosePage => Some(None),
-        _ => None,
-    };
-    bench.heard().into_iter().filter_map(page).collect()
+/// The one page that the window asked for since the last call.
+fn asked(bench: &Bench, page: Page) -> Reporter<PageContent> {
+    let mut pages = bench.pages();
+    assert_eq!(pages.iter().map(|(page, _)| *page).collect::<Vec<_>>(), [page]);
+    pages.remove(0).1
 }
 
 fn first() -> usize {
@@ -86,42 +84,55 @@ fn made_up(number: usize) -> Figure {
     }
 }
 
-fn tell(bench: &mut Bench, page: Page, news: PaperNews) {
-    bench.say(Event::Paper { page, news });
+/// A page is there.
+fn done(bench: &mut Bench, report: &Reporter<PageContent>, content: PageContent) {
+    report.result(content);
+    report.end(Ok(()));
+    bench.settle();
+}
+
+fn figure(number: usize) -> PageContent {
+    PageContent::Figure(Arc::new(made_up(number)))
 }
 
 #[test]
 fn the_tab_asks_for_its_figure_once_says_how_far_it_is_and_can_be_cancelled() {
     let mut bench = opened();
     let page = Page::Figure(first());
-    assert_eq!(asked(&bench), [Some(page)]);
-    tell(&mut bench, page, PaperNews::Progress { done: 0.4, what: "the loop of the day".to_owned() });
+    let report = asked(&bench, page);
+    report.progress(0.4, "the loop of the day");
+    bench.settle();
     assert!(bench.names().contains("the loop of the day"));
     assert!(bench.names().contains(GALLERY[0].title));
     bench.click("Events tab");
+    assert!(report.cancel.requested(), "nobody looks at it any more");
     bench.click("Paper tab");
-    let more = asked(&bench);
-    assert!(more.iter().filter(|page| page.is_some()).count() <= 1, "{more:?}");
+    let report = asked(&bench, page);
     bench.click("Cancel");
-    assert_eq!(asked(&bench), [None]);
+    assert!(report.cancel.requested() && bench.pages().is_empty());
     assert!(bench.names().contains("Not there: cancelled."));
     bench.click("Compute");
-    assert_eq!(asked(&bench), [Some(page)]);
-    tell(&mut bench, page, PaperNews::Stuck("no convergence".to_owned()));
+    asked(&bench, page).end(Err("no convergence".to_owned()));
+    bench.settle();
     assert!(bench.names().contains("Not there: no convergence."));
-    assert!(asked(&bench).is_empty(), "what failed is not tried again by itself");
+    assert!(bench.pages().is_empty(), "what failed is not tried again by itself");
 }
 
 #[test]
 fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
     let mut bench = opened();
-    let [one, two] = [GALLERY[0].number, GALLERY[1].number];
-    bench.heard();
-    bench.click(&format!("Figure {two}"));
-    assert_eq!(asked(&bench), [Some(Page::Figure(two))]);
-    tell(&mut bench, Page::Figure(one), PaperNews::Figure(Arc::new(made_up(one))));
+    let [one, two, three] = [GALLERY[0].number, GALLERY[1].number, GALLERY[2].number];
+    let report = asked(&bench, Page::Figure(one));
+    // It comes in the very frame in which another one is asked for.
+    report.result(figure(one));
+    report.end(Ok(()));
+    bench.click(&format!("Figure {three}"));
+    let dropped = asked(&bench, Page::Figure(three));
     assert!(!bench.names().contains("A paragraph about it."), "another page is looked at");
-    tell(&mut bench, Page::Figure(two), PaperNews::Figure(Arc::new(made_up(two))));
+    bench.click(&format!("Figure {two}"));
+    assert!(dropped.cancel.requested());
+    let report = asked(&bench, Page::Figure(two));
+    done(&mut bench, &report, figure(two));
     let names = bench.names();
     for words in [
         format!("Fig. {two} diagram a: u_c/rho against L/L_c, 3 curves"),
@@ -136,7 +147,7 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
     }
     bench.click(&format!("Figure {one}"));
     assert!(bench.names().contains(&format!("Fig. {one} diagram a")));
-    assert!(asked(&bench).is_empty(), "both are known");
+    assert!(bench.pages().is_empty(), "both are known");
 }
 
 #[test]
@@ -158,12 +169,12 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
 #[test]
 fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
     let mut bench = opened();
-    tell(&mut bench, Page::Figure(first()), PaperNews::Figure(Arc::new(made_up(first()))));
-    bench.heard();
+    let report = asked(&bench, Page::Figure(first()));
+    done(&mut bench, &report, figure(first()));
     bench.click("Overlay theory");
-    assert_eq!(asked(&bench), [Some(Page::Theory)]);
+    let report = asked(&bench, Page::Theory);
     assert!(bench.state().overlay().is_empty());
-    tell(&mut bench, Page::Theory, PaperNews::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())));
+    done(&mut bench, &report, PageContent::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())));
     let lines = bench.state().overlay();
     assert_eq!(lines.iter().map(|line| line.0).collect::<Vec<_>>(), ["flat", "ridge", "dimple", "bulge"]);
     // sigma_max is the largest of the flat state; the ridge of Fig. 2 flattens at 0.665608 sqrt(0.15 * 256) rho.
@@ -179,13 +190,13 @@ fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
 #[test]
 fn the_errata_are_listed_with_their_evidence() {
     let mut bench = opened();
-    bench.heard();
+    bench.pages();
     bench.click("Errata");
-    assert_eq!(asked(&bench), [Some(Page::Errata)]);
+    let report = asked(&bench, Page::Errata);
     let evidence =
         vec![Evidence { quantity: "root of the slope", found: 0.4006428, printed: 0.4204, right: 0.4006428, tolerance: 1e-6 }];
     let erratum = Erratum { place: "Eq. 24", printed: "0.4204", right: "0.40064", because: "It is exact.", evidence };
-    tell(&mut bench, Page::Errata, PaperNews::Errata(Arc::new(vec![erratum])));
+    done(&mut bench, &report, PageContent::Errata(Arc::new(vec![erratum])));
     let names = bench.names();
     for words in ["Eq. 24", "printed: 0.4204", "right: 0.40064", "root of the slope: 0.400643; print 0.4204, right 0.400643"] {
         assert!(names.contains(words), "{words} in {names}");
@@ -196,7 +207,8 @@ fn the_errata_are_listed_with_their_evidence() {
 fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     let mut bench = Bench::sized(900.0, 600.0);
     bench.click("Paper tab");
-    tell(&mut bench, Page::Figure(first()), PaperNews::Figure(Arc::new(made_up(first()))));
+    let report = asked(&bench, Page::Figure(first()));
+    done(&mut bench, &report, figure(first()));
     for label in ["Play loop", "Help", "Fit", "Open this scene", "Enlarge"] {
         let rect = bench.window.get_by_label(label).rect();
         assert!(rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0, "{label} at {rect:?}");
@@ -216,7 +228,9 @@ fn the_first_figure_of_the_gallery_is_drawn_as_it_is_computed() {
     let entry = GALLERY.iter().find(|entry| entry.number == 10).expect("Fig. 10");
     let cancel = Cancel::default();
     let figure = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut |_, _| {})).expect("a figure");
+    bench.pages();
     bench.click("Figure 10");
-    tell(&mut bench, Page::Figure(10), PaperNews::Figure(Arc::new(figure)));
+    let report = asked(&bench, Page::Figure(10));
+    done(&mut bench, &report, PageContent::Figure(Arc::new(figure)));
     assert!(bench.names().contains("Fig. 10 diagram a:"), "{}", bench.names());
 }

@@ -23,13 +23,13 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
     let mut bench = walked();
     let plot = bench.window.get_by_role_and_label(egui::Role::Image, bench.plot_sentence().as_str()).rect();
     // The axes are the scene's; the plot's own margins are found by asking for the place of two known values.
-    let state = bench.state().record.states[1].clone();
+    let state = bench.state().run.record.states[1].clone();
     let found = (0..200).any(|i| {
         let x = plot.left() + plot.width() * (0.6 + 0.002 * i as f32);
         (0..8).any(|k| {
             let y = plot.bottom() - plot.height() * (0.08 + 0.02 * k as f32);
             bench.click_at(egui::pos2(x, y));
-            bench.state().selection.as_ref().is_some_and(|s| s.state == state)
+            bench.state().run.selection.as_ref().is_some_and(|s| s.state == state)
         })
     });
     assert!(found, "no click found the state at 3.5");
@@ -41,13 +41,13 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
     bench.click("Walk to this u₀");
     assert_eq!(bench.targets(), [3.5]);
     bench.click("Close the card");
-    assert_eq!(bench.state().selection, None);
+    assert_eq!(bench.state().run.selection, None);
 }
 
 #[test]
 fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
     let mut bench = walked();
-    let at = |bench: &Bench| bench.state().selection.as_ref().map(|s| (s.jump, s.state.mean_displacement));
+    let at = |bench: &Bench| bench.state().run.selection.as_ref().map(|s| (s.jump, s.state.mean_displacement));
     bench.press(Modifiers::NONE, Key::K);
     assert_eq!(at(&bench), Some((Some(1), 2.9)));
     bench.press(Modifiers::NONE, Key::K);
@@ -64,7 +64,7 @@ fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
 fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
     let mut bench = walked();
     bench.click("3.102");
-    assert_eq!(bench.state().selection.as_ref().map(|s| (s.jump, s.state.mean_displacement)), Some((Some(0), 3.102)));
+    assert_eq!(bench.state().run.selection.as_ref().map(|s| (s.jump, s.state.mean_displacement)), Some((Some(0), 3.102)));
     assert!(bench.names().contains("flat → ridge released 0.1234 γ"));
 }
 
@@ -86,7 +86,7 @@ fn the_scene_goes_to_the_clipboard_as_text_and_comes_back() {
     assert_eq!(bench.state().scene.cell.length, 200.0);
     bench.window.event(egui::Event::Paste("a shopping list".to_owned()));
     bench.settle();
-    assert!(bench.state().failure.is_some() && bench.state().scene.cell.length == 200.0);
+    assert!(bench.state().messages.failure.is_some() && bench.state().scene.cell.length == 200.0);
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn restore_layout_brings_view_and_axes_back() {
     bench.click("soft mode on map");
     bench.click("Restore layout");
     assert_eq!(bench.state().view, Default::default());
-    assert_eq!(bench.state().fit, None);
+    assert_eq!(bench.state().plots.fit, None);
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn an_exported_picture_opens_again_as_its_scene() {
     bench.window.event(egui::Event::Text(path.display().to_string()));
     bench.window.run();
     bench.click("Write");
-    assert_eq!(bench.state().failure, None);
+    assert_eq!(bench.state().messages.failure, None);
     bench.click("law mie");
     bench.open(&path);
-    assert_eq!((bench.state().failure.clone(), bench.state().scene.clone()), (None, scene));
+    assert_eq!((bench.state().messages.failure.clone(), bench.state().scene.clone()), (None, scene));
 }

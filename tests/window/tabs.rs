@@ -10,7 +10,7 @@ use tackscope::experiment::walk::{Progress as Walked, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::solver::methods::MethodKind;
-use tackscope::worker::protocol::{Command, Errand, Event};
+use tackscope::worker::protocol::{Command, Event};
 
 fn tab(bench: &mut Bench, name: &str) {
     bench.click(&format!("{name} tab"));
@@ -54,7 +54,7 @@ fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
     bench.reach(3.12, Direction::Approach);
     bench.jump(3.102);
     bench.reach(3.102, Direction::Approach);
-    let pieces: Vec<usize> = bench.state().stiffness.pieces.iter().map(|piece| piece.points.len()).collect();
+    let pieces: Vec<usize> = bench.state().run.stiffness.pieces.iter().map(|piece| piece.points.len()).collect();
     assert_eq!(pieces, [2, 1]);
 }
 
@@ -82,7 +82,6 @@ fn walked(bench: &Bench, path: &[f64]) -> Walk {
 fn the_well_is_a_minimum_whose_curvature_is_the_eigenvalue_and_says_its_barrier() {
     let mut bench = Bench::new();
     tab(&mut bench, "Energy well");
-    let run = bench.state().run;
     let mut barriers = Vec::new();
     // Far away, and a hair before the first jump.
     for path in [&[4.0][..], &[3.12]] {
@@ -95,7 +94,7 @@ fn the_well_is_a_minimum_whose_curvature_is_the_eigenvalue_and_says_its_barrier(
         assert!(e[middle].abs() < 1e-12 && e[middle - 1] > 0.0 && e[middle + 1] > 0.0, "{e:?}");
         let curvature = (e[middle - 1] + e[middle + 1]) / (step * step);
         assert!((curvature / well.curvature - 1.0).abs() < 0.1, "{curvature} {} after {path:?}", well.curvature);
-        bench.say(Event::Well { run, well: Arc::new(well) });
+        bench.say(Event::Well(Arc::new(well)));
         barriers.push(bench.names().lines().find(|line| line.starts_with("Energy well: At u₀")).unwrap().to_owned());
     }
     assert!(barriers[0].contains("no barrier within 0.5 ρ"), "{barriers:?}");
@@ -109,20 +108,21 @@ fn the_time_steps_are_measured_at_the_push_of_a_button_shown_as_they_come_and_ca
     bench.click("time steps");
     bench.heard();
     bench.click("Measure");
-    let run = bench.state().run;
-    let heard = bench.heard();
-    let [Command::Measure { errand: Errand::TimeSteps { scene, turn }, .. }] = &heard[..] else { panic!("{heard:?}") };
-    assert_eq!((scene.title.as_str(), *turn), (bench.state().scene.title.as_str(), bench.state().limits.0));
-    let mut survey = Survey::new(scene, *turn).unwrap();
+    let (scene, turn, report) = bench.time_steps();
+    assert_eq!((scene.title.as_str(), turn), (bench.state().scene.title.as_str(), bench.state().limits.0));
+    let mut survey = Survey::new(&scene, turn).unwrap();
     while survey.map().stable.len() < 7 {
         assert_eq!(survey.step(&Cancel::default()), Progress::Working);
     }
-    bench.say(Event::TimeSteps { run, map: Arc::new(survey.map().clone()) });
+    report.result(survey.map().clone());
+    bench.settle();
     assert!(bench.names().contains("Time steps of GFMD against u0: 7 cells measured"), "{}", bench.names());
     bench.click("Cancel");
-    assert!(matches!(bench.heard()[..], [Command::StopMeasuring]));
-    bench.say(Event::Measured { run, stuck: None });
-    assert!(bench.window.query_by_label("Measure").is_some() && bench.state().time_steps.is_some());
+    assert!(report.cancel.requested());
+    report.end(Ok(()));
+    bench.settle();
+    assert!(bench.window.query_by_label("Measure").is_some());
+    assert!(bench.state().run.time_steps.as_ref().is_some_and(|job| job.so_far.is_some()));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// A scene with the way it is computed.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct Setup {
     /// The scene.
     pub scene: Arc<Scene>,
     method: MethodKind,
@@ -22,7 +22,7 @@ pub(super) struct Course {
     pub choice: ModelChoice,
 }
 
-impl Course {
+impl Setup {
     /// Decides how the scene is computed.
     ///
     /// # Errors

@@ -1,0 +1,211 @@
+//! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and which of its states is looked at.
+
+use super::ViewState;
+use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use crate::experiment::time_step_map::TimeStepMap;
+use crate::experiment::walk::EnergyWell;
+use crate::plot::curve::Curve;
+use crate::plot::panel::Area;
+use crate::worker::job::Job;
+use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
+use std::sync::Arc;
+
+/// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a ten-thousandth.
+const AT_JUMP: f64 = 2e-4;
+
+/// One run; another scene, model or method begins another one.
+#[derive(Debug)]
+pub struct RunView {
+    /// Its id, which its events carry.
+    pub id: RunId,
+    /// Facts of the scene, once the solver has sent them.
+    pub ready: Option<Arc<Ready>>,
+    /// Where u0 is.
+    pub actual: f64,
+    /// Direction of the last motion.
+    pub direction: Direction,
+    /// What the surface is doing.
+    pub play: Play,
+    /// Held.
+    pub paused: bool,
+    /// The newest motion asked for; a rest that ends an older one is stale.
+    pub(super) motion: Motion,
+    /// The newest equilibrium.
+    pub state: Option<StateRecord>,
+    /// Everything recorded in this run or loop.
+    pub record: LoopRecord,
+    /// The curve of `record`.
+    pub curve: Curve,
+    /// The smallest eigenvalue (E*/L) along `record`, as the stability tab draws it.
+    pub stiffness: Curve,
+    /// The last closed loop.
+    pub closed_loop: Option<ClosedLoop>,
+    /// The stored state somebody looks at.
+    pub selection: Option<Selection>,
+    /// The newest energy well.
+    pub well: Option<Arc<EnergyWell>>,
+    /// The measurement of the time-step map.
+    pub time_steps: Option<Job<TimeStepMap>>,
+}
+
+/// A closed loop as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoop {
+    /// Its numbers.
+    pub summary: LoopSummary,
+    /// Its area.
+    pub loss: Vec<Area>,
+}
+
+/// A stored state that somebody looks at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// The stored state.
+    pub state: StateRecord,
+    /// Index of the jump that led to it or away from it.
+    pub jump: Option<usize>,
+}
+
+impl RunView {
+    /// A run at rest at `start`, the start of its drive, from where it is asked to go to `target`.
+    pub(super) fn new(id: RunId, start: f64, target: f64) -> Self {
+        let mut run = Self {
+            id,
+            ready: None,
+            actual: start,
+            direction: Direction::Approach,
+            play: Play::Rest,
+            paused: false,
+            motion: 0,
+            state: None,
+            record: LoopRecord::default(),
+            curve: Curve::default(),
+            stiffness: Curve::default(),
+            closed_loop: None,
+            selection: None,
+            well: None,
+            time_steps: None,
+        };
+        if target != start {
+            run.set(Play::ToTarget);
+        }
+        run
+    }
+
+    /// True while the solver has something to do.
+    pub fn is_busy(&self) -> bool {
+        self.play != Play::Rest
+    }
+
+    /// The sweep under way.
+    pub fn sweep(&self) -> Option<Sweep> {
+        if let Play::Sweep(sweep) = self.play { Some(sweep) } else { None }
+    }
+
+    /// Asks for another motion; the solver is told at the end of the frame.
+    fn set(&mut self, play: Play) {
+        self.play = play;
+        self.paused = false;
+        self.motion += 1;
+    }
+}
+
+/// How u0 is moved: by hand, by key, by itself.
+impl ViewState {
+    /// Asks the solver to walk to `u0`, held inside the drive.
+    pub fn set_target(&mut self, u0: f64) {
+        let u0 = u0.clamp(self.limits.0, self.limits.1);
+        if !u0.is_finite() || u0 == self.target && self.run.sweep().is_none() {
+            return;
+        }
+        if u0 != self.run.actual {
+            self.run.direction = if u0 < self.run.actual { Direction::Approach } else { Direction::Retraction };
+        }
+        self.target = u0;
+        self.run.set(Play::ToTarget);
+    }
+
+    /// Starts a sweep.
+    pub fn play(&mut self, sweep: Sweep) {
+        self.last_sweep = sweep;
+        self.run.set(Play::Sweep(sweep));
+    }
+
+    /// Space: pause, go on, or start.
+    pub fn toggle_play(&mut self) {
+        if self.run.paused {
+            self.run.paused = false;
+        } else if self.run.is_busy() {
+            self.run.paused = true;
+        } else {
+            self.play(self.last_sweep);
+        }
+    }
+
+    /// Drops target and sweep; the thumb goes where the surface is.
+    pub fn stop(&mut self) {
+        self.target = self.run.actual;
+        self.run.set(Play::Rest);
+    }
+
+    /// Moves the target by so many increments; further key presses add up although the solver is still on its way.
+    pub fn step(&mut self, increments: f64) {
+        self.set_target(self.target + increments * self.scene.drive.step);
+    }
+
+    /// One increment in the present direction.
+    pub fn increment(&mut self) {
+        self.step(if self.run.direction == Direction::Approach { -1.0 } else { 1.0 });
+    }
+
+    /// Turns round.
+    pub fn reverse(&mut self) {
+        let (sweep, direction) = match self.run.direction {
+            Direction::Approach => (Sweep::Retract, Direction::Retraction),
+            Direction::Retraction => (Sweep::Approach, Direction::Approach),
+        };
+        if self.run.sweep().is_some() {
+            self.play(sweep);
+        }
+        self.run.direction = direction;
+    }
+}
+
+/// Which stored state is looked at.
+impl ViewState {
+    /// Selects the recorded state nearest to (u0/rho, stress/sigma_max), if one is within `reach` along each axis; else none.
+    pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2]) {
+        let rho = self.rho();
+        let distance =
+            |s: &StateRecord| ((s.mean_displacement / rho - at[0]) / reach[0]).hypot((s.stress_over_max - at[1]) / reach[1]);
+        let nearest = self.run.record.states.iter().map(|s| (distance(s), s)).filter(|(d, _)| *d <= 1.0);
+        let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, state)| state.clone());
+        self.run.selection = nearest.map(|state| Selection { jump: self.jump_at(&state), state });
+    }
+
+    /// Selects the state after a jump.
+    pub fn select_jump(&mut self, index: usize) {
+        let Some(jump) = self.run.record.jumps.get(index) else { return };
+        let landed = |s: &&StateRecord| s.direction == jump.direction && s.mean_displacement == jump.mean_displacement;
+        self.run.selection =
+            self.run.record.states.iter().rfind(landed).map(|state| Selection { state: state.clone(), jump: Some(index) });
+    }
+
+    /// Selects the next (or an earlier) jump; from nowhere the last, or the first.
+    pub fn step_jump(&mut self, forward: bool) {
+        let last = self.run.record.jumps.len().saturating_sub(1);
+        let present = self.run.selection.as_ref().and_then(|selection| selection.jump);
+        self.select_jump(match (present, forward) {
+            (None, true) => 0,
+            (None, false) => last,
+            (Some(i), true) => (i + 1).min(last),
+            (Some(i), false) => i.saturating_sub(1),
+        });
+    }
+
+    fn jump_at(&self, state: &StateRecord) -> Option<usize> {
+        let off = |jump: &JumpRecord| (jump.mean_displacement - state.mean_displacement).abs();
+        let near = |jump: &JumpRecord| jump.direction == state.direction && off(jump) <= AT_JUMP * self.rho();
+        self.run.record.jumps.iter().rposition(near)
+    }
+}

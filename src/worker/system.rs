@@ -1,0 +1,53 @@
+//! The one door to threads and to the clock: what a program without either (a browser's) replaces.
+
+pub(super) use std::time::Instant;
+
+use std::thread::{JoinHandle, available_parallelism, scope};
+use std::time::Duration;
+
+/// How long threads may take to end, all together: a window closes within two seconds.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How often a thread is looked at.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// Starts a thread.
+pub(super) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> JoinHandle<()> {
+    std::thread::Builder::new().name(name.into()).spawn(work).expect("the system refuses to start a thread")
+}
+
+/// Waits for threads that were asked to end; one that does not answer in time is left to end with the process.
+pub(super) fn end(threads: impl IntoIterator<Item = JoinHandle<()>>) {
+    let begin = Instant::now();
+    for thread in threads {
+        while !thread.is_finished() && begin.elapsed() < PATIENCE {
+            std::thread::sleep(LOOK);
+        }
+        if thread.is_finished() {
+            // A panic has been told by the thread itself.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Runs `work` on as many threads as there are cores, at most `most`, and `meanwhile` on this one; returns when all are done.
+pub(super) fn on_every_core(most: usize, work: impl Fn() + Sync, meanwhile: impl FnOnce()) {
+    let cores = available_parallelism().map_or(1, usize::from);
+    scope(|scope| {
+        for _ in 0..cores.min(most) {
+            scope.spawn(&work);
+        }
+        meanwhile();
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thread_that_does_not_answer_does_not_keep_the_caller() {
+        let began = Instant::now();
+        end([spawn("busy", || std::thread::sleep(Duration::from_secs(60))), spawn("done", || {})]);
+        assert!(began.elapsed() < Duration::from_secs(2));
+    }
+}

@@ -1,0 +1,90 @@
+//! The window with a solver that has no thread: its session is stepped in the frame.
+
+use super::bench::fig2;
+use egui::vec2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tackscope::experiment::chart::Effort;
+use tackscope::experiment::scene::{Points, Scene};
+use tackscope::experiment::time_step_map::TimeStepMap;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::ui::App;
+use tackscope::ui::theme;
+use tackscope::ui::view_state::ViewState;
+use tackscope::worker::SolverHandle;
+use tackscope::worker::job::Job;
+use tackscope::worker::protocol::{ChartSoFar, Command, Envelope, Event, Page, PageContent};
+use tackscope::worker::session::Session;
+
+/// Steps of the session in a frame.
+const STEPS: usize = 20;
+
+#[derive(Default)]
+struct Stepped {
+    session: RefCell<Session>,
+    said: RefCell<Vec<Envelope<Event>>>,
+}
+
+impl SolverHandle for Stepped {
+    fn send(&self, command: Envelope<Command>) {
+        let run = command.run;
+        let mut said = self.said.borrow_mut();
+        self.session.borrow_mut().command(command, &Cancel::default(), &mut |message| said.push(Envelope { run, message }));
+    }
+
+    fn poll(&self) -> Vec<Envelope<Event>> {
+        let mut session = self.session.borrow_mut();
+        let mut said = self.said.take();
+        let (run, now) = (session.run(), Instant::now());
+        for _ in 0..STEPS {
+            if session.wait(now + Duration::from_secs(3600)).is_none() {
+                break;
+            }
+            session.step(now, &Cancel::default(), &mut |message| said.push(Envelope { run, message }));
+        }
+        said
+    }
+
+    fn time_steps(&self, _: Arc<Scene>, _: f64) -> Job<TimeStepMap> {
+        Job::new(Arc::new(|| {})).0
+    }
+
+    fn chart(&self, _: Arc<Scene>, _: Effort) -> Job<ChartSoFar> {
+        Job::new(Arc::new(|| {})).0
+    }
+
+    fn page(&self, _: Page) -> Job<PageContent> {
+        Job::new(Arc::new(|| {})).0
+    }
+}
+
+#[test]
+fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(32);
+    let app = App::with_chooser(Stepped::default(), ViewState::new(scene).expect("allowed"), |_| {
+        Box::pin(std::future::ready(None::<PathBuf>))
+    });
+    let mut window = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_context_setup(theme::install)
+        .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
+    window.run();
+    window.get_by_label("Play loop").click();
+    window.step();
+    assert!(window.state().state().run.is_busy());
+    let mut frames = 0;
+    while window.state().state().run.is_busy() && frames < 1000 {
+        window.step();
+        frames += 1;
+    }
+    let run = &window.state().state().run;
+    let closed = run.closed_loop.as_ref().expect("the loop is closed");
+    assert!(frames > 3 && closed.summary.ledger.dissipated_energy().is_some_and(|loss| loss > 0.1), "{frames} {closed:?}");
+    assert!(run.record.jumps.len() >= 6 && window.state().state().frame.is_some(), "{:?}", run.record.jumps);
+    assert_eq!(run.actual, window.state().state().limits.1);
+}
