@@ -3,8 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
-use tackscope::experiment::atlas::Atlas;
-use tackscope::experiment::plan::chart;
+use tackscope::follow::atlas::{Atlas, Meshes};
 use tackscope::physics::law::{Law, Morse, Shape};
 
 fn law(range: f64) -> Law {
@@ -15,7 +14,7 @@ fn law(range: f64) -> Law {
 fn loops(c: &mut Criterion, name: &str, length: f64, n: usize, start: f64) {
     let mut group = c.benchmark_group(name);
     group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
-    let (old, new) = (chart(&law(1.0), length, n), chart(&law(1.01), length, n));
+    let (old, new) = (Meshes::new(&law(1.0), length, n), Meshes::new(&law(1.01), length, n));
     let mut known = Atlas::new(old);
     known.cycle(start, 0.2).expect("a loop");
     let mut again = known.adapted(new).expect("the same branches");

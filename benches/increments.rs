@@ -5,13 +5,13 @@
 
 use cpu_time::ProcessTime;
 use std::time::Instant;
-use tackscope::experiment::part::Part;
-use tackscope::experiment::record::StateRecord;
-use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
+use tackscope::follow::record::StateRecord;
+use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
 use tackscope::physics::system::System;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Scene};
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
 use tackscope::solver::mechanics::{Mechanics, Slides};

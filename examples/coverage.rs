@@ -9,19 +9,19 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use tackscope::experiment::error_bar::{measured_error, read_off};
-use tackscope::experiment::mesh::next_fast;
-use tackscope::experiment::part::{Part, Road};
-use tackscope::experiment::plan::{Plan, plan};
-use tackscope::experiment::planned::run_planned;
-use tackscope::experiment::run::{Outcome, run_loop};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
-use tackscope::experiment::walk::WalkOptions;
+use tackscope::follow::run::{Outcome, run_loop};
+use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::flat;
+use tackscope::scene::mesh::next_fast;
+use tackscope::scene::part::{Part, Road};
+use tackscope::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
+use tackscope::study::error_bar::{measured_error, read_off};
+use tackscope::study::plan::{Plan, plan};
+use tackscope::study::planned::run_planned;
 
 /// What came of one scene.
 struct Trial {

@@ -4,7 +4,8 @@
 //! between the two curves of stress against mean displacement is energy that no slowness can save.
 //!
 //! The rooms form floors, and arrows point down only (`tests/program/floors.rs` holds the walls):
-//! [`numerics`] < [`physics`] < [`solver`] < [`experiment`] < [`plot`] < [`paper`] < [`worker`], [`storage`] < [`cli`], `ui`.
+//! [`numerics`] < [`physics`] < [`solver`], [`scene`] < [`follow`] < [`study`] < [`plot`] < [`paper`] < [`worker`], [`storage`] < [`cli`],
+//! `ui`.
 //!
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per area in E* times that length.
 #![forbid(unsafe_code)]
@@ -13,13 +14,15 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod cli;
-pub mod experiment;
+pub mod follow;
 pub mod numerics;
 pub mod paper;
 pub mod physics;
 pub mod plot;
+pub mod scene;
 pub mod solver;
 pub mod storage;
+pub mod study;
 #[cfg(feature = "gui")]
 pub mod ui;
 pub mod worker;

@@ -2,10 +2,10 @@
 
 use super::progress::Teller;
 use super::{BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say, told_replaced, unwritten, warn};
-use crate::experiment::chart::{Chart, Effort, News, Verdict, run};
 use crate::plot::chart_panel::page;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, chart as table, drawing, presets, scene_file};
+use crate::study::chart::{Chart, Effort, News, Verdict, run};
 
 /// What is written, the file that says that all is there last.
 const FILES: [&str; 4] = ["chart.csv", "chart.svg", "chart.png", "chart.json"];

@@ -1,4 +1,4 @@
-//! Floor 7: the command line (clap) and terminal progress. No physics formulas.
+//! Floor 8: the command line (clap) and terminal progress. No physics formulas.
 //!
 //! Exit codes: 0 done, 2 bad input (nothing was computed) or something that could not be written, 3 not converged, 130 interrupted
 //! (Ctrl-C, SIGTERM, SIGHUP); after 3 and 130 everything computed so far is written, after 2 all of it that could be. Results go to
@@ -18,8 +18,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::experiment::part::Road;
 use crate::numerics::cancel::Cancel;
+use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::storage::{Failure, files, process};
 use crate::worker::signals;

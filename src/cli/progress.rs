@@ -1,8 +1,8 @@
 //! What a run says while it goes: a bar on a terminal, plain lines otherwise, both on standard error.
 
 use super::tell;
-use crate::experiment::record::{JumpRecord, StateRecord};
-use crate::experiment::run::Report;
+use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::run::Report;
 use crate::plot::ticks::digits;
 use crate::storage::line;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

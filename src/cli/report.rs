@@ -1,18 +1,18 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
-use crate::experiment::error_bar::reference;
-use crate::experiment::ledger::Ledger;
-use crate::experiment::part::Road;
-use crate::experiment::plan::{Plan, promise};
-use crate::experiment::record::StateRecord;
-use crate::experiment::run::{Landing, LoopRun, Outcome, RivalLoop};
-use crate::experiment::scene::{Model, Points, Scene, Turn};
+use crate::follow::ledger::Ledger;
+use crate::follow::record::StateRecord;
+use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop};
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
+use crate::scene::part::Road;
+use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
 use crate::storage::{Failure, drawing, export, picture, scene_file};
+use crate::study::error_bar::reference;
+use crate::study::plan::{Plan, promise};
 
 /// A walk with what it took.
 pub(super) struct Timed {

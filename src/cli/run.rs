@@ -3,17 +3,17 @@
 use super::progress::Teller;
 use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
-use crate::experiment::error_bar::{measured_error, reference};
-use crate::experiment::part::Road;
-use crate::experiment::plan::{Plan, plan as plan_of, promise, refusal};
-use crate::experiment::planned::run_planned;
-use crate::experiment::run::{LoopRun, Outcome};
-use crate::experiment::scene::{Model, Points, Scene, SceneError};
+use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
+use crate::scene::part::Road;
+use crate::scene::{Model, Points, Scene, SceneError};
 use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, presets, scene_file};
+use crate::study::error_bar::{measured_error, reference};
+use crate::study::plan::{Plan, plan as plan_of, promise, refusal};
+use crate::study::planned::run_planned;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
@@ -208,7 +208,7 @@ fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::walk::Stuck;
+    use crate::follow::walk::Stuck;
 
     #[test]
     fn each_outcome_has_its_exit_code() {

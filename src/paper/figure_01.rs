@@ -3,8 +3,8 @@
 use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
-use crate::experiment::record::Direction;
-use crate::experiment::walk::{Observed, Progress, Walk};
+use crate::follow::record::Direction;
+use crate::follow::walk::{Observed, Progress, Walk};
 use crate::physics::indenter::Indenter;
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::solver::methods::MethodKind;

@@ -3,7 +3,7 @@
 use super::figure::Figure;
 use super::task::{Stopped, Task};
 use super::{Entry, flat_loop, scenes};
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 2,

@@ -3,9 +3,9 @@
 use super::figure::{Figure, Finding};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
-use crate::experiment::record::Direction;
-use crate::experiment::scene::{Points, Scene};
+use crate::follow::record::Direction;
 use crate::physics::pattern::Pattern;
+use crate::scene::{Points, Scene};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 3,

@@ -4,13 +4,13 @@ use super::Entry;
 use super::figure::{Figure, Finding};
 use super::line_cell::{ends, ridges, run, scene, thinned, units};
 use super::task::{Stopped, Task};
-use crate::experiment::part::Part;
-use crate::experiment::record::Direction;
-use crate::experiment::run::LoopRun;
-use crate::experiment::scene::Scene;
+use crate::follow::record::Direction;
+use crate::follow::run::LoopRun;
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
 use crate::plot::panel::{Arrow, Axis, Colour, Panel, Role, Series, Symbol};
+use crate::scene::Scene;
+use crate::scene::part::Part;
 use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -145,7 +145,7 @@ fn lines() -> Vec<Series> {
 
 fn jumps(run: &LoopRun, length: f64, colour: Colour) -> Vec<Arrow> {
     let units = units(length);
-    let arrow = |jump: &crate::experiment::record::JumpRecord| {
+    let arrow = |jump: &crate::follow::record::JumpRecord| {
         let u0 = jump.mean_displacement;
         let at = |stress| [units.reduce(u0), units.pressure(stress, u0)];
         Arrow { name: "", tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.direction }

@@ -4,13 +4,13 @@ use super::Entry;
 use super::figure::{Figure, Finding};
 use super::line_cell::{ends, reduced, run, scene, units};
 use super::task::{Stopped, Task};
-use crate::experiment::part::Part;
-use crate::experiment::record::Direction;
-use crate::experiment::run::LoopRun;
-use crate::experiment::scene::{Range, Scene};
+use crate::follow::record::Direction;
+use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
+use crate::scene::part::Part;
+use crate::scene::{Range, Scene};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 8,

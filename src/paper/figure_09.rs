@@ -1,5 +1,6 @@
 //! Fig. 9: the elastic energy of dimple and bulge at zero range.
 
+use super::boundary_elements::{self, Estimate};
 use super::figure::{Figure, Finding};
 use super::ridge_elements::unsolved;
 use super::task::{Stopped, Task};
@@ -8,7 +9,6 @@ use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Pattern};
 use crate::physics::theory::discs::Kind;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::solver::boundary_elements::{self, Estimate};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 9,

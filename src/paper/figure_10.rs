@@ -3,14 +3,13 @@
 use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
-use crate::experiment::atlas::Atlas;
-use crate::experiment::plan;
-use crate::experiment::scene::{Scene, Turn};
+use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::units::Units;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::scene::{Scene, Turn};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 10,
@@ -37,7 +36,7 @@ fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, S
     let model = scene.model().map_err(|error| failed(error.to_string()))?;
     let Turn::At(turn) = scene.drive.turn else { return Err(failed("turns at zero load".to_owned())) };
     task.tell(0.0, &scene.title)?;
-    let mut atlas = Atlas::new(plan::chart(&model.law, model.grid.length, points));
+    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, points));
     atlas.obey(task.cancel);
     let cycle = atlas.cycle(scene.drive.start, turn);
     task.tell(1.0, &scene.title)?;

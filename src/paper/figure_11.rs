@@ -4,15 +4,15 @@ use super::figure::{Figure, Finding};
 use super::line_cell::{scene, units};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes, walked};
-use crate::experiment::mesh::next_fast;
-use crate::experiment::part::Part;
-use crate::experiment::scene::{Range, Scene};
-use crate::experiment::walk::WalkOptions;
+use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{dissipation, flat, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::scene::mesh::next_fast;
+use crate::scene::part::Part;
+use crate::scene::{Range, Scene};
 use std::f64::consts::{PI, SQRT_2};
 
 pub(super) const ENTRY: Entry = Entry {

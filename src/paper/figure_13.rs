@@ -4,9 +4,9 @@ use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::tips::{self, Order, TIP, Tip};
 use super::{Entry, scenes};
-use crate::experiment::part::Part;
-use crate::experiment::scene::Turn;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::scene::Turn;
+use crate::scene::part::Part;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 13,

@@ -3,12 +3,12 @@
 use super::figure::{Figure, Finding};
 use super::task::{Size, Stopped, Task};
 use super::{Entry, flat_loop, scenes};
-use crate::experiment::measured_law::{Fit, MeasuredLaw, Row, fit};
-use crate::experiment::record::Direction;
-use crate::experiment::record::LoopRecord;
-use crate::experiment::scene::Model;
+use crate::follow::record::Direction;
+use crate::follow::record::LoopRecord;
+use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::scene::Model;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 14,

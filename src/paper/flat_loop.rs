@@ -2,11 +2,8 @@
 
 use super::figure::Finding;
 use super::task::{Stopped, Task};
-use crate::experiment::plan::{self};
-use crate::experiment::planned::run_planned;
-use crate::experiment::record::{Cause, Direction, LoopRecord};
-use crate::experiment::run::{Landing, LoopRun, Report};
-use crate::experiment::scene::{Model, Scene};
+use crate::follow::record::{Cause, Direction, LoopRecord};
+use crate::follow::run::{Landing, LoopRun, Report};
 use crate::paper::walked::{completed, refused};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
@@ -15,7 +12,10 @@ use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
+use crate::study::plan::{self};
+use crate::study::planned::run_planned;
 use ndarray::Array2;
 
 /// Points of the flat state's curve.
@@ -122,7 +122,7 @@ pub(super) fn findings(run: &LoopRun, model: &Model) -> Vec<Finding> {
     }];
     if let Some((lower, upper)) = flat::limits(law, model.grid.length) {
         for (branch, limit) in [(Direction::Approach, upper), (Direction::Retraction, lower)] {
-            let left = |jump: &&crate::experiment::record::JumpRecord| jump.direction == branch && jump.cause == Cause::FlatLimit;
+            let left = |jump: &&crate::follow::record::JumpRecord| jump.direction == branch && jump.cause == Cause::FlatLimit;
             let found = record.jumps.iter().find(left).map_or(f64::NAN, |jump| jump.mean_displacement);
             findings.push(Finding {
                 quantity: format!("u₀/ρ where the flat surface gives way on {branch}"),

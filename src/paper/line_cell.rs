@@ -5,13 +5,13 @@
 
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
-use crate::experiment::part::Part;
-use crate::experiment::record::{Direction, StateRecord};
-use crate::experiment::run::LoopRun;
-use crate::experiment::scene::{Points, Scene};
-use crate::experiment::walk::WalkOptions;
+use crate::follow::record::{Direction, StateRecord};
+use crate::follow::run::LoopRun;
+use crate::follow::walk::WalkOptions;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::units::Units;
+use crate::scene::part::Part;
+use crate::scene::{Points, Scene};
 
 /// The units of a cell of side `length`.
 pub(super) fn units(length: f64) -> Units {

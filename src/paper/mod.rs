@@ -1,9 +1,10 @@
-//! Floor 5: every figure and table of the paper as a value, computed live beside its theory, with what the print got wrong.
+//! Floor 6: every figure and table of the paper as a value, computed live beside its theory, with what the print got wrong.
 //!
 //! Each figure is one file and one line in [`GALLERY`]. Nothing is drawn here: `storage` writes a [`Figure`] as CSV, SVG and PNG, the
 //! window shows it as plots. Axes and normalisation are the paper's; the stress is turned into its pressure p = -stress where the paper
 //! plots p. May use `plot` and below; no drawing, files, or threads.
 
+pub mod boundary_elements;
 pub mod errata;
 pub mod figure;
 mod figure_01;
@@ -22,6 +23,7 @@ mod figure_13;
 mod figure_14;
 mod flat_loop;
 mod line_cell;
+pub mod measured_law;
 pub mod overlay;
 mod ridge_elements;
 pub mod scenes;
@@ -33,7 +35,7 @@ mod walked;
 pub use figure::{Figure, Table};
 pub use task::{Size, Stopped, Task};
 
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 
 /// A place in the gallery.
 pub struct Entry {

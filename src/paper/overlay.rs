@@ -1,12 +1,12 @@
 //! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of zero range, or JKR's tip.
 
-use crate::experiment::scene::Model;
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
 use crate::physics::theory::{ridge, units::Units};
+use crate::scene::Model;
 
 /// Points of a curve.
 const POINTS: usize = 160;
@@ -110,8 +110,8 @@ fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::scene::Points;
     use crate::paper::scenes;
+    use crate::scene::Points;
 
     #[test]
     fn a_tip_has_the_branch_of_jkr_alone_and_in_its_cell_up_to_their_ends() {

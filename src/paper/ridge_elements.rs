@@ -1,8 +1,8 @@
 //! The ridge by boundary elements, as the symbols of Figs 5 and 6 need it.
 
+use super::boundary_elements::{self, Estimate};
 use super::task::{Stopped, Task};
 use crate::numerics::cancel::Cancel;
-use crate::solver::boundary_elements::{self, Estimate};
 
 /// Something of a ridge by boundary elements, by share alpha out of contact.
 pub(super) type Sample = (f64, Estimate);

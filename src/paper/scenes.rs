@@ -1,10 +1,10 @@
 //! The scenes of the paper as values, for the figures and for the window.
 
-use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Morse, Shape};
 use crate::physics::roughness::Roughness;
+use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 
 /// gamma of the flat scenes in units of E* rho.
 pub const SURFACE_ENERGY: f64 = 0.15;

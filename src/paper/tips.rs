@@ -2,12 +2,12 @@
 
 use super::task::{Stopped, Task};
 use super::{scenes, walked};
-use crate::experiment::part::Part;
-use crate::experiment::record::Direction;
-use crate::experiment::scene::Turn;
-use crate::experiment::walk::WalkOptions;
+use crate::follow::record::Direction;
+use crate::follow::walk::WalkOptions;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
+use crate::scene::Turn;
+use crate::scene::part::Part;
 
 /// The tip of Sect. 4, R = 1.
 pub(super) const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };

@@ -1,9 +1,9 @@
 //! A closed loop, run for a figure.
 
 use super::task::{Stopped, Task};
-use crate::experiment::run::{LoopRun, Outcome, Report, run_loop};
-use crate::experiment::scene::{Scene, SceneError};
-use crate::experiment::walk::WalkOptions;
+use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
+use crate::follow::walk::WalkOptions;
+use crate::scene::{Scene, SceneError};
 
 /// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
 pub(super) fn run(scene: &Scene, options: WalkOptions, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {

@@ -2,9 +2,9 @@
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::ticks::digits;
-use crate::experiment::chart::{self, Chart, Judged, Point, Verdict};
-use crate::experiment::part::Road;
+use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
+use crate::study::chart::{self, Chart, Judged, Point, Verdict};
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no error.
 const STRIP: f64 = 5.0;

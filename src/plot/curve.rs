@@ -1,6 +1,6 @@
 //! Curves over the mean displacement, cut at jumps: stress against u0, and the smallest eigenvalue against u0.
 
-use crate::experiment::record::{Direction, LoopRecord, StateRecord};
+use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 

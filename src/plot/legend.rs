@@ -1,7 +1,7 @@
 //! What a legend lists: every name with the look it stands for, once.
 
 use super::panel::{Colour, Panel, Role, Symbol};
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 
 /// How an entry looks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,13 +2,13 @@
 
 use super::curve::Curve;
 use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
-use crate::experiment::plan::promise;
-use crate::experiment::record::{Direction, JumpRecord, LoopRecord};
-use crate::experiment::scene::Model;
+use crate::follow::record::{Direction, JumpRecord, LoopRecord};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
+use crate::scene::Model;
+use crate::study::plan::promise;
 
 /// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900 points across can show.
 const POINTS: usize = 600;
@@ -180,9 +180,9 @@ fn energy(value: f64) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::experiment::part::Part;
-    use crate::experiment::record::{Cause, StateRecord};
+    use crate::follow::record::{Cause, StateRecord};
     use crate::physics::law::{Morse, Shape};
+    use crate::scene::part::Part;
     use crate::solver::Stop;
 
     pub(crate) fn law() -> Law {

@@ -1,6 +1,6 @@
 //! A diagram as a value: what it shows, not how it is drawn. The same value becomes CSV, SVG, PNG and a plot in the window.
 
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 use ndarray::Array2;
 use std::borrow::Cow;
 

@@ -4,7 +4,7 @@
 //! symbols. Contrasts are those of WCAG 2: at least 3 for every mark on its ground, 1.5 for the shaded loss, which has an outline too.
 
 use super::panel::{Colour, Role, Symbol};
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 use std::f64::consts::TAU;
 
 /// Red, green and blue.

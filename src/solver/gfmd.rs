@@ -3,12 +3,13 @@
 //! Each amplitude moves with inertia proportional to q E*/2 + k, which collapses the intrinsic frequencies (inertia must *grow* with
 //! q; the text of Sect. 2.2 says the inverse). An increment of u0 is a ramp of 50 time steps and 150 more to relax.
 
+use super::Lost;
 use super::Stop;
 use super::branch::History;
 use super::descent::stiffest;
 use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
-use super::method::{Lost, Method};
+use super::method::Method;
 use super::stability::random_amplitudes;
 use crate::numerics::vector::{add, norm};
 use crate::physics::system::System;

@@ -3,12 +3,13 @@
 //! In place of a thermostat each increment begins with one tiny random push, so that a state that has lost its stability is left
 //! even where it is perfectly symmetric. The method goes wherever the dynamics goes: it locates nothing.
 
+use super::Lost;
 use super::Stop;
 use super::branch::History;
 use super::descent::{stiffest, tractions};
 use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::{Mechanics, Slides};
-use super::method::{Lost, Method, predicted};
+use super::method::{Method, predicted};
 use super::newton::centred;
 use super::stability::random_smooth;
 use crate::numerics::vector::{add, norm, project_out, scale};

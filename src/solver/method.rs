@@ -1,10 +1,10 @@
 //! The one interface behind which every relaxation method stands.
 
-use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
 use super::newton::{NewtonEnd, NewtonLimits, held, solve};
+use super::stop::{Lost, Stop};
 use crate::physics::system::{State, System};
 
 /// Carries a state from one mean displacement to a near one.
@@ -21,19 +21,6 @@ pub trait Method: Send {
     /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget gave. `Err` says that the
     /// branch was lost.
     fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost>;
-}
-
-/// Why a branch was not followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lost {
-    /// No equilibrium near the prediction.
-    Gone,
-    /// Negative curvature on the way.
-    Unstable,
-    /// The numbers stopped being finite; why, in words.
-    Diverged(&'static str),
-    /// Somebody asked to stop.
-    Cancelled,
 }
 
 /// Newton-Krylov from an extrapolated guess, accepted only if it is the continuation of the branch.

@@ -4,7 +4,6 @@
 //! per area in the metric mean(v^2), in E* per length; where a record says E*/L they are multiplied by L. Knows neither scenes nor
 //! clocks. May use `physics` and `numerics`.
 
-pub mod boundary_elements;
 pub mod branch;
 pub mod descent;
 pub mod equilibrium;
@@ -19,4 +18,4 @@ pub mod sector;
 pub mod stability;
 mod stop;
 
-pub use stop::Stop;
+pub use stop::{Lost, Stop};

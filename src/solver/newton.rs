@@ -1,7 +1,7 @@
 //! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
 
+use super::Lost;
 use super::mechanics::Mechanics;
-use super::method::Lost;
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
 use crate::numerics::vector::{add, dot, norm, project_out};
 use crate::physics::system::{Evaluation, System};

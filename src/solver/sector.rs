@@ -5,9 +5,9 @@
 
 mod fold;
 
+use super::Lost;
 use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
-use super::method::Lost;
 use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};

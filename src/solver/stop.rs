@@ -28,3 +28,16 @@ impl fmt::Display for Stop {
         })
     }
 }
+
+/// Why a branch was not followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lost {
+    /// No equilibrium near the prediction.
+    Gone,
+    /// Negative curvature on the way.
+    Unstable,
+    /// The numbers stopped being finite; why, in words.
+    Diverged(&'static str),
+    /// Somebody asked to stop.
+    Cancelled,
+}

@@ -3,7 +3,7 @@
 //! Numbers are written with as many digits as bring back the same number; one that is not finite is written `NaN` or `inf`.
 
 use super::{Failure, files};
-use crate::experiment::record::{JumpRecord, StateRecord};
+use crate::follow::record::{JumpRecord, StateRecord};
 use std::fmt::Write;
 use std::path::Path;
 

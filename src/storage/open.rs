@@ -1,7 +1,7 @@
 //! Opening what somebody chose: a scene file, or a picture with its scene inside. Nothing here can wait for ever.
 
 use super::{Failure, files, picture, scene_file};
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use std::fs;
 use std::path::Path;
 

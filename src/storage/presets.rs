@@ -2,7 +2,7 @@
 
 use super::failure::near;
 use super::{Failure, files, scene_file};
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use std::path::Path;
 
 /// A built-in scene.

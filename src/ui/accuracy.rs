@@ -3,8 +3,8 @@
 use super::action::{Action, Measurement, ViewOptions};
 use super::diagram;
 use super::view_state::ViewState;
-use crate::experiment::chart::{Judged, Verdict};
 use crate::plot::chart_panel::{ChartPanel, Cost};
+use crate::study::chart::{Judged, Verdict};
 use egui::{PopupAnchor, Pos2, ProgressBar, RichText, Role, Tooltip, Ui, WidgetInfo};
 use egui_plot::PlotPoint;
 

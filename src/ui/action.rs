@@ -1,9 +1,9 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
 use super::scene_edit::Follows;
-use crate::experiment::part::Road;
-use crate::experiment::scene::Scene;
 use crate::plot::chart_panel::Cost;
+use crate::scene::Scene;
+use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::worker::protocol::{Page, Speed, Sweep};
 use std::path::PathBuf;

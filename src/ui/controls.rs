@@ -8,11 +8,11 @@ use super::number::{SEED_MAX, field, number, whole};
 use super::scene_edit::{self, Follows};
 use super::u0_slider;
 use super::view_state::ViewState;
-use crate::experiment::parameter;
-use crate::experiment::part::Road;
-use crate::experiment::record::Direction;
-use crate::experiment::scene::{Points, Scene, Turn};
+use crate::follow::record::Direction;
 use crate::physics::law::Shape;
+use crate::scene::parameter;
+use crate::scene::part::Road;
+use crate::scene::{Points, Scene, Turn};
 use crate::solver::methods::MethodKind;
 use egui::{ComboBox, Response, RichText, Ui};
 
@@ -133,7 +133,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 if scene.cell.points == Points::Auto { format!("auto ({})", model.grid.nx) } else { model.grid.nx.to_string() };
             let combo = ComboBox::from_id_salt("points").width(84.0).selected_text(text).show_ui(ui, |ui| {
                 if !line
-                    && matches!(scene.law.range, crate::experiment::scene::Range::Length(_))
+                    && matches!(scene.law.range, crate::scene::Range::Length(_))
                     && ui.selectable_label(scene.cell.points == Points::Auto, "auto").clicked()
                 {
                     edit(actions, scene_edit::with_points(scene, model, Points::Auto));

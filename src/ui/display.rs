@@ -4,7 +4,7 @@ use super::app::App;
 use super::saved_state;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use crate::storage::{presets, scene_file};
 use crate::worker::Worker;
 use eframe::EventLoopBuilderHook;

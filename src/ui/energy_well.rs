@@ -3,7 +3,7 @@
 use super::diagram::{grid, line, small};
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::walk::EnergyWell;
+use crate::follow::walk::EnergyWell;
 use egui::{RichText, Role, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{HoverPosition, LineStyle, PlotBounds, PlotPoint};
 

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::record::{Cause, Direction};
+use crate::follow::record::{Cause, Direction};
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.

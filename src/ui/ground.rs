@@ -4,10 +4,10 @@ use super::action::Action;
 use super::number::{SEED_MAX, number, whole};
 use super::scene_edit;
 use super::view_state::ViewState;
-use crate::experiment::parameter::{self, Parameter};
-use crate::experiment::scene::Model;
 use crate::physics::indenter::Indenter;
 use crate::physics::roughness::{Roughness, WAVES_MAX};
+use crate::scene::Model;
+use crate::scene::parameter::{self, Parameter};
 use egui::{ComboBox, Ui};
 
 /// The choice, and below it what only this ground has.

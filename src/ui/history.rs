@@ -1,6 +1,6 @@
 //! Undo and redo of scene edits. One drag is one undo, however many values it passes.
 
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use std::sync::Arc;
 
 /// Most edits that can be taken back.

@@ -4,10 +4,10 @@ use super::action::Action;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::{diagram, inspect};
-use crate::experiment::plan::promise;
-use crate::experiment::record::JumpRecord;
+use crate::follow::record::JumpRecord;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
+use crate::study::plan::promise;
 use egui::{RichText, Ui, WidgetInfo};
 use std::iter::once;
 

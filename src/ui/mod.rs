@@ -1,4 +1,4 @@
-//! Floor 7: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
+//! Floor 8: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
 //!
 //! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s; only [`app`] acts on them.
 //! The state is plain data that is built and updated without egui. The solver is behind [`crate::worker::SolverHandle`]:

@@ -1,6 +1,6 @@
 //! Numbers as people type them, and the fields they are typed into.
 
-use crate::experiment::parameter::Parameter;
+use crate::scene::parameter::Parameter;
 use egui::{DragValue, Response, Ui};
 use std::ops::RangeInclusive;
 

@@ -1,10 +1,10 @@
 //! What follows what when a value of the scene is edited: range or mesh after mu_rho, and the drive after the law.
 
-use crate::experiment::scene::{Drive, Model, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::theory::flat;
+use crate::scene::{Drive, Model, Points, Range, Scene, Turn};
 
 /// What follows when mu_rho is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -5,13 +5,13 @@ use super::diagram::{self, grid, line, small};
 use super::theme::{self, Palette};
 use super::time_steps;
 use super::view_state::ViewState;
-use crate::experiment::forecast::{Forecast, forecast};
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
 use crate::plot::panel::Panel;
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
+use crate::study::forecast::{Forecast, forecast};
 use egui::{RichText, Role, Ui, WidgetInfo};
 use egui_plot::{
     FilledArea, GridInput, GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi, Points, Text,

@@ -3,11 +3,11 @@
 use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
-use crate::experiment::part::{Part, Road};
-use crate::experiment::plan::promise;
-use crate::experiment::record::StateRecord;
+use crate::follow::record::StateRecord;
 use crate::physics::grid::Grid;
+use crate::scene::part::{Part, Road};
 use crate::solver::Stop;
+use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
 use egui::{RichText, Ui};
 

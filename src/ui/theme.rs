@@ -1,6 +1,6 @@
 //! Fonts, light and dark visuals, the few colours with a meaning, and lines of text with formulas.
 
-use crate::experiment::record::Direction;
+use crate::follow::record::Direction;
 use crate::plot::panel::Colour;
 use crate::plot::style::{Ground, Rgb};
 use crate::plot::typeset::{Script, runs};

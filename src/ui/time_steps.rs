@@ -4,8 +4,8 @@ use super::action::{Action, Measurement};
 use super::diagram::{grid, line, small};
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use crate::experiment::time_step_map::TimeStepMap;
 use crate::solver::gfmd::GfmdBudget;
+use crate::study::time_step_map::TimeStepMap;
 use egui::{ProgressBar, RichText, Role, Ui, WidgetInfo};
 use egui_plot::{GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotUi, Points};
 

@@ -111,8 +111,8 @@ fn one(entry: &Entry, size: Size, cancel: &Cancel, tell: &mut (dyn FnMut(f64, &s
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::scene::Points;
     use crate::paper::scenes;
+    use crate::scene::Points;
 
     fn entry(number: usize, compute: fn(&mut Task<'_>) -> Result<Figure, Stopped>) -> Entry {
         let scene = || scenes::flat("", 100.0, Points::Square(16), 2.0, 0.5, 0.1);

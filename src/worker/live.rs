@@ -2,9 +2,9 @@
 
 use super::protocol::{Envelope, Event, LiveState, RunId};
 use super::system::{self, Instant};
-use crate::experiment::live_loop::{Fineness, LiveLoops};
-use crate::experiment::scene::{Drive, Model, Scene};
 use crate::numerics::cancel::Cancel;
+use crate::scene::{Drive, Model, Scene};
+use crate::study::live_loop::{Fineness, LiveLoops};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -2,9 +2,9 @@
 
 use super::job::Reporter;
 use super::protocol::ChartSoFar;
-use crate::experiment::chart::{self, Effort, News};
-use crate::experiment::scene::Scene;
-use crate::experiment::time_step_map::{Progress, Survey, TimeStepMap};
+use crate::scene::Scene;
+use crate::study::chart::{self, Effort, News};
+use crate::study::time_step_map::{Progress, Survey, TimeStepMap};
 
 /// Measures the time-step map along an approach that ends at `turn` (length).
 ///

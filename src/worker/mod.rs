@@ -1,4 +1,4 @@
-//! Floor 6: the only threads and channels. The solver's thread and the live loop's beside it, background jobs (measurements, the
+//! Floor 7: the only threads and channels. The solver's thread and the live loop's beside it, background jobs (measurements, the
 //! paper's figures, whatever else takes its time), and the signals that ask the process to end. The caller passes `wake`, called
 //! whenever something new can be received. Names no window, writes no files.
 

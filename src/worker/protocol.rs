@@ -1,19 +1,19 @@
 //! What the window says to the solver, and what it hears back.
 
 use super::job::Job;
-use crate::experiment::chart::{Effort, Judged};
-use crate::experiment::ledger::Ledger;
-use crate::experiment::live_loop::{Fineness, LiveLoop};
-use crate::experiment::part::{Part, Road};
-use crate::experiment::plan::Plan;
-use crate::experiment::record::{JumpRecord, StateRecord};
-use crate::experiment::scene::{Model, Scene};
-use crate::experiment::time_step_map::TimeStepMap;
-use crate::experiment::walk::EnergyWell;
+use crate::follow::ledger::Ledger;
+use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::walk::EnergyWell;
 use crate::paper::Figure;
 use crate::paper::errata::Erratum;
 use crate::paper::overlay::ZeroRange;
+use crate::scene::part::{Part, Road};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
+use crate::study::chart::{Effort, Judged};
+use crate::study::live_loop::{Fineness, LiveLoop};
+use crate::study::plan::Plan;
+use crate::study::time_step_map::TimeStepMap;
 use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;

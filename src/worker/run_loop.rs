@@ -7,10 +7,10 @@ use super::measurements;
 use super::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle};
 use super::session::Session;
 use super::system::{self, Instant};
-use crate::experiment::chart::Effort;
-use crate::experiment::scene::Scene;
-use crate::experiment::time_step_map::TimeStepMap;
 use crate::numerics::cancel::Cancel;
+use crate::scene::Scene;
+use crate::study::chart::Effort;
+use crate::study::time_step_map::TimeStepMap;
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -168,9 +168,9 @@ fn guarded(session: &mut Session, post: &Post, run: RunId, work: impl FnOnce(&mu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
     use crate::physics::indenter::Indenter;
     use crate::physics::law::{Morse, Shape};
+    use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
     use crate::solver::methods::MethodKind;
 
     fn scene() -> Scene {

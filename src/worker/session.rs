@@ -3,12 +3,12 @@
 use super::protocol::{Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed, Sweep};
 use super::setup::Setup;
 use super::system::Instant;
-use crate::experiment::itinerary::Itinerary;
-use crate::experiment::record::{Direction, LoopRecord, StateRecord};
-use crate::experiment::scene::SceneError;
-use crate::experiment::walk::{EnergyWell, Observed, Progress, Walk, Widened};
+use crate::follow::itinerary::Itinerary;
+use crate::follow::record::{Direction, LoopRecord, StateRecord};
+use crate::follow::walk::{EnergyWell, Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::theory::flat;
+use crate::scene::SceneError;
 use crate::solver::equilibrium::Equilibrium;
 use std::sync::Arc;
 use std::time::Duration;
@@ -259,18 +259,18 @@ impl Session {
         let (Some(setup), Some(walk)) = (&mut self.setup, &mut self.walk) else { return };
         match &progress {
             Progress::Cancelled => {}
-            Progress::Working | Progress::Resting => match self.play {
-                Play::Sweep(sweep) => {
-                    if self.itinerary.step(&progress, walk.record()) && !self.follow_itinerary(sweep) {
-                        if sweep == Sweep::Loop {
-                            self.close_loop(now, sink);
-                        }
-                        self.rest(sink);
+            Progress::Working | Progress::Resting => {
+                let arrived = match self.play {
+                    Play::Sweep(sweep) => self.itinerary.step(&progress, walk.record()) && !self.follow_itinerary(sweep),
+                    _ => progress == Progress::Resting,
+                };
+                if arrived {
+                    if self.play == Play::Sweep(Sweep::Loop) {
+                        self.close_loop(now, sink);
                     }
+                    self.rest(sink);
                 }
-                _ if progress == Progress::Resting => self.rest(sink),
-                _ => {}
-            },
+            }
             Progress::Stuck(reason) => {
                 let spent = walk.counts().transforms;
                 if let Some(widened) = setup.widen(walk, reason, cancel) {

@@ -2,14 +2,14 @@
 //! not enough.
 
 use super::protocol::ModelChoice;
-use crate::experiment::part::{Part, Road};
-use crate::experiment::plan::plan;
-use crate::experiment::record::StateRecord;
-use crate::experiment::scene::{Model, Scene, SceneError};
-use crate::experiment::walk::{Stuck, Walk, WalkOptions, Widened};
+use crate::follow::record::StateRecord;
+use crate::follow::walk::{Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
+use crate::scene::part::{Part, Road};
+use crate::scene::{Model, Scene, SceneError};
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
+use crate::study::plan::plan;
 use std::sync::Arc;
 
 /// A scene with the way it is computed.

@@ -1,9 +1,9 @@
 //! Boundary elements at zero range against the exact ridge and the reference tables of dimple and bulge.
 
 use tackscope::numerics::cancel::Cancel;
+use tackscope::paper::boundary_elements as be;
 use tackscope::physics::theory::discs::Kind;
 use tackscope::physics::theory::{circular, ridge};
-use tackscope::solver::boundary_elements as be;
 
 fn free_run() -> Cancel {
     Cancel::default()

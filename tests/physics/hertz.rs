@@ -1,19 +1,19 @@
 //! The Hertzian tip: loops on several meshes against JKR in the periodic cell.
 
 use std::sync::OnceLock;
-use tackscope::experiment::part::{Part, Road};
-use tackscope::experiment::plan::plan;
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
-use tackscope::experiment::scene::{Scene, Turn};
-use tackscope::experiment::walk::WalkOptions;
+use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::{scenes, tips};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
+use tackscope::scene::part::{Part, Road};
+use tackscope::scene::{Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
+use tackscope::study::plan::plan;
 
 const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };
 

@@ -270,12 +270,12 @@ fn progress_in_any_unit_of_length_tells_states_apart() {
         let mut scene = scene;
         scene.cell.length = length * unit;
         scene.law.surface_energy *= unit;
-        if let tackscope::experiment::scene::Range::Length(range) = &mut scene.law.range {
+        if let tackscope::scene::Range::Length(range) = &mut scene.law.range {
             *range *= unit;
         }
         scene.drive.start *= unit;
         scene.drive.step *= unit;
-        if let tackscope::experiment::scene::Turn::At(turn) = &mut scene.drive.turn {
+        if let tackscope::scene::Turn::At(turn) = &mut scene.drive.turn {
             *turn *= unit;
         }
         let path = home.path().join("scaled.toml");

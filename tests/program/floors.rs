@@ -5,17 +5,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms and their floors; an arrow may point down or sideways, never up.
-const ROOMS: [(&str, u8); 10] = [
+const ROOMS: [(&str, u8); 12] = [
     ("numerics", 0),
     ("physics", 1),
     ("solver", 2),
-    ("experiment", 3),
-    ("plot", 4),
-    ("paper", 5),
-    ("worker", 6),
-    ("storage", 6),
-    ("ui", 7),
-    ("cli", 7),
+    ("scene", 2),
+    ("follow", 3),
+    ("study", 4),
+    ("plot", 5),
+    ("paper", 6),
+    ("worker", 7),
+    ("storage", 7),
+    ("ui", 8),
+    ("cli", 8),
 ];
 
 /// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the window does not call the shell.
@@ -274,7 +276,7 @@ fn sources() -> Vec<(String, String)> {
     files
 }
 
-/// A file right under its room, together with the folder of the same name: `experiment/walk` for `experiment/walk/advance.rs`. None for
+/// A file right under its room, together with the folder of the same name: `follow/walk` for `follow/walk/advance.rs`. None for
 /// the room's own mod.rs, which only lists and re-exports.
 fn unit(module: &[&str]) -> Option<String> {
     (module.len() > 1).then(|| module[..2].join("/"))
@@ -328,7 +330,7 @@ fn circles(arrows: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
 fn no_files_depend_on_each_other_in_a_circle() {
     let arrows = arrows(&sources());
     assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > 300, "the arrows were not found");
-    assert!(arrows["experiment/walk"].contains("solver/method") && arrows["ui/app"].contains("ui/loop_plot"));
+    assert!(arrows["follow/walk"].contains("solver/method") && arrows["ui/app"].contains("ui/loop_plot"));
     assert_eq!(circles(&arrows), Vec::<String>::new());
 }
 
@@ -369,7 +371,7 @@ fn every_kind_of_bad_file_is_caught() {
         ("physics/law/mod.rs", "use crate::solver::Stop;", "physics names crate::solver::Stop"),
         ("physics/law/mod.rs", "use crate::{physics::grid, ui::App};", "physics names crate::ui::App"),
         ("physics/grid.rs", "fn f() { super::super::ui::open() }", "physics names super::super::ui::open"),
-        ("physics/mod.rs", "use super::experiment;", "physics names super::experiment"),
+        ("physics/mod.rs", "use super::follow;", "physics names super::follow"),
         ("solver/mod.rs", "fn f() -> tackscope::worker::Event {}", "solver names tackscope::worker::Event"),
         ("numerics/cancel.rs", "pub(in crate::physics) fn f() {}", "numerics names crate::physics"),
         ("worker/mod.rs", "use crate::storage::save;", "worker names crate::storage::save"),
@@ -414,9 +416,9 @@ fn a_good_file_is_left_alone() {
         ("lib.rs", "#![forbid(unsafe_code)]\n#[cfg(feature = \"gui\")]\npub mod ui;"),
         ("cli/mod.rs", "#[cfg(feature = \"gui\")]\nfn f() { crate::ui::open() }\n#[cfg(not(feature = \"gui\"))]\nfn f() {}"),
         ("ui/app.rs", "use crate::worker; fn f(c: &egui::Context) { let thread = 1; let fs = 2; }"),
-        ("storage/mod.rs", "use std::fs::File; use crate::experiment::scene::Scene; use crate::paper;"),
+        ("storage/mod.rs", "use std::fs::File; use crate::scene::Scene; use crate::paper;"),
         ("worker/mod.rs", "use std::thread; let t = std::time::Instant::now();"),
-        ("experiment/mod.rs", "let t = std::time::Instant::now();"),
+        ("follow/mod.rs", "let t = std::time::Instant::now();"),
     ] {
         assert_eq!(faults(path, text), Vec::<String>::new(), "{text}");
     }

@@ -1,11 +1,11 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader panic.
 
 use proptest::prelude::*;
-use tackscope::experiment::parameter::{self, Parameter};
-use tackscope::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::physics::roughness::Roughness;
+use tackscope::scene::parameter::{self, Parameter};
+use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::storage::{Failure, presets, scene_file};
 
 const NAME: &str = "my scene.toml";

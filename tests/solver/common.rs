@@ -1,20 +1,21 @@
 //! Fig. 2 and its patterns, for all the cases.
 
 use std::sync::OnceLock;
-use tackscope::experiment::record::{Direction, JumpRecord, StateRecord};
-use tackscope::experiment::run::{LoopRun, run_loop};
-use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Observed, Progress, Walk, WalkOptions};
+use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
+use tackscope::follow::run::{LoopRun, run_loop};
+use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
+use tackscope::scene::{Points, Scene};
+use tackscope::solver::Lost;
 use tackscope::solver::branch::History;
 use tackscope::solver::equilibrium::Equilibrium;
 use tackscope::solver::mechanics::{Mechanics, Slides};
-use tackscope::solver::method::{Lost, Method};
+use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 

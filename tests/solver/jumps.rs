@@ -1,15 +1,16 @@
 //! Jumps that pass unnoticed, and what is carried over them.
 
 use super::common::{Bench, N, bulge, fig2, go, history, ridge, walk_by};
-use tackscope::experiment::walk::{Progress, Stuck};
+use tackscope::follow::walk::{Progress, Stuck};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::norm;
 use tackscope::physics::system::State;
+use tackscope::solver::Lost;
 use tackscope::solver::branch::{History, distance};
 use tackscope::solver::descent::Descent;
 use tackscope::solver::equilibrium::{Cost, Equilibrium};
 use tackscope::solver::mechanics::Mechanics;
-use tackscope::solver::method::{Lost, Method};
+use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, centred, descend, solve};
 use tackscope::solver::{Stop, branch};
@@ -94,7 +95,7 @@ fn an_extrapolation_over_a_jump_is_of_neither_branch_and_nothing_found_from_it_i
 fn after_a_jump_that_an_increment_hid_the_extrapolation_starts_afresh() {
     // Steps so long that tuned GFMD jumps within an increment: with the old history it would jump back and forth.
     let scene = fig2(N, 0.1);
-    let mut walk = tackscope::experiment::walk::Walk::start(&scene, MethodKind::GfmdTuned.into(), &Cancel::default()).unwrap();
+    let mut walk = tackscope::follow::walk::Walk::start(&scene, MethodKind::GfmdTuned.into(), &Cancel::default()).unwrap();
     let way = go(&mut walk, 1.5);
     let patterns: Vec<_> = way.jumps.iter().map(|j| j.to).collect();
     let again = (1..patterns.len()).any(|i| patterns[..i].contains(&patterns[i]));

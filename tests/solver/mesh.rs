@@ -2,8 +2,8 @@
 
 use super::common::looped;
 use std::process::{Command, Stdio};
-use tackscope::experiment::run::Outcome;
-use tackscope::experiment::scene::{Points, Range, Scene};
+use tackscope::follow::run::Outcome;
+use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 

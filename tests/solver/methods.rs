@@ -1,9 +1,9 @@
 //! Every relaxation method behind the same walk: the same branches, the same jumps.
 
-use tackscope::experiment::record::JumpRecord;
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
-use tackscope::experiment::scene::{Points, Scene};
+use tackscope::follow::record::JumpRecord;
+use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};

@@ -1,16 +1,16 @@
 //! Numbers that stop being numbers.
 
 use super::common::{Bench, N, bulge, dimple, fig2, go, law, looped, walk_by};
-use tackscope::experiment::run::Outcome;
-use tackscope::experiment::scene::{LawChoice, Range, Turn};
-use tackscope::experiment::walk::Progress;
+use tackscope::follow::run::Outcome;
+use tackscope::follow::walk::Progress;
 use tackscope::numerics::precision::Precision;
 use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::law::{Law, Mie, Shape};
+use tackscope::scene::{LawChoice, Range, Turn};
+use tackscope::solver::Lost;
 use tackscope::solver::Stop;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget, time_step_limit};
 use tackscope::solver::mechanics::{Mechanics, Slides};
-use tackscope::solver::method::Lost;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::newton::{NewtonEnd, NewtonLimits, descend, solve};
 use tackscope::solver::release::{Release, Slice};
@@ -102,7 +102,7 @@ fn overflow_in_deep_compression_is_refused_by_the_scene_and_labelled_on_the_flat
     let refusal = scene.validate().unwrap_err();
     assert_eq!(refusal.key, "drive.turn");
     let mut bench = Bench::new();
-    let flat = tackscope::experiment::flat_branch::FlatBranch::new(law(), 256.0);
+    let flat = tackscope::follow::flat_branch::FlatBranch::new(law(), 256.0);
     assert_eq!(flat.state(&bench.mechanics.system, deep).stop, Stop::NotConverged);
     assert_eq!(flat.state(&bench.mechanics.system, -40.0).stop, Stop::Stable);
     let from = bench.state(bulge()[0].state.amplitudes.clone(), deep);

@@ -1,9 +1,7 @@
 //! Numbers of fewer bits: what they change, and what they must not.
 
-use tackscope::experiment::part::Part;
-use tackscope::experiment::run::{LoopRun, Outcome, run_loop};
-use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::WalkOptions;
+use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
 use tackscope::numerics::vector::{add, max_abs, norm, scale};
@@ -11,6 +9,8 @@ use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::system::System;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;

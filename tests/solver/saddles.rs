@@ -2,15 +2,15 @@
 
 use super::common::{Bench, bulge, dimple, fig2, go, history, walk_by};
 use rand::SeedableRng;
-use tackscope::experiment::walk::{Progress, Walk};
+use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::eigen::{EigenLimits, smallest};
 use tackscope::numerics::vector::{add, norm};
 use tackscope::physics::pattern::Pattern;
+use tackscope::solver::Lost;
 use tackscope::solver::Stop;
 use tackscope::solver::descent::Descent;
 use tackscope::solver::gfmd::{Gfmd, GfmdBudget};
-use tackscope::solver::method::Lost;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};
 

@@ -1,7 +1,7 @@
 //! Steps of u0 that are too long.
 
 use super::common::{N, fig2, looped, visited};
-use tackscope::experiment::record::Direction;
+use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern::{Bulge, Dimple, Flat, Ridge};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;

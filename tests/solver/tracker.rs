@@ -3,14 +3,14 @@
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use tackscope::experiment::scene::{Points, Scene};
-use tackscope::experiment::walk::{Progress, Walk};
+use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::{System, carried};
+use tackscope::scene::{Points, Scene};
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};

@@ -3,10 +3,10 @@
 use super::bench::Bench;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
-use tackscope::experiment::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
-use tackscope::experiment::part::Road;
-use tackscope::experiment::scene::Points;
+use tackscope::scene::Points;
+use tackscope::scene::part::Road;
 use tackscope::solver::methods::MethodKind;
+use tackscope::study::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
 use tackscope::worker::protocol::{ChartSoFar, Command};
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {

@@ -5,9 +5,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use tackscope::experiment::record::Direction;
-use tackscope::experiment::scene::{Range, Scene, Turn};
+use tackscope::follow::record::Direction;
 use tackscope::physics::indenter::Indenter;
+use tackscope::scene::{Range, Scene, Turn};
 use tackscope::storage::{files, picture, presets, scene_file};
 
 impl Bench {

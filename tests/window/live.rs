@@ -3,9 +3,9 @@
 use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers};
 use std::sync::Arc;
-use tackscope::experiment::live_loop::{Fineness, LiveLoop};
-use tackscope::experiment::record::Direction;
+use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
+use tackscope::study::live_loop::{Fineness, LiveLoop};
 use tackscope::worker::protocol::{Event, LiveState};
 
 fn live() -> Arc<LiveState> {

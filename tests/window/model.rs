@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use egui_kittest::kittest::Queryable;
-use tackscope::experiment::part::{Part, Road};
+use tackscope::scene::part::{Part, Road};
 use tackscope::worker::protocol::{Command, Event};
 
 #[test]

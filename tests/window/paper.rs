@@ -4,7 +4,7 @@ use super::bench::Bench;
 use egui::Key;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::experiment::record::Direction;
+use tackscope::follow::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::errata::{Erratum, Evidence};
 use tackscope::paper::figure::Finding;

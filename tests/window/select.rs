@@ -3,7 +3,7 @@
 use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
-use tackscope::experiment::record::Direction;
+use tackscope::follow::record::Direction;
 use tackscope::storage::scene_file;
 
 /// Down through two jumps.

@@ -4,12 +4,12 @@ use super::bench::Bench;
 use egui::Role;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
-use tackscope::experiment::record::Direction;
-use tackscope::experiment::time_step_map::{Progress, Survey};
-use tackscope::experiment::walk::{Progress as Walked, Walk};
+use tackscope::follow::record::Direction;
+use tackscope::follow::walk::{Progress as Walked, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::solver::methods::MethodKind;
+use tackscope::study::time_step_map::{Progress, Survey};
 use tackscope::worker::protocol::{Command, Event};
 
 fn tab(bench: &mut Bench, name: &str) {

@@ -3,12 +3,12 @@
 use super::super::scenes;
 use super::super::task::{Stopped, Task};
 use super::{Erratum, Evidence};
-use crate::experiment::plan::plan;
-use crate::experiment::planned::run_planned;
-use crate::experiment::scene::Points;
 use crate::paper::walked::{completed, refused};
 use crate::physics::theory::{flat, ridge, units::Units};
+use crate::scene::Points;
 use crate::solver::methods::MethodKind;
+use crate::study::plan::plan;
+use crate::study::planned::run_planned;
 use std::f64::consts::{LN_2, PI};
 
 pub(super) fn equation_22() -> Erratum {

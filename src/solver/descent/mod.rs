@@ -8,11 +8,12 @@ mod conjugate;
 mod fire;
 mod lbfgs;
 
+use super::Lost;
 use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
-use super::method::{Lost, Method, audit, predicted, reach};
+use super::method::{Method, audit, predicted, reach};
 use crate::numerics::vector::{dot, max_abs, norm, orthonormalise, project_out};
 use crate::physics::law::Law;
 use crate::physics::system::{Evaluation, Fields};

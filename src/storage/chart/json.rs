@@ -1,9 +1,9 @@
 //! `chart.json`: what the chart says, in short.
 
-use crate::experiment::chart::{Chart, Judged, Verdict};
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use crate::storage::summary::{Number, SceneSummary};
 use crate::storage::{Failure, files, scene_file};
+use crate::study::chart::{Chart, Judged, Verdict};
 use serde::Serialize;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! The chart as CSV: a row per point, failures and points left out included, the reference last.
 
-use crate::experiment::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
 use crate::storage::export::{number, quoted};
 use crate::storage::{Failure, files};
+use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Charts of invented rows: written, and looked into.
 
 use super::{CHART_COLUMNS, write_chart_csv};
-use crate::experiment::chart::{Chart, Errors, Judged, Point, Precision, Skipped, Verdict};
-use crate::experiment::part::Road;
+use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
+use crate::study::chart::{Chart, Errors, Judged, Point, Precision, Skipped, Verdict};
 
 fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
     let point = Point { method, model: Road::WHOLE, line: false, points: 64, precision: Precision::Double, step: 0.02 };

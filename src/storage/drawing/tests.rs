@@ -1,16 +1,16 @@
 //! Figures made up for the purpose: drawn, written, and looked into.
 
 use super::*;
-use crate::experiment::chart::Chart;
-use crate::experiment::record::{Direction, LoopRecord};
-use crate::experiment::scene::Model;
+use crate::follow::record::{Direction, LoopRecord};
 use crate::paper::Figure;
 use crate::paper::figure::Finding;
 use crate::paper::scenes;
 use crate::plot::loop_panel::tests::{invented_loop, law};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Role, Series, Symbol};
 use crate::plot::{chart_panel, loop_panel};
+use crate::scene::Model;
 use crate::storage::chart::tests::invented;
+use crate::study::chart::Chart;
 use ndarray::Array2;
 
 fn series(name: &str, role: Role, symbol: Option<Symbol>, colour: Colour, curve: impl Fn(f64) -> [f64; 2]) -> Series {
@@ -222,10 +222,7 @@ fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
 }
 
 fn flat_model() -> Model {
-    Model {
-        law: law(),
-        ..scenes::flat("", 256.0, crate::experiment::scene::Points::Square(64), 4.2, 0.2, 0.02).model().expect("a model")
-    }
+    Model { law: law(), ..scenes::flat("", 256.0, crate::scene::Points::Square(64), 4.2, 0.2, 0.02).model().expect("a model") }
 }
 
 #[test]
@@ -256,7 +253,7 @@ fn the_ticks_of_a_narrow_drive_are_told_apart() {
         let template = &invented_loop().states[30];
         record.states.extend((0..=20).map(|i| {
             let mean_displacement = middle + width * (0.5 - f64::from(i) / 20.0);
-            crate::experiment::record::StateRecord { mean_displacement, ..template.clone() }
+            crate::follow::record::StateRecord { mean_displacement, ..template.clone() }
         }));
         let panel = loop_panel::loop_panel(&record, &flat_model());
         let (ticks, _) = crate::plot::ticks::ticks(&crate::plot::scale::scales(&panel)[0]);

@@ -3,7 +3,7 @@
 //! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more, uncompressed text (iTXt) under a
 //! keyword of its own, right after the header.
 
-use crate::experiment::scene::Scene;
+use crate::scene::Scene;
 use crate::storage::{Failure, files, scene_file};
 use std::path::Path;
 

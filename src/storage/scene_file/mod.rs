@@ -7,7 +7,7 @@ mod section;
 mod write;
 
 use super::{Failure, files};
-use crate::experiment::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError};
 use std::path::Path;
 
 pub use read::parse;

@@ -2,11 +2,11 @@
 
 use super::section::{Section, finite};
 use super::{FORMAT, refused};
-use crate::experiment::parameter::{self, Parameter};
-use crate::experiment::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use crate::physics::roughness::Roughness;
+use crate::scene::parameter::{self, Parameter};
+use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::storage::Failure;
 use toml::{Table, Value};
 

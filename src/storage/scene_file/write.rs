@@ -1,9 +1,9 @@
 //! From a scene to the text of its file.
 
 use super::FORMAT;
-use crate::experiment::scene::{Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
+use crate::scene::{Points, Range, Scene, Turn};
 use toml::Value;
 
 /// The scene file of a scene; [`super::parse`] gives the same scene back.

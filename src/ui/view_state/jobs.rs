@@ -1,11 +1,11 @@
 //! What is computed in the background: the time-step map, the chart, the pages of the paper; and what follows from them.
 
 use super::ViewState;
-use crate::experiment::chart::Effort;
-use crate::experiment::part::Road;
-use crate::experiment::scene::{Points, Range};
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, GALLERY};
+use crate::scene::part::Road;
+use crate::scene::{Points, Range};
+use crate::study::chart::Effort;
 use crate::ui::action::{Measurement, Tab};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;

@@ -1,12 +1,12 @@
 //! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the one that is kept, theory.
 
 use super::ViewState;
-use crate::experiment::live_loop::Sample;
-use crate::experiment::record::{Direction, LoopRecord};
-use crate::experiment::walk::EnergyWell;
+use crate::follow::record::{Direction, LoopRecord};
+use crate::follow::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Series;
+use crate::study::live_loop::Sample;
 use crate::ui::scene_edit;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;

@@ -1,11 +1,11 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and which of its states is looked at.
 
 use super::ViewState;
-use crate::experiment::record::{Direction, JumpRecord, LoopRecord, StateRecord};
-use crate::experiment::time_step_map::TimeStepMap;
-use crate::experiment::walk::EnergyWell;
+use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use crate::follow::walk::EnergyWell;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
+use crate::study::time_step_map::TimeStepMap;
 use crate::worker::job::Job;
 use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
 use std::sync::Arc;

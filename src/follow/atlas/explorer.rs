@@ -1,0 +1,161 @@
+//! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which pattern it is.
+
+use crate::follow::contest::{KICK as FLAT_KICK, angle, tried};
+use crate::numerics::vector::{add, norm, scale};
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::pattern::{Pattern, classify};
+use crate::physics::system::{Evaluation, System};
+use crate::solver::mechanics::{Mechanics, Slides};
+use crate::solver::newton::NewtonState;
+use crate::solver::release::{Release, Slice};
+
+/// Root mean square kick along the soft mode, in ranges; the same as the walk's.
+const KICK: f64 = 0.1;
+/// Residual at which a fall ends: next to a saddle forces are small too.
+const TOLERANCE: f64 = 1e-6;
+/// Share of the amplitude below which a symmetry counts as kept.
+const TRACE: f64 = 2e-2;
+
+/// A place to rest.
+#[derive(Clone, Debug)]
+pub enum Rest {
+    /// The flat state.
+    Flat,
+    /// A ridge; amplitudes of the quarter cell, waves along x only.
+    Ridge(Vec<f64>),
+    /// A bulge or dimple; amplitudes of the quarter cell, x <-> y symmetric.
+    Square(Pattern, Vec<f64>),
+    /// Anything else.
+    Other,
+}
+
+impl Rest {
+    /// Its pattern.
+    pub fn pattern(&self) -> Pattern {
+        match self {
+            Rest::Flat => Pattern::Flat,
+            Rest::Ridge(_) => Pattern::Ridge,
+            Rest::Square(pattern, _) => *pattern,
+            Rest::Other => Pattern::Other,
+        }
+    }
+}
+
+/// A quarter cell for releases.
+#[derive(Clone, Debug)]
+pub struct Explorer {
+    /// A request to cancel it interrupts a fall.
+    pub mechanics: Mechanics,
+}
+
+impl Explorer {
+    /// On n x n points of the whole cell.
+    pub fn new(length: f64, n: usize, law: Law) -> Self {
+        let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
+        Self { mechanics: Mechanics::new(system, Slides::Never) }
+    }
+
+    /// Its mechanics.
+    pub fn system(&self) -> &System {
+        &self.mechanics.system
+    }
+
+    /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first waves along x and y.
+    pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
+        let (flat, ny) = (vec![0.0; self.system().dimension()], self.system().shape().0);
+        let from = |mixture: usize| {
+            let mut mode = flat.clone();
+            (mode[1], mode[ny]) = angle(mixture).sin_cos();
+            self.kicked(&flat, &mode, FLAT_KICK, u0)
+        };
+        tried(from, |a, b| a.pattern() == b.pattern())
+    }
+
+    /// The pattern of amplitudes.
+    pub fn pattern(&mut self, z: &[f64], u0: f64) -> Pattern {
+        let gap = self.mechanics.gap(z, u0);
+        classify(self.system().unfolded(&gap).view(), self.system().law(), true)
+    }
+
+    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
+    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
+        self.kicked(z, mode, KICK, u0)
+    }
+
+    fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, u0: f64) -> Rest {
+        let size = kick * self.system().law().range / norm(mode);
+        let mut side = |sign: f64| {
+            let mut moved = z.to_vec();
+            add(&mut moved, sign * size, mode);
+            self.mechanics.at(moved, u0)
+        };
+        let (one, other) = (side(1.0), side(-1.0));
+        let start = if other.state.energy < one.state.energy { other } else { one };
+        self.mechanics.preconditioner.forget();
+        self.fall(start).map_or(Rest::Other, |found| self.recognise(found.at.state.amplitudes, u0))
+    }
+
+    /// Down to the next minimum at fixed u0 by the walk's own release; `None` if there is no way.
+    fn fall(&mut self, start: Evaluation) -> Option<NewtonState> {
+        let mut release = Release::new(start).with_tolerance(TOLERANCE);
+        loop {
+            match release.advance(&mut self.mechanics, 500) {
+                Slice::Moving => {}
+                Slice::Settled(state) => return Some(*state),
+                Slice::Stuck | Slice::Cancelled => return None,
+            }
+        }
+    }
+
+    /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
+    fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
+        let size = norm(&z);
+        if size < 0.02 * self.system().law().range {
+            return Rest::Flat;
+        }
+        let n = self.system().shape().0;
+        let along_x: f64 = (1..n).map(|k| z[k * n].powi(2)).sum();
+        let along_y: f64 = (1..n).map(|l| z[l].powi(2)).sum();
+        if along_y > along_x {
+            transpose(&mut z, n);
+        }
+        // Moved by half a cell, every wave with an odd number of periods changes its sign.
+        let (flip_x, flip_y) = (z[n] < 0.0, z[1] < 0.0);
+        for (i, z) in z.iter_mut().enumerate() {
+            if flip_x && (i / n) % 2 == 1 {
+                *z = -*z;
+            }
+            if flip_y && (i % n) % 2 == 1 {
+                *z = -*z;
+            }
+        }
+        let mut line = vec![0.0; z.len()];
+        (0..n).for_each(|k| line[k * n] = z[k * n]);
+        if (size * size - norm(&line).powi(2)).max(0.0).sqrt() < TRACE * size {
+            return Rest::Ridge(line);
+        }
+        let mut other = z.clone();
+        transpose(&mut other, n);
+        let mut odd = z.clone();
+        add(&mut odd, -1.0, &other);
+        if norm(&odd) > 2.0 * TRACE * size {
+            return Rest::Other;
+        }
+        add(&mut z, 1.0, &other);
+        scale(&mut z, 0.5);
+        match self.pattern(&z, u0) {
+            pattern @ (Pattern::Bulge | Pattern::Dimple) => Rest::Square(pattern, z),
+            _ => Rest::Other,
+        }
+    }
+}
+
+fn transpose(z: &mut [f64], n: usize) {
+    for k in 0..n {
+        for l in 0..k {
+            z.swap(k * n + l, l * n + k);
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! A whole loop in one call: approach, retraction, and what they add up to.
+
+use super::contest::Share;
+use super::itinerary::Itinerary;
+use super::ledger::Ledger;
+use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
+use crate::numerics::cancel::Cancel;
+use crate::physics::pattern::Pattern;
+use crate::scene::{Scene, SceneError, Turn};
+use ndarray::Array2;
+
+/// A loop, complete or as far as it came.
+#[derive(Clone, Debug)]
+pub struct LoopRun {
+    /// States and jumps.
+    pub record: LoopRecord,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// What it cost.
+    pub counts: Counts,
+    /// A picture of each pattern where it was first reached.
+    pub landings: Vec<Landing>,
+    /// Why it was not computed as it was meant to be, in words, if it was not.
+    pub deviation: Option<String>,
+    /// Relative error of loss and jumps as a finer mesh tells it ([`crate::study::error_bar`]); `None` unless it was asked.
+    pub error_bar: Option<f64>,
+    /// The loops of other landings, if it is contested where the surface lands.
+    pub rivals: Vec<RivalLoop>,
+}
+
+/// The loop of another landing from a limit of the flat state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RivalLoop {
+    /// Where the surface lands, and how often.
+    pub landing: Share,
+    /// Its loss over gamma; `None` where that is not known.
+    pub dissipated_energy: Option<f64>,
+}
+
+impl LoopRun {
+    /// A loop of which nothing is computed yet.
+    pub(crate) fn empty() -> Self {
+        let (record, counts) = (LoopRecord::default(), Counts::default());
+        Self {
+            record,
+            outcome: Outcome::Completed,
+            counts,
+            landings: Vec::new(),
+            deviation: None,
+            error_bar: None,
+            rivals: Vec::new(),
+        }
+    }
+
+    /// The ledger, for a law of `surface_energy` gamma; `None` if the drive was not completed.
+    pub fn ledger(&self, surface_energy: f64) -> Option<Ledger> {
+        (self.outcome == Outcome::Completed).then(|| self.record.ledger(surface_energy))
+    }
+}
+
+/// How a loop ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The drive went all the way; whether the loop is closed says its ledger.
+    Completed,
+    /// The solver could not go on; everything before stands.
+    NotConverged {
+        /// Last u0 reached (length).
+        mean_displacement: f64,
+        /// What happened.
+        reason: Stuck,
+    },
+    /// Somebody asked to stop; everything before stands.
+    Cancelled,
+}
+
+/// The surface just after a jump (or at the start).
+#[derive(Clone, Debug)]
+pub struct Landing {
+    /// Direction of the drive.
+    pub direction: Direction,
+    /// Where (length).
+    pub mean_displacement: f64,
+    /// What it shows.
+    pub pattern: Pattern,
+    /// Gap field (length), shape (ny, nx).
+    pub gap: Array2<f64>,
+}
+
+/// What a loop reports while it runs.
+#[derive(Clone, Copy, Debug)]
+pub enum Report<'a> {
+    /// A new state, and the share of the loop that is done.
+    State {
+        /// The state.
+        record: &'a StateRecord,
+        /// 0 to 1.
+        fraction: f64,
+    },
+    /// A jump.
+    Jump(&'a JumpRecord),
+}
+
+/// Why a loop is not what was planned.
+pub(crate) fn walked_after_all(reason: &str) -> String {
+    format!("walked on the whole cell after all: {reason}")
+}
+
+/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back. On a part of the cell that proves too small
+/// it goes on on the whole of it.
+///
+/// # Errors
+/// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
+pub fn run_loop(
+    scene: &Scene,
+    options: WalkOptions,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(Report<'_>),
+) -> Result<LoopRun, SceneError> {
+    let mut drive = Drive::new(Walk::start(scene, options, cancel)?, scene);
+    if cancel.requested() {
+        drive.run.outcome = Outcome::Cancelled;
+        return Ok(drive.run);
+    }
+    if let Some((what, remedy)) = drive.walk.record().fault() {
+        let reason = Stuck::NoStart { what, remedy };
+        drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason };
+        return Ok(drive.run);
+    }
+    while let Some(target) = drive.itinerary.target() {
+        drive.walk.set_target(target);
+        let progress = drive.step(cancel, observe);
+        match progress {
+            Progress::Working | Progress::Resting => {
+                drive.itinerary.step(&progress, drive.walk.record());
+            }
+            Progress::Cancelled => {
+                drive.run.outcome = Outcome::Cancelled;
+                break;
+            }
+            Progress::Stuck(reason) => match drive.walk.widen(&reason, scene, cancel) {
+                Some(widened) => drive.go_on_with(widened, &reason),
+                None => {
+                    let mean_displacement = drive.walk.record().mean_displacement;
+                    drive.run.outcome = Outcome::NotConverged { mean_displacement, reason };
+                    break;
+                }
+            },
+        }
+    }
+    let spent = drive.walk.counts();
+    drive.run.counts += spent;
+    Ok(drive.run)
+}
+
+/// A drive under way: down to the turning point, and back to the start.
+struct Drive<'s> {
+    scene: &'s Scene,
+    walk: Walk,
+    run: LoopRun,
+    itinerary: Itinerary,
+    /// True if the next state is the first of its branch.
+    landed: bool,
+    lowest: f64,
+}
+
+impl<'s> Drive<'s> {
+    fn new(walk: Walk, scene: &'s Scene) -> Self {
+        let (start, mut run) = (scene.drive.start, LoopRun::empty());
+        run.record.states.push(walk.record().clone());
+        Self { scene, walk, run, itinerary: Itinerary::closed(scene), landed: true, lowest: start }
+    }
+
+    /// One step of the walk, told and recorded.
+    fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
+        let Self { scene, walk, run, itinerary, landed, lowest } = self;
+        let start = scene.drive.start;
+        let depth = match scene.drive.turn {
+            Turn::At(turn) => start - turn,
+            Turn::ZeroLoad => f64::INFINITY,
+        };
+        let retracting = itinerary.direction() == Some(Direction::Retraction);
+        let mut fresh = false;
+        let progress = walk.step(cancel, &mut |observed| match observed {
+            Observed::Moving { .. } => {}
+            Observed::Jump(jump) => {
+                *landed = true;
+                observe(Report::Jump(&jump));
+                run.record.jumps.push(jump);
+            }
+            Observed::State(state) => {
+                fresh = true;
+                *lowest = lowest.min(state.mean_displacement);
+                let gone = match retracting {
+                    true => 1.0 + (state.mean_displacement - *lowest) / (start - *lowest),
+                    false => (start - state.mean_displacement) / depth,
+                };
+                observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
+                run.record.states.push(state);
+            }
+        });
+        if fresh && std::mem::take(landed) {
+            let gap = walk.gap();
+            let record = walk.record();
+            let (direction, mean_displacement, pattern) = (record.direction, record.mean_displacement, record.pattern);
+            run.landings.push(Landing { direction, mean_displacement, pattern, gap });
+        }
+        let record = walk.record();
+        if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
+            return Progress::Stuck(Stuck::NotFinite);
+        }
+        progress
+    }
+
+    /// On the whole cell, from where the walk stood or from the start of the drive.
+    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) {
+        self.run.counts += self.walk.counts();
+        if stays {
+            self.walk = walk;
+            let here = self.walk.record().mean_displacement;
+            self.run.deviation = Some(format!("on the whole cell from u0 = {here} on: {because}"));
+        } else {
+            let counts = self.run.counts;
+            *self = Self::new(walk, self.scene);
+            self.run.counts = counts;
+            self.run.deviation = Some(walked_after_all(&because.to_string()));
+        }
+    }
+}

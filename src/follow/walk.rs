@@ -1,0 +1,363 @@
+//! The walk along u0: follow the branch in bounded steps, locate where it ends, release, land on what is stable.
+//!
+//! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment, or a slice of a release) and hands
+//! out what happened. It works on any scene and is the reference for every faster road.
+
+mod advance;
+mod landing;
+mod mesh_jumps;
+mod progress;
+mod record;
+pub(super) mod symmetry;
+mod views;
+
+pub use progress::{Counts, Observed, Progress, Stuck};
+pub use symmetry::Widened;
+pub use views::EnergyWell;
+
+use super::contest::Share;
+use super::flat_branch::FlatBranch;
+use super::record::{Cause, Direction, StateRecord};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::precision::Precision;
+use crate::physics::system::{State, System};
+use crate::scene::part::Part;
+use crate::scene::{Model, Scene, SceneError, refuse};
+use crate::solver::Stop;
+use crate::solver::branch::History;
+use crate::solver::equilibrium::{Cost, Equilibrium};
+use crate::solver::mechanics::{Mechanics, Slides};
+use crate::solver::method::Method;
+use crate::solver::methods::MethodKind;
+use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
+use crate::solver::release::Release;
+use crate::solver::stability::Tracker;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use std::time::{Duration, Instant};
+use symmetry::{Guard, slides_on, with_coarse};
+
+/// Why a branch cannot be followed beyond `at`.
+#[derive(Clone, Debug)]
+struct Barrier {
+    at: f64,
+    /// The negative eigenvalue found there (E* per length), if an equilibrium was.
+    stiffness: Option<f64>,
+    /// The mode that went soft, if it was seen.
+    soft_mode: Vec<f64>,
+}
+
+/// What tells how a branch goes on: u0, smallest eigenvalue and stress of its last state but one.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    at: f64,
+    stiffness: f64,
+    stress: f64,
+}
+
+/// How a branch is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WalkOptions {
+    /// By which method.
+    pub method: MethodKind,
+    /// On which part of the cell.
+    pub part: Part,
+    /// With which numbers.
+    pub precision: Precision,
+    /// For a mesh that traps the edge of a contact: jumps of a few points are gone downhill, and located within so many ranges. `None`
+    /// brackets every jump.
+    pub trapped_within: Option<f64>,
+}
+
+impl From<MethodKind> for WalkOptions {
+    /// This method on the whole cell.
+    fn from(method: MethodKind) -> Self {
+        Self { method, ..Self::default() }
+    }
+}
+
+/// Where a walk stands between two steps.
+enum Phase {
+    /// On a branch whose end is not in sight.
+    Following,
+    /// On a branch that ends before a barrier.
+    Bracketing(Bracket),
+    /// Off a branch: the surface moves at fixed u0.
+    Jumping(Box<Jumping>),
+}
+
+/// The end of a branch lies between the present state and a barrier.
+struct Bracket {
+    barrier: Barrier,
+    /// Its width (length).
+    width: f64,
+    /// True if the next trial must be the middle, because the last one did not halve it.
+    halve: bool,
+}
+
+/// A jump under way.
+#[derive(Clone, Debug)]
+struct Jumping {
+    release: Release,
+    cause: Cause,
+    kicks: usize,
+    /// The mode along which the state before gave way, and the size of the kick along it (ranges).
+    soft_mode: Vec<f64>,
+    kick: f64,
+    /// Energy of the state before, carried to the u0 of the jump.
+    energy_before: f64,
+    /// Where kicks lead, if that is contested.
+    landings: Vec<Share>,
+}
+
+/// The branch as far as it was followed.
+struct Behind {
+    history: History,
+    /// The state before, if it is of the same branch.
+    before: Option<Before>,
+    /// The step that went well after a longer one had failed; it grows again.
+    short: Option<f64>,
+}
+
+/// What a walk spent, and how much of it is in its records.
+struct Spent {
+    counts: Counts,
+    /// Transforms spent on looking where a surface may land.
+    looked: usize,
+    recorded: Cost,
+    /// Work on the next record so far, not counting the time between steps.
+    worked: Duration,
+    since: Instant,
+}
+
+/// A body on its way along u0.
+pub struct Walk {
+    model: Model,
+    options: WalkOptions,
+    step: f64,
+    start: f64,
+    mechanics: Mechanics,
+    method: Box<dyn Method>,
+    flat: Option<FlatBranch>,
+    /// On a part of the cell: the watch over modes of other symmetry.
+    guard: Option<Guard>,
+    rng: Pcg64,
+    tracker: Tracker,
+    /// Where it stands.
+    here: Equilibrium,
+    record: StateRecord,
+    behind: Behind,
+    phase: Phase,
+    /// The soft mode last shown, for the sign of the next.
+    facing: Vec<f64>,
+    target: f64,
+    direction: Direction,
+    spent: Spent,
+}
+
+impl Walk {
+    /// A walk at rest at the start of the scene's drive. Where `cancel` ends the search for the first state the walk stands on none.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn start(scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+        Self::start_by(options.method.build(scene.seed), scene, options, cancel)
+    }
+
+    /// The same by a method that is not in the list.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed.
+    pub fn start_by(method: Box<dyn Method>, scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+        let (model, part) = (scene.model()?, options.part);
+        if part.is_even() && !model.grid.nx.is_multiple_of(4) {
+            return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
+        }
+        if part.is_even() && !model.indenter.is_even() {
+            return Err(refuse(
+                "indenter.kind",
+                "\"rough\"",
+                "even ground for a quarter of the cell; rough ground needs the whole",
+            ));
+        }
+        let make = if part.is_even() { System::even } else { System::new };
+        let system = make(model.grid, model.law, &model.indenter).with_precision(options.precision);
+        let slides = slides_on(&model);
+        let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
+        let watched = part.is_even() && part != Part::Mirrored;
+        let guard = watched.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
+        let mut mechanics = Mechanics::new(system, if part.is_even() { Slides::Never } else { slides });
+        mechanics.cancel = cancel.clone();
+        let flat = (mechanics.system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
+        let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
+        let start = scene.drive.start;
+        let here = match flat {
+            Some(flat) => flat.state(&mechanics.system, start),
+            None => {
+                let uniform = vec![0.0; mechanics.system.dimension()];
+                solved(&mut mechanics, &mut tracker, uniform, start)
+            }
+        };
+        let mut walk = Self {
+            options,
+            step: scene.drive.step,
+            start,
+            mechanics,
+            method,
+            flat,
+            guard,
+            tracker,
+            rng: Pcg64::seed_from_u64(scene.seed),
+            behind: Behind { history: History::starting(&here.state), before: None, short: None },
+            record: StateRecord::placeholder(start),
+            here,
+            phase: Phase::Following,
+            facing: Vec::new(),
+            target: start,
+            direction: Direction::Approach,
+            spent: Spent {
+                counts: Counts::default(),
+                looked: 0,
+                recorded: Cost::default(),
+                worked: Duration::ZERO,
+                since: Instant::now(),
+            },
+            model,
+        };
+        walk.accept(&mut |_| {});
+        Ok(walk)
+    }
+
+    /// The same walk on another state of its scene, on which an earlier walk on the same part of the cell stood.
+    pub fn standing_on(mut self, mut state: Equilibrium, record: StateRecord) -> Self {
+        let State { mean_displacement, amplitudes, .. } = state.state.clone();
+        // It may come from another mesh, or have been moved.
+        state.fields = self.mechanics.uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement)).fields;
+        self.target = mean_displacement;
+        self.direction = record.direction;
+        self.behind.history = History::starting(&state.state);
+        (self.here, self.record) = (state, record);
+        self
+    }
+
+    /// The decided model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Law, ground and cell.
+    pub fn system(&self) -> &System {
+        &self.mechanics.system
+    }
+
+    /// The method's name.
+    pub fn method_name(&self) -> &'static str {
+        self.method.name()
+    }
+
+    /// Record of the state it stands on.
+    pub fn record(&self) -> &StateRecord {
+        &self.record
+    }
+
+    /// The equilibrium it stands on.
+    pub fn here(&self) -> &Equilibrium {
+        &self.here
+    }
+
+    /// The mechanics, ready for where it stands.
+    pub(crate) fn mechanics(&self) -> &Mechanics {
+        &self.mechanics
+    }
+
+    /// What was spent so far.
+    pub fn counts(&self) -> Counts {
+        let proofs = self.tracker.proof_transforms() + self.guard.as_ref().map_or(0, Guard::proof_transforms);
+        Counts { transforms: self.transforms(), proof_transforms: proofs, ..self.spent.counts }
+    }
+
+    fn transforms(&self) -> usize {
+        self.spent.looked
+            + self.mechanics.transforms()
+            + self.tracker.coarse_transforms()
+            + self.guard.as_ref().map_or(0, Guard::transforms)
+    }
+
+    /// Mean displacement now; during a jump, that of the jump.
+    pub fn displacement(&self) -> f64 {
+        match &self.phase {
+            Phase::Jumping(jumping) => jumping.release.at.state.mean_displacement,
+            _ => self.here.state.mean_displacement,
+        }
+    }
+
+    /// Where it is going.
+    pub fn target(&self) -> f64 {
+        self.target
+    }
+
+    /// Sets where to go; the path already gone is kept, and a jump under way is completed first.
+    pub fn set_target(&mut self, u0: f64) {
+        self.target = u0;
+    }
+
+    /// Does one bounded piece of work.
+    pub fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Observed)) -> Progress {
+        self.spent.since = Instant::now();
+        self.mechanics.cancel = cancel.clone();
+        let progress = self.work(observe);
+        self.pause_clock();
+        progress
+    }
+
+    /// Books the time since the step began, or since it was last booked.
+    fn pause_clock(&mut self) {
+        let now = Instant::now();
+        self.spent.worked += now.duration_since(self.spent.since);
+        self.spent.since = now;
+    }
+
+    fn work(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
+        self.phase = match std::mem::replace(&mut self.phase, Phase::Following) {
+            Phase::Jumping(jumping) => return self.relax(jumping, observe),
+            phase => phase,
+        };
+        let here = self.here.state.mean_displacement;
+        if here == self.target {
+            return Progress::Resting;
+        }
+        if self.cancelled() {
+            return Progress::Cancelled;
+        }
+        let direction = if self.target < here { Direction::Approach } else { Direction::Retraction };
+        if direction != self.direction {
+            self.direction = direction;
+            self.phase = Phase::Following;
+            (self.behind.before, self.behind.short) = (None, None);
+        }
+        match self.flat {
+            Some(flat) if self.here.is_uniform() => self.step_flat(flat, observe),
+            _ => self.step_patterned(observe),
+        }
+    }
+
+    /// True once somebody asked to stop.
+    fn cancelled(&self) -> bool {
+        self.mechanics.cancel.requested()
+    }
+}
+
+/// The equilibrium at `u0` that Newton's method finds from the amplitudes `z`, measured, or as far as it came.
+fn solved(mechanics: &mut Mechanics, tracker: &mut Tracker, z: Vec<f64>, u0: f64) -> Equilibrium {
+    let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&mechanics.system) };
+    let found = solve(mechanics, z, u0, limits);
+    let stop = match found.end {
+        NewtonEnd::Converged => Stop::Stable,
+        NewtonEnd::Cancelled => Stop::Cancelled,
+        _ => Stop::NotConverged,
+    };
+    let mut state = Equilibrium::unmeasured(found.at, found.residual, stop, Cost::default());
+    let (stiffness, mode) = tracker.check(mechanics, &state.state.amplitudes, &state.fields);
+    state.measured(stiffness, mode);
+    state
+}

@@ -1,0 +1,343 @@
+//! One increment along a branch, and the bracketing of where the branch ends.
+
+use super::{Barrier, Before, Bracket, Observed, Phase, Progress, Stuck, Walk};
+use crate::follow::atlas::{Explorer, Rest};
+use crate::follow::contest::{mixture, shares};
+use crate::follow::flat_branch::FlatBranch;
+use crate::follow::record::{Cause, Direction, JumpRecord};
+use crate::numerics::vector::norm;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+use crate::scene::part::no_quarter;
+use crate::solver::Lost;
+use crate::solver::Stop;
+use crate::solver::branch::History;
+use crate::solver::equilibrium::Equilibrium;
+use crate::solver::method::audit;
+use crate::solver::stability::random_smooth;
+use ndarray::Axis;
+
+/// Width, in ranges, to which the end of a branch is bracketed. Eigenvalues at both sides tell where in between it is.
+const LOCATED: f64 = 1e-5;
+/// The same over the least residual: closer to its end the softest mode is undecided, and a dimple that breaks up may read as a ridge.
+const DECIDED: f64 = 100.0;
+
+/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; on uneven ground a
+/// branch may be unstable for a tenth of a range alone, and a step across that goes unseen.
+const LONGEST_FLAT: f64 = 0.5;
+const LONGEST_UNEVEN: f64 = 0.1;
+/// The first step, in ranges, on a branch just landed on: there is no prediction yet from which another branch would stray.
+pub(super) const FIRST: f64 = 0.05;
+/// Step, in ranges, below which nobody asks whether a falling eigenvalue was negative on the way.
+const PASSED: f64 = 1e-3;
+
+/// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
+const AT_END: f64 = 1e-3;
+
+/// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
+const GAIN_MAX: f64 = 1e-2;
+
+impl Walk {
+    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
+    pub(super) fn next_displacement(&self) -> f64 {
+        let here = self.here.state.mean_displacement;
+        if let Phase::Bracketing(bracket) = &self.phase {
+            return self.towards(bracket);
+        }
+        let k = (self.start - here) / self.step;
+        let short = self.behind.short.unwrap_or(f64::INFINITY).min(self.longest());
+        match self.direction {
+            Direction::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
+            Direction::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
+        }
+    }
+
+    /// How far a method that locates may go without missing a jump (length). Where gamma'' falls nowhere below that of the upper limit of
+    /// the flat state, nothing can jump.
+    fn longest(&self) -> f64 {
+        let uniform = self.flat.is_some() && self.here.is_uniform();
+        if uniform || !self.method.locates() {
+            return f64::INFINITY;
+        }
+        let law = self.mechanics.system.law();
+        let Some((_, upper)) = flat::limits(law, self.model.grid.length) else { return f64::INFINITY };
+        let free = self.here.fields.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
+        free.max(0.0) + law.range * if self.mechanics.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
+    }
+
+    /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
+    fn expected_fold(&self) -> Option<f64> {
+        let (Before { at, stiffness: before, .. }, here) = (self.behind.before?, self.here.state.mean_displacement);
+        let now = self.here.stiffness_min?.value;
+        (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
+    }
+
+    /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
+    fn expected_share(&self, barrier: &Barrier) -> Option<f64> {
+        let here = self.here.state.mean_displacement;
+        let share = match (self.here.stiffness_min, barrier.stiffness) {
+            (Some(a), Some(b)) => a.value / (a.value - b),
+            _ => (self.expected_fold()? - here) / (barrier.at - here),
+        };
+        (0.0..1.0).contains(&share).then_some(share)
+    }
+
+    /// Width of a bracket that is narrow enough (length).
+    fn located_within(&self) -> f64 {
+        LOCATED.max(DECIDED * self.mechanics.system.precision().floor()) * self.model.law.range
+    }
+
+    /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
+    fn located(&self, barrier: Barrier) -> Barrier {
+        let here = self.here.state.mean_displacement;
+        let share = self.expected_share(&barrier).unwrap_or(1.0);
+        Barrier { at: here + share * (barrier.at - here), ..barrier }
+    }
+
+    /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
+    /// where there is no expectation, or it did not help last time.
+    fn towards(&self, Bracket { barrier, halve, .. }: &Bracket) -> f64 {
+        let here = self.here.state.mean_displacement;
+        let width = barrier.at - here;
+        let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
+        let fine = self.located_within() / width.abs();
+        // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
+        let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
+        if *halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
+    }
+
+    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Observed)) -> Progress {
+        let next = self.next_displacement();
+        let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next) else {
+            self.here = flat.state(&self.mechanics.system, next);
+            self.accept(observe);
+            return Progress::Working;
+        };
+        if stable != self.here.state.mean_displacement {
+            self.here = flat.state(&self.mechanics.system, stable);
+            self.accept(observe);
+        }
+        let landings = self.landings_from_flat(unstable);
+        if self.cancelled() {
+            return Progress::Cancelled;
+        }
+        let shares = shares(&landings);
+        let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
+        let barrier = Barrier { at: unstable, stiffness: None, soft_mode: soft };
+        let contested = if shares.len() > 1 { shares } else { Vec::new() };
+        self.release_because(Cause::FlatLimit, barrier, contested)
+    }
+
+    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
+    /// but one wave, or no such cell.
+    fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
+        let grid = *self.mechanics.system.grid();
+        if grid.is_line() || no_quarter(grid.nx).is_some() {
+            return Vec::new();
+        }
+        let law = *self.mechanics.system.law();
+        let mut explorer = Explorer::new(grid.length, grid.nx, law);
+        explorer.mechanics.cancel = self.mechanics.cancel.clone();
+        let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
+        self.spent.looked += explorer.mechanics.transforms();
+        landings
+    }
+
+    /// A random mixture of the first waves that leads to `pattern`.
+    fn soft_wave_to(&mut self, landings: &[Pattern], pattern: Option<Pattern>) -> Vec<f64> {
+        loop {
+            let wave = self.random_soft_wave();
+            let field = self.mechanics.field(&wave);
+            let along = |axis: usize| {
+                let profile = field.mean_axis(Axis(axis)).expect("a mesh has points");
+                profile.iter().map(|v| v * v).sum::<f64>().sqrt()
+            };
+            // As if drawn from all that lead there.
+            if landings.get(mixture(along(0), along(1))).copied() == pattern {
+                return wave;
+            }
+        }
+    }
+
+    /// All first waves of the cell go soft together; the seed mixes them.
+    pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
+        let q1 = self.mechanics.system.grid().q1();
+        let mut z = random_smooth(&self.mechanics.system, &mut self.rng);
+        for (z, e) in z.iter_mut().zip(self.mechanics.system.elastic()) {
+            if 2.0 * e > 1.1 * q1 {
+                *z = 0.0;
+            }
+        }
+        let length = norm(&z);
+        z.iter_mut().for_each(|z| *z /= length);
+        z
+    }
+
+    pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
+        let located = self.located_within();
+        let here = self.here.state.mean_displacement;
+        let reached = match std::mem::replace(&mut self.phase, Phase::Following) {
+            Phase::Bracketing(bracket) if (bracket.barrier.at - here).abs() <= located => Some(bracket.barrier),
+            phase => {
+                self.phase = phase;
+                None
+            }
+        };
+        let next = match &reached {
+            // An unstable equilibrium was seen there: nothing to confirm.
+            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
+            // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
+            Some(barrier) => {
+                self.behind.history = History::starting(&self.here.state);
+                barrier.at
+            }
+            None => self.next_displacement(),
+        };
+        let locates = self.method.locates();
+        let mut barrier = Barrier { at: next, stiffness: None, soft_mode: Vec::new() };
+        match self.method.follow(&mut self.mechanics, &self.behind.history, &self.here, next) {
+            Ok(mut state) => {
+                self.spent.counts.iterations += state.cost.iterations;
+                let (stiffness, mode) = self.tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+                if self.cancelled() {
+                    return Progress::Cancelled;
+                }
+                let stiffness = match self.all_modes(&state, stiffness) {
+                    Ok(stiffness) => stiffness,
+                    Err(stuck) => return Progress::Stuck(stuck),
+                };
+                state.measured(stiffness, mode);
+                if locates && self.barrier().is_none() && self.passed_an_end(&state) {
+                    self.behind.short = Some(0.5 * (next - here).abs());
+                    return Progress::Working;
+                }
+                // Next to an end that is known no budget tells the sign of what vanishes there.
+                let at_end = self.barrier().is_some_and(|known| {
+                    stiffness.value.is_nan() && known.stiffness.is_some() && (known.at - here).abs() < AT_END * self.model.law.range
+                });
+                if at_end {
+                    (barrier.stiffness, barrier.soft_mode) = (Some(0.0), state.soft_mode);
+                } else if state.stop != Stop::Unstable || !locates {
+                    let faded = locates && reached.is_none() && self.faded(&state);
+                    if !faded {
+                        return self.take(state, observe);
+                    }
+                } else {
+                    (barrier.stiffness, barrier.soft_mode) = (Some(stiffness.value), state.soft_mode);
+                }
+            }
+            Err(Lost::Cancelled) => return Progress::Cancelled,
+            Err(Lost::Diverged(why)) => {
+                return Progress::Stuck(Stuck::Diverged { mean_displacement: next, method: self.method.name(), why });
+            }
+            Err(Lost::Unstable | Lost::Gone) => {}
+        }
+        let bracketed = reached.is_some() || self.barrier().is_some();
+        if let Some(progress) = (!bracketed).then(|| self.fall(next, observe)).flatten() {
+            return progress;
+        }
+        if reached.is_some() {
+            if barrier.stiffness.is_none() {
+                barrier.soft_mode = self.here.soft_mode.clone();
+            }
+            return self.release(self.located(barrier));
+        }
+        self.bracket(barrier);
+        Progress::Working
+    }
+
+    /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the branch may have been unstable on
+    /// the way.
+    fn passed_an_end(&self, next: &Equilibrium) -> bool {
+        let (Some(before), Some(now)) = (self.behind.before, self.here.stiffness_min) else { return false };
+        let (here, there) = (self.here.state.mean_displacement, next.state.mean_displacement);
+        let expected = now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
+        expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.model.law.range
+    }
+
+    /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only faded, a bracket says so.
+    fn faded(&self, next: &Equilibrium) -> bool {
+        self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.here))
+    }
+
+    /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
+    fn reconsider(&mut self, du: f64) {
+        let short = &mut self.behind.short;
+        *short = short.map(|short| 1.5 * short.max(du.abs())).filter(|short| *short < self.step);
+        let Some(barrier) = self.barrier().cloned() else { return };
+        let left = barrier.at - self.here.state.mean_displacement;
+        let expected = self.expected_fold().is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
+        if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
+            self.phase = Phase::Following;
+            self.behind.short = Some(du.abs());
+        } else {
+            self.bracket(barrier);
+        }
+    }
+
+    /// What the end of the branch is known to lie before, if anything.
+    fn barrier(&self) -> Option<&Barrier> {
+        match &self.phase {
+            Phase::Bracketing(bracket) => Some(&bracket.barrier),
+            _ => None,
+        }
+    }
+
+    /// Brackets the end of the branch between the present state and `barrier`.
+    fn bracket(&mut self, barrier: Barrier) {
+        let width = (barrier.at - self.here.state.mean_displacement).abs();
+        let halve = match &self.phase {
+            Phase::Bracketing(last) => width > 0.5 * last.width && !last.halve,
+            _ => false,
+        };
+        self.phase = Phase::Bracketing(Bracket { barrier, width, halve });
+    }
+
+    /// Takes the present state into the history of its branch.
+    pub(super) fn remember(&mut self) {
+        self.behind.history.push(&self.here.state);
+    }
+
+    /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
+    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
+        let (before, energy, stress) = (self.record.clone(), self.here.state.energy, self.here.state.stress);
+        let du = state.state.mean_displacement - self.here.state.mean_displacement;
+        let work = 0.5 * (stress + state.state.stress) * du;
+        let released = (energy + work - state.state.energy) / self.model.law.surface_energy;
+        if !self.method.locates() && !(released > -GAIN_MAX) {
+            let (mean_displacement, method) = (state.state.mean_displacement, self.method.name());
+            return Progress::Stuck(Stuck::EnergyGained { mean_displacement, method, gained: -released });
+        }
+        // An extrapolation over a jump that nobody noticed would be of neither branch.
+        let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
+        let (at, stiffness_min) = (self.here.state.mean_displacement, self.here.stiffness_min);
+        self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
+        self.here = state;
+        self.reconsider(du);
+        if smooth {
+            self.remember();
+        } else {
+            self.behind.history = History::starting(&self.here.state);
+        }
+        if self.method.locates() {
+            self.mechanics.refresh(&self.here.fields);
+        }
+        let pattern = self.pattern();
+        if !self.method.locates() && pattern != before.pattern {
+            observe(Observed::Jump(JumpRecord {
+                direction: self.direction,
+                mean_displacement: self.here.state.mean_displacement,
+                from: before.pattern,
+                to: pattern,
+                stress_before: stress,
+                stress_after: self.here.state.stress,
+                released_energy: released,
+                release_error: (du * (self.here.state.stress - stress)).abs() / self.model.law.surface_energy,
+                cause: Cause::PatternChange,
+                landings: Vec::new(),
+            }));
+        }
+        self.accept(observe);
+        Progress::Working
+    }
+}

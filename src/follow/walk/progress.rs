@@ -1,0 +1,137 @@
+//! What a step of the walk brings, leaves to do, and costs; and why a walk goes no further.
+
+use crate::follow::atlas::Unmapped;
+use crate::follow::record::{JumpRecord, StateRecord};
+
+/// What one step of the walk brought.
+#[derive(Clone, Debug)]
+pub enum Observed {
+    /// A new state on the path.
+    State(StateRecord),
+    /// The surface is moving at fixed u0; [`Walk::gap`](super::Walk::gap) shows it.
+    Moving {
+        /// Mean stress at this instant (E*).
+        stress: f64,
+    },
+    /// A jump was completed; the state after it follows.
+    Jump(JumpRecord),
+}
+
+/// What is left to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// More steps are needed.
+    Working,
+    /// At the target.
+    Resting,
+    /// Interrupted by the cancel token; the last state stands.
+    Cancelled,
+    /// Cannot go on; the last state stands.
+    Stuck(Stuck),
+}
+
+/// Why a loop goes no further.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Stuck {
+    /// On a part of the cell: a mode that the part does not hold.
+    #[error("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell")]
+    LeavesSymmetry,
+    /// The numbers of a method stopped being finite.
+    #[error("NaN: {why} ({method} at u0 = {mean_displacement:.6})")]
+    Diverged {
+        /// Where (length).
+        mean_displacement: f64,
+        /// By which method.
+        method: &'static str,
+        /// What it ran into.
+        why: &'static str,
+    },
+    /// A method that locates nothing came to a state of higher energy than the work done on it.
+    #[error(
+        "energy gained: too hot a thermostat, or a run into the wall of the law ({gained:.1e} gamma, {method} at u0 = {mean_displacement:.6})"
+    )]
+    EnergyGained {
+        /// Where (length).
+        mean_displacement: f64,
+        /// By which method.
+        method: &'static str,
+        /// How much (gamma).
+        gained: f64,
+    },
+    /// The release found no way down.
+    #[error("the release at u0 = {mean_displacement:.6} found no way down")]
+    NoWayDown {
+        /// Where (length).
+        mean_displacement: f64,
+    },
+    /// Every place where a release came to rest was a saddle.
+    #[error("after the jump at u0 = {mean_displacement:.6} every resting place found was unstable")]
+    OnlyUnstable {
+        /// Where (length).
+        mean_displacement: f64,
+    },
+    /// A release ended at a higher energy than it began with.
+    #[error(
+        "the release at u0 = {mean_displacement:.6} would have gained energy ({released:.2e} gamma), which is a failure of the solver"
+    )]
+    NegativeRelease {
+        /// Where (length).
+        mean_displacement: f64,
+        /// What it released (gamma), below zero.
+        released: f64,
+    },
+    /// Stress or energy of a state overflow.
+    #[error("stress or energy are no finite numbers")]
+    NotFinite,
+    /// The atlas does not hold the scene.
+    #[error("{0}")]
+    Unmapped(Unmapped),
+    /// There is no loop from the first state.
+    #[error("{what}; {remedy}")]
+    NoStart {
+        /// What is wrong with it.
+        what: String,
+        /// What may help.
+        remedy: String,
+    },
+}
+
+impl Stuck {
+    /// What happened, in short and without the place.
+    pub fn what(&self) -> String {
+        match self {
+            Stuck::LeavesSymmetry => "a mode that is not mirror-symmetric goes soft".to_owned(),
+            Stuck::Diverged { why, .. } => format!("NaN: {why}"),
+            Stuck::EnergyGained { .. } => "energy gained".to_owned(),
+            Stuck::NoWayDown { .. } => "the release found no way down".to_owned(),
+            Stuck::OnlyUnstable { .. } => "every resting place found was unstable".to_owned(),
+            Stuck::NegativeRelease { .. } => "the release would have gained energy".to_owned(),
+            Stuck::NotFinite => self.to_string(),
+            Stuck::Unmapped(unmapped) => unmapped.what.clone(),
+            Stuck::NoStart { what, .. } => what.clone(),
+        }
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        let Self { transforms, proof_transforms, iterations, patterned_increments } = other;
+        self.transforms += transforms;
+        self.proof_transforms += proof_transforms;
+        self.iterations += iterations;
+        self.patterned_increments += patterned_increments;
+    }
+}
+
+/// What was spent so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Fourier transforms.
+    pub transforms: usize,
+    /// Those of them that prove that no mode is softer than the ones that are followed.
+    pub proof_transforms: usize,
+    /// Iterations of the method.
+    pub iterations: usize,
+    /// Recorded states with a pattern.
+    pub patterned_increments: usize,
+}

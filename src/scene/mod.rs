@@ -1,0 +1,374 @@
+//! Floor 2: what to compute: the scene, as a file or the window describes it, its parameters with limits and units, the decided model, and
+//! the mesh an "auto" asks for.
+//!
+//! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1.
+
+pub mod mesh;
+pub mod parameter;
+pub mod part;
+
+pub use parameter::SceneError;
+
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
+use crate::physics::mesh_rule;
+use crate::physics::roughness::WAVES_MAX;
+use mesh::{next_fast, points_for};
+use parameter::{Parameter, number};
+
+pub use parameter::POINTS_MAX;
+
+/// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// One line that names the scene.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// The periodic cell.
+    pub cell: Cell,
+    /// The cohesive law.
+    pub law: LawChoice,
+    /// The rigid counter-surface.
+    pub indenter: Indenter,
+    /// The path of the mean displacement.
+    pub drive: Drive,
+    /// What the plan must meet: relative error of the dissipated energy.
+    pub accuracy: f64,
+    /// Seed of the perturbations that choose between equivalent patterns.
+    pub seed: u64,
+}
+
+/// The periodic cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Side L.
+    pub length: f64,
+    /// The mesh.
+    pub points: Points,
+}
+
+/// The mesh of the cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// Chosen from mu_rho and the asked accuracy (square).
+    Auto,
+    /// n x n points.
+    Square(usize),
+    /// n points along x, fields uniform along y.
+    Line(usize),
+}
+
+/// The cohesive law with its scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawChoice {
+    /// Which law.
+    pub shape: Shape,
+    /// Work of adhesion gamma per area.
+    pub surface_energy: f64,
+    /// The range, directly or through the mesh rule.
+    pub range: Range,
+}
+
+/// How the range of the law is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// rho itself.
+    Length(f64),
+    /// mu_rho of Eq. 10; the mesh then fixes rho.
+    MuRho(f64),
+}
+
+/// The path of the mean displacement u0: from `start` down to `turn` and back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// u0 at the beginning and the end.
+    pub start: f64,
+    /// Where the approach turns into the retraction.
+    pub turn: Turn,
+    /// Largest change of u0 between two states.
+    pub step: f64,
+}
+
+/// The turning point of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// At this mean displacement.
+    At(f64),
+    /// Where the mean stress falls to zero after contact.
+    ZeroLoad,
+}
+
+/// A scene with everything "auto" decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Cell and mesh.
+    pub grid: Grid,
+    /// Law with its range.
+    pub law: Law,
+    /// Counter-surface.
+    pub indenter: Indenter,
+    /// mu_rho of this law on this mesh (Eq. 10).
+    pub mu_rho: f64,
+    /// In words: which model, and why.
+    pub reason: String,
+}
+
+impl Model {
+    /// What a reader of the results must know, in words: jumps that belong to the mesh, waves of the ground that it cannot show.
+    pub fn warning(&self) -> Option<String> {
+        let law = (!mesh_rule::is_safe(self.mu_rho)).then(|| {
+            format!(
+                "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the jumps may belong to the mesh and not \
+                 to the physics",
+                self.mu_rho,
+                mesh_rule::SAFE
+            )
+        });
+        let ground = match self.indenter {
+            Indenter::Rough(roughness) if !roughness.fits(&self.grid) => {
+                Some(format!("the mesh is too coarse for waves of length {}: the shortest ones are left out", roughness.shortest))
+            }
+            _ => None,
+        };
+        let words: Vec<_> = law.into_iter().chain(ground).collect();
+        (!words.is_empty()).then(|| words.join("; "))
+    }
+}
+
+/// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second
+/// where nothing else keeps the machine busy.
+const STEPS_MAX: f64 = 2e5;
+
+/// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
+const STEP_SHARE: f64 = 1e-10;
+
+impl Scene {
+    /// Where the approach is to go (length): to the turning point, or, where the sign of the stress ends it, far below anything a tip
+    /// under tension can need.
+    pub fn depth(&self) -> f64 {
+        let start = self.drive.start;
+        match self.drive.turn {
+            Turn::At(turn) => turn,
+            Turn::ZeroLoad => start - 1e3 * (start.abs() + self.cell.length),
+        }
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.model().map(|_| ())
+    }
+
+    /// Every number that the scene gives, with what is allowed of it.
+    pub fn numbers(&self) -> Vec<(&'static Parameter, f64)> {
+        let Self { cell, law, indenter, drive, accuracy, seed, .. } = self;
+        let mut numbers = vec![
+            (&parameter::LENGTH, cell.length),
+            (&parameter::SURFACE_ENERGY, law.surface_energy),
+            (&parameter::START, drive.start),
+            (&parameter::STEP, drive.step),
+            (&parameter::TARGET, *accuracy),
+            (&parameter::SEED, *seed as f64),
+        ];
+        if let Points::Square(n) | Points::Line(n) = cell.points {
+            numbers.push((&parameter::POINTS, n as f64));
+        }
+        match law.shape {
+            Shape::Mie(Mie { m, n }) => numbers.extend([(&parameter::MIE_N, n), (&parameter::MIE_M, m)]),
+            Shape::DoubleExponential(DoubleExponential { ratio }) => numbers.push((&parameter::RATIO, ratio)),
+            Shape::Morse(_) | Shape::Cosine(_) => {}
+        }
+        numbers.push(match law.range {
+            Range::Length(range) => (&parameter::RANGE, range),
+            Range::MuRho(mu_rho) => (&parameter::MU_RHO, mu_rho),
+        });
+        match *indenter {
+            Indenter::Flat => {}
+            Indenter::Hertz { radius } => numbers.push((&parameter::RADIUS, radius)),
+            Indenter::Wave { amplitude, periods } => {
+                numbers.push((&parameter::AMPLITUDE, amplitude));
+                numbers.extend(periods.map(|count| (&parameter::PERIODS, count as f64)));
+            }
+            Indenter::Rough(rough) => numbers.extend([
+                (&parameter::HURST, rough.hurst),
+                (&parameter::RMS, rough.rms),
+                (&parameter::LONGEST, rough.longest),
+                (&parameter::SHORTEST, rough.shortest),
+                (&parameter::GROUND_SEED, rough.seed as f64),
+            ]),
+        }
+        if let Turn::At(turn) = drive.turn {
+            numbers.push((&parameter::TURN, turn));
+        }
+        numbers
+    }
+
+    /// Decides what the scene leaves open: mesh, range, mu_rho.
+    ///
+    /// # Errors
+    /// The first value that is not allowed: by itself, then beside the others.
+    pub fn model(&self) -> Result<Model, SceneError> {
+        for (parameter, value) in self.numbers() {
+            parameter.check(value)?;
+        }
+        self.check_shape()?;
+        self.check_drive()?;
+        self.check_indenter()?;
+        let unit = Law { shape: self.law.shape, surface_energy: self.law.surface_energy, range: 1.0 };
+        let (grid, reason) = self.mesh(&unit)?;
+        let range = match self.law.range {
+            Range::Length(range) => range,
+            Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), mu),
+        };
+        self.check_waves(&grid)?;
+        let law = Law { range, ..unit };
+        let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
+        if !parameter::MU_RHO.range.contains(&mu_rho) {
+            let (low, high) = (parameter::MU_RHO.range.start(), parameter::MU_RHO.range.end());
+            let allowed = format!("a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}");
+            return Err(refuse("law.range", number(range), &allowed));
+        }
+        if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape) {
+            let level = self.indenter.height(&grid).and_then(|height| height.mean()).unwrap_or(0.0);
+            if turn <= level {
+                let allowed =
+                    format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
+                return Err(refuse("drive.turn", number(turn), &allowed));
+            }
+        }
+        if let Turn::At(turn) = self.drive.turn
+            && self.indenter == Indenter::Flat
+            && !law.at(turn).energy.is_finite()
+        {
+            return Err(refuse("drive.turn", number(turn), "a gap at which the law is finite: so deep in its wall it overflows"));
+        }
+        if let Turn::ZeroLoad = self.drive.turn
+            && range / self.drive.step > STEPS_MAX
+        {
+            return Err(refuse("drive.step", number(self.drive.step), "at least a 200,000th of law.range"));
+        }
+        Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
+    }
+
+    /// The mesh, and in words why; `unit` is the law with a range of 1.
+    fn mesh(&self, unit: &Law) -> Result<(Grid, String), SceneError> {
+        let length = self.cell.length;
+        let range = match (self.cell.points, self.law.range) {
+            (Points::Square(n), _) => return Ok((Grid::square(length, even(n)?), "points given".to_owned())),
+            (Points::Line(n), _) => return Ok((Grid::line(length, even(n)?), "line cell given".to_owned())),
+            (Points::Auto, Range::MuRho(mu)) => {
+                let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
+                return Err(refuse("law.mu_rho", number(mu), allowed));
+            }
+            (Points::Auto, Range::Length(range)) => range,
+        };
+        if let Indenter::Wave { periods, .. } = self.indenter
+            && self.indenter.points_needed(length) > POINTS_MAX
+        {
+            let allowed = format!("with cell.points = \"auto\" at most {}, each wave with its eight points", POINTS_MAX / 8);
+            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
+        }
+        let law = Law { range, ..*unit };
+        let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.points_needed(length)));
+        if n > POINTS_MAX {
+            let allowed =
+                format!("this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length");
+            return Err(refuse("cell.points", "auto", &allowed));
+        }
+        let mu = mesh_rule::mu_rho(&law, length / n as f64);
+        // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
+        let reason = match self.indenter == Indenter::Flat && law.is_smooth() {
+            true => format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy),
+            false => format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy),
+        };
+        Ok((Grid::square(length, n), reason))
+    }
+
+    fn check_shape(&self) -> Result<(), SceneError> {
+        match self.law.shape {
+            Shape::Mie(Mie { m, n }) if !(m > n) => {
+                Err(refuse("law.m", number(m), &format!("a number above law.n = {n}, at most {}", parameter::MIE_M.range.end())))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_waves(&self, grid: &Grid) -> Result<(), SceneError> {
+        if let Indenter::Wave { periods, .. } = self.indenter
+            && (periods.iter().any(|&p| p > grid.nx / 4) || grid.is_line() && periods[1] > 0)
+        {
+            let allowed = if grid.is_line() { "along x alone on a line cell, and " } else { "" };
+            let allowed = format!("{allowed}at most a quarter of the points along a side ({})", grid.nx / 4);
+            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
+        }
+        Ok(())
+    }
+
+    fn check_indenter(&self) -> Result<(), SceneError> {
+        let length = self.cell.length;
+        match self.indenter {
+            Indenter::Flat | Indenter::Hertz { .. } => {}
+            Indenter::Wave { periods, .. } => {
+                if periods == [0, 0] {
+                    return Err(refuse("indenter.periods", "[0, 0]", "a whole number above 0 along x or y, as in 2 or [2, 1]"));
+                }
+            }
+            Indenter::Rough(rough) => {
+                if rough.longest > length {
+                    return Err(refuse(
+                        "indenter.longest",
+                        number(rough.longest),
+                        &format!("above 0, at most cell.length = {}", number(length)),
+                    ));
+                }
+                let least = length / WAVES_MAX as f64;
+                if !(rough.shortest >= least && rough.shortest <= rough.longest) {
+                    let allowed =
+                        format!("from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}", number(least), number(rough.longest));
+                    return Err(refuse("indenter.shortest", number(rough.shortest), &allowed));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_drive(&self) -> Result<(), SceneError> {
+        let Drive { start, turn, step } = self.drive;
+        // At zero load u0 goes below the ground by no more than about the length of the cell.
+        let reach = start.abs() + if turn == Turn::ZeroLoad { self.cell.length } else { 0.0 };
+        if step < STEP_SHARE * reach {
+            return Err(refuse(
+                "drive.step",
+                number(step),
+                &format!("at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"),
+            ));
+        }
+        if let Turn::At(turn) = turn {
+            if turn >= start {
+                return Err(refuse(
+                    "drive.turn",
+                    number(turn),
+                    &format!("a number below drive.start = {}, or \"zero_load\"", number(start)),
+                ));
+            }
+            if (start - turn) / step > STEPS_MAX {
+                return Err(refuse("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
+            }
+        } else if self.indenter == Indenter::Flat {
+            return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
+        }
+        Ok(())
+    }
+}
+
+fn even(n: usize) -> Result<usize, SceneError> {
+    if n.is_multiple_of(2) { Ok(n) } else { Err(parameter::POINTS.refuse(n)) }
+}
+
+pub(super) fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {
+    SceneError { key: key.to_owned(), value: value.to_string(), allowed: format!("allowed is {allowed}") }
+}

@@ -1,0 +1,264 @@
+//! How far a loop is from the reference, and what went wrong in it.
+
+use super::{Measured, Point};
+use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
+use crate::follow::run::Outcome;
+use crate::numerics::vector::max_abs;
+use crate::physics::mesh_rule;
+use crate::physics::pattern::Pattern;
+use crate::solver::Stop;
+use std::fmt;
+
+/// A loss below this (over gamma) is none: errors are then absolute.
+const LOSS_MIN: f64 = 1e-6;
+
+/// Distances from the reference. NaN where there is nothing to compare.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Of the dissipated energy, relative (absolute, over gamma, where nothing is dissipated).
+    pub dissipated_energy: f64,
+    /// Of the worst matched jump's u0, in ranges.
+    pub jumps: f64,
+    /// Root mean square of the mean stress where both are on the same pattern and away from jumps, over sigma_max.
+    pub stress: f64,
+}
+
+impl Errors {
+    /// The larger one of each; NaN wins.
+    pub fn larger(self, other: Self) -> Self {
+        let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+        Self {
+            dissipated_energy: larger(self.dissipated_energy, other.dissipated_energy),
+            jumps: larger(self.jumps, other.jumps),
+            stress: larger(self.stress, other.stress),
+        }
+    }
+}
+
+/// What came of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// Closed, every state converged and stable, every jump there.
+    Done,
+    /// Something is wrong with it, in words.
+    Failed {
+        /// What, as on the chart.
+        what: String,
+        /// Everything that is wrong.
+        message: String,
+    },
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Verdict::Done => "done",
+            Verdict::Failed { what, .. } => what,
+            Verdict::Cancelled => "cancelled",
+        })
+    }
+}
+
+/// A row of the chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// What was measured.
+    pub point: Point,
+    /// Its loss over gamma; NaN unless the loop is closed.
+    pub dissipated_energy: f64,
+    /// Distances from the reference.
+    pub errors: Errors,
+    /// Fourier transforms.
+    pub transforms: usize,
+    /// The same over the increments that ended in a pattern; NaN without any.
+    pub transforms_per_increment: f64,
+    /// Time on the wall.
+    pub seconds: f64,
+    /// Time of the processor.
+    pub processor_seconds: f64,
+    /// Nothing that is done is both nearer to the reference and cheaper in transforms.
+    pub pareto_transforms: bool,
+    /// The same for processor time.
+    pub pareto_time: bool,
+    /// What `tackscope run` would do.
+    pub plan: bool,
+    /// The budget of the paper.
+    pub paper_budget: bool,
+    /// What came of it.
+    pub verdict: Verdict,
+}
+
+impl Judged {
+    pub(super) fn new(measured: &Measured, comparison: Comparison, plan: bool, paper_budget: bool) -> Self {
+        let counts = measured.counts;
+        Self {
+            point: measured.point,
+            dissipated_energy: measured.dissipated_energy(),
+            errors: comparison.errors,
+            transforms: counts.transforms,
+            transforms_per_increment: match counts.patterned_increments {
+                0 => f64::NAN,
+                increments => counts.transforms as f64 / increments as f64,
+            },
+            seconds: measured.seconds,
+            processor_seconds: measured.processor_seconds,
+            pareto_transforms: false,
+            pareto_time: false,
+            plan,
+            paper_budget,
+            verdict: verdict(measured, comparison.faults),
+        }
+    }
+}
+
+/// A loop beside the reference.
+pub(super) struct Comparison {
+    pub(super) errors: Errors,
+    /// Jumps that are missing or too many, in words.
+    pub(super) faults: Vec<(String, String)>,
+}
+
+/// Compares a loop with `truth`.
+pub(super) fn compare(measured: &Measured, truth: &Measured) -> Comparison {
+    let (loss, expected) = (measured.dissipated_energy(), truth.dissipated_energy());
+    let scale = if expected.abs() > LOSS_MIN { expected.abs() } else { 1.0 };
+    let matched = matched(&measured.record.jumps, &truth.record.jumps);
+    let late = matched.iter().map(|(a, b)| (a.mean_displacement - b.mean_displacement).abs() / truth.law.range);
+    let complete = measured.is_complete() && truth.is_complete();
+    let jumps = if complete { late.fold(0.0, f64::max) } else { f64::NAN };
+    let errors = Errors { dissipated_energy: (loss - expected).abs() / scale, jumps, stress: stress_error(measured, truth) };
+    let faults = if complete { jump_faults(measured, truth, matched.len()) } else { Vec::new() };
+    Comparison { errors, faults }
+}
+
+/// The longest common sequence of jumps (branch, pattern before and after), in order.
+fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord, &'a JumpRecord)> {
+    let same = |i: usize, j: usize| (a[i].direction, a[i].from, a[i].to) == (b[j].direction, b[j].from, b[j].to);
+    let mut length = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in (0..a.len()).rev() {
+        for j in (0..b.len()).rev() {
+            let skip = length[i + 1][j].max(length[i][j + 1]);
+            length[i][j] = if same(i, j) { skip.max(1 + length[i + 1][j + 1]) } else { skip };
+        }
+    }
+    let (mut i, mut j, mut pairs) = (0, 0, Vec::new());
+    while i < a.len() && j < b.len() {
+        if same(i, j) && length[i][j] == 1 + length[i + 1][j + 1] {
+            pairs.push((&a[i], &b[j]));
+            (i, j) = (i + 1, j + 1);
+        } else if length[i + 1][j] >= length[i][j + 1] {
+            i += 1;
+        } else {
+            j += 1;
+        }
+    }
+    pairs
+}
+
+/// What is wrong with the jumps, in short for a chart and in full.
+fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<(String, String)> {
+    let (ours, theirs) = (&measured.record, &truth.record);
+    let mut faults = Vec::new();
+    for branch in [Direction::Approach, Direction::Retraction] {
+        let reached = |record: &LoopRecord, p: Pattern| record.jumps.iter().any(|j| j.direction == branch && j.to == p);
+        for pattern in [Pattern::Bulge, Pattern::Ridge, Pattern::Dimple, Pattern::Contact, Pattern::Other, Pattern::Flat] {
+            if reached(theirs, pattern) && !reached(ours, pattern) {
+                faults.push((format!("{pattern} skipped"), format!("{pattern} skipped on {branch}")));
+            }
+        }
+    }
+    let missing = theirs.jumps.len() - matched;
+    if missing > 0 && faults.is_empty() {
+        faults.push(("jumps missing".to_owned(), format!("{missing} jumps missing")));
+    }
+    let extra = ours.jumps.len() - matched;
+    if extra > 0 {
+        let whose = if measured.mu_rho > mesh_rule::SAFE { "jumps of the mesh" } else { "extra jumps" };
+        faults.push((whose.to_owned(), format!("{extra} {whose}")));
+    }
+    faults
+}
+
+/// What is wrong with a loop, the gravest first.
+fn verdict(measured: &Measured, jumps: Vec<(String, String)>) -> Verdict {
+    let failed = |what: String, message: String| Verdict::Failed { what, message };
+    match &measured.outcome {
+        Outcome::Cancelled if measured.out_of_time => {
+            return failed("out of time".to_owned(), "took longer than predicted".to_owned());
+        }
+        Outcome::Cancelled => return Verdict::Cancelled,
+        Outcome::NotConverged { mean_displacement, reason } => {
+            return failed(reason.what(), format!("{reason}; last state at u0 = {mean_displacement}"));
+        }
+        Outcome::Completed => {}
+    }
+    if let Some(open) = measured.ledger().and_then(|ledger| ledger.open) {
+        return failed("loop not closed".to_owned(), format!("loop not closed: {}; {}", open.reason, open.remedy));
+    }
+    let states = &measured.record.states;
+    let with = |stop: Stop| states.iter().filter(|s| s.stop == stop).count();
+    let mut faults = Vec::new();
+    if with(Stop::Unstable) > 0 {
+        faults
+            .push(("unstable state kept".to_owned(), format!("{} of {} states are unstable", with(Stop::Unstable), states.len())));
+    }
+    faults.extend(jumps);
+    if with(Stop::NotConverged) > 0 {
+        let worst = max_abs(&states.iter().map(|s| s.residual).collect::<Vec<_>>());
+        let message =
+            format!("{} of {} states above the tolerance, residual up to {worst:.1e}", with(Stop::NotConverged), states.len());
+        faults.push(("not converged".to_owned(), message));
+    }
+    match faults.first() {
+        None => Verdict::Done,
+        Some((what, _)) => failed(what.clone(), faults.iter().map(|(_, message)| message.as_str()).collect::<Vec<_>>().join("; ")),
+    }
+}
+
+/// Root mean square difference of the stress over the states of `measured` that are on the same pattern as `truth` and away from
+/// the jumps of both, over sigma_max.
+fn stress_error(measured: &Measured, truth: &Measured) -> f64 {
+    let away = (2.0 * measured.point.step).max(0.1 * truth.law.range);
+    let (mut sum, mut count) = (0.0, 0);
+    let mut curve = [Direction::Approach, Direction::Retraction].map(|branch| Curve::new(&truth.record.states, branch));
+    for state in &measured.record.states {
+        let u = state.mean_displacement;
+        let jumps = measured.record.jumps.iter().chain(&truth.record.jumps);
+        if jumps.filter(|j| j.direction == state.direction).any(|j| (j.mean_displacement - u).abs() < away) {
+            continue;
+        }
+        if let Some((stress, pattern)) = curve[usize::from(state.direction == Direction::Retraction)].at(u)
+            && pattern == state.pattern
+        {
+            sum += (state.stress - stress).powi(2);
+            count += 1;
+        }
+    }
+    if count == 0 { f64::NAN } else { (sum / f64::from(count)).sqrt() / truth.law.traction_max() }
+}
+
+/// Stress and pattern of a branch by linear interpolation, exact where the states coincide.
+struct Curve<'a> {
+    states: Vec<&'a StateRecord>,
+}
+
+impl<'a> Curve<'a> {
+    fn new(states: &'a [StateRecord], direction: Direction) -> Self {
+        let mut states: Vec<_> = states.iter().filter(|s| s.direction == direction).collect();
+        states.sort_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement));
+        Self { states }
+    }
+
+    fn at(&mut self, u: f64) -> Option<(f64, Pattern)> {
+        let after = self.states.partition_point(|s| s.mean_displacement < u);
+        let b = self.states.get(after)?;
+        if b.mean_displacement == u {
+            return Some((b.stress, b.pattern));
+        }
+        let a = self.states.get(after.checked_sub(1)?)?;
+        let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
+        (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
+    }
+}

@@ -1,0 +1,308 @@
+//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a parameter, and to say where the surface
+//! will stand before the walk has gone there.
+
+use super::planned::rivals;
+use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
+use crate::follow::record::{Direction, JumpRecord, StateRecord};
+use crate::follow::run::RivalLoop;
+use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
+use crate::physics::mesh_rule;
+use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
+use crate::scene::mesh;
+use crate::scene::{Model, Scene, Turn};
+use std::f64::consts::PI;
+
+/// States sampled along one branch.
+const SAMPLES: usize = 64;
+/// Most points along a side: beyond it a loop takes too long to be live.
+const POINTS_MAX: usize = 192;
+
+/// How fine the mesh of the atlas is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fineness {
+    /// While the hand moves.
+    Coarse,
+    /// When it rests.
+    Fine,
+}
+
+impl Fineness {
+    /// The mesh number mu_rho that its mesh keeps.
+    fn mu_rho(self) -> f64 {
+        match self {
+            Fineness::Coarse => 0.5,
+            Fineness::Fine => 0.36,
+        }
+    }
+}
+
+/// One state of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// u0 (length).
+    pub mean_displacement: f64,
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// Smallest eigenvalue (E*/L), interpolated between the nodes of the branch.
+    pub stiffness_min: f64,
+}
+
+/// A branch of stable states between its two ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Its pattern.
+    pub pattern: Pattern,
+    /// By growing u0.
+    pub samples: Vec<Sample>,
+    /// The stretch on which the surface lands when this one ends below, and above; `None` where the loop does not end it.
+    pub next: [Option<usize>; 2],
+}
+
+/// A piece of the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Direction of the drive.
+    pub direction: Direction,
+    /// Index of the stretch.
+    pub stretch: usize,
+    /// u0 where it begins (length).
+    pub from: f64,
+    /// u0 where it ends (length).
+    pub to: f64,
+}
+
+/// A closed loop with everything that is needed to draw it and to read it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveLoop {
+    /// The law it belongs to, for the scales.
+    pub law: Law,
+    /// The branches it visits.
+    pub stretches: Vec<Stretch>,
+    /// Its pieces in order.
+    pub legs: Vec<Leg>,
+    /// Its jumps in order.
+    pub jumps: Vec<JumpRecord>,
+    /// Sum of the released energies, in units of gamma.
+    pub dissipated_energy: f64,
+    /// The loops of other landings, if it is contested where the surface lands; looked at when the hand rests.
+    pub rivals: Vec<RivalLoop>,
+    /// Expected relative error of that and of the jumps' u0; 1 where nothing is promised.
+    pub predicted_error: f64,
+    /// Points along a side of the mesh it was computed on.
+    pub points: usize,
+}
+
+/// Live loops one after the other: where law and cell are only a little different the last atlas is taken over.
+#[derive(Debug, Default)]
+pub struct LiveLoops {
+    last: Option<(Atlas, Vec<Place>)>,
+    cancel: Cancel,
+}
+
+impl LiveLoops {
+    /// Loops whose computation `cancel` interrupts; what is under way is then refused.
+    pub fn obeying(cancel: &Cancel) -> Self {
+        Self { last: None, cancel: cancel.clone() }
+    }
+
+    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over are then learnt again.
+    ///
+    /// # Errors
+    /// Why the atlas does not hold this scene; the walk does.
+    pub fn next(&mut self, scene: &Scene, model: &Model, fineness: Fineness) -> Result<LiveLoop, Unmapped> {
+        let (meshes, turn) = meshes_of(scene, model, fineness)?;
+        let start = scene.drive.start;
+        let last = self.last.take().filter(|(atlas, _)| fineness == Fineness::Coarse && is_near(atlas.meshes(), &meshes));
+        let adapted = last.and_then(|(atlas, order)| {
+            let mut atlas = atlas.adapted(meshes).ok()?;
+            let cycle = atlas.cycle(start, turn).ok()?;
+            (places(&cycle) == order).then_some((atlas, cycle))
+        });
+        let (mut atlas, cycle) = match adapted {
+            Some(found) => found,
+            None => {
+                let mut atlas = Atlas::new(meshes);
+                atlas.obey(&self.cancel);
+                let cycle = atlas.cycle(start, turn)?;
+                (atlas, cycle)
+            }
+        };
+        let mut found = LiveLoop::read(&atlas, &cycle, start, turn);
+        if fineness == Fineness::Fine {
+            found.rivals = rivals(&mut atlas, &found.jumps, start, turn);
+        }
+        self.last = Some((atlas, places(&cycle)));
+        Ok(found)
+    }
+}
+
+/// Largest change of law or cell, as a ratio, over which an atlas is taken over; over larger ones its branches are mostly not found again.
+const NEAR: f64 = 1.03;
+
+fn is_near(a: &Meshes, b: &Meshes) -> bool {
+    let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;
+    let same = a.law.shape == b.law.shape;
+    same && close(a.law.range, b.law.range) && close(a.law.surface_energy, b.law.surface_energy) && close(a.length, b.length)
+}
+
+fn places(cycle: &Cycle) -> Vec<Place> {
+    cycle.legs.iter().map(|leg| leg.place).collect()
+}
+
+/// The atlas that a scene asks for, and where its drive turns.
+fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
+    let Turn::At(turn) = scene.drive.turn else { return Err(unmapped("the drive has no fixed turning point")) };
+    if model.indenter != Indenter::Flat || model.grid.is_line() {
+        return Err(unmapped("the atlas holds square cells on flat ground"));
+    }
+    let (length, law) = (model.grid.length, model.law);
+    let points = mesh::next_fast((mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32));
+    if points > POINTS_MAX {
+        return Err(unmapped(&format!("a live loop would need {points} points a side")));
+    }
+    Ok((Meshes::new(&law, length, points), turn))
+}
+
+impl LiveLoop {
+    /// The loop of a scene's drive.
+    ///
+    /// # Errors
+    /// Why the atlas does not hold this scene; the walk does.
+    pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
+        LiveLoops::default().next(scene, model, fineness)
+    }
+
+    fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
+        let Meshes { law, length, square, .. } = *atlas.meshes();
+        let mut this = Self {
+            law,
+            stretches: Vec::new(),
+            legs: Vec::new(),
+            jumps: cycle.jumps.clone(),
+            dissipated_energy: cycle.dissipated_energy,
+            rivals: Vec::new(),
+            predicted_error: mesh::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
+            points: square,
+        };
+        let mut known: Vec<(Place, bool)> = Vec::new();
+        for leg in &cycle.legs {
+            // The flat state is stable far away and pressed, and nothing in between.
+            let pressed = leg.place == Place::Flat && atlas.flat_limits().is_some_and(|(low, _)| leg.from.min(leg.to) <= low);
+            let key = (leg.place, pressed);
+            let stretch = known.iter().position(|k| *k == key).unwrap_or_else(|| {
+                known.push(key);
+                this.stretches.push(stretch(atlas, leg.place, pressed, turn, start));
+                known.len() - 1
+            });
+            this.legs.push(Leg { direction: leg.direction, stretch, from: leg.from, to: leg.to });
+        }
+        for pair in this.legs.windows(2).filter(|pair| pair[0].stretch != pair[1].stretch) {
+            let side = usize::from(pair[0].direction == Direction::Retraction);
+            this.stretches[pair[0].stretch].next[side] = Some(pair[1].stretch);
+        }
+        this
+    }
+
+    /// The points (u0, stress) of a piece, in the order they are passed.
+    pub fn points_of(&self, leg: &Leg) -> Vec<[f64; 2]> {
+        let stretch = &self.stretches[leg.stretch];
+        let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
+        let inner = stretch.samples.iter().filter(|s| s.mean_displacement > low && s.mean_displacement < high);
+        let at = |u0: f64| [u0, stretch.at(u0).stress];
+        let mut points: Vec<[f64; 2]> = inner.map(|s| [s.mean_displacement, s.stress]).collect();
+        points.insert(0, at(low));
+        points.push(at(high));
+        if leg.direction == Direction::Approach {
+            points.reverse();
+        }
+        points
+    }
+
+    /// Where the surface will stand at `target` if it goes there from `now`, with all jumps on the way. `None` if `now` is on none of
+    /// the loop's branches.
+    pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
+        let here = now.mean_displacement;
+        let off = |s: &Stretch| (s.at(here).stress - now.stress).abs();
+        let same = |s: &&Stretch| s.pattern == now.pattern && s.covers(here, 0.01 * self.law.range);
+        let start = self.stretches.iter().filter(same).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        if off(start) > 0.05 * self.law.traction_max() {
+            return None;
+        }
+        let side = usize::from(target > here);
+        let mut stretch = start;
+        // Every jump leads to a branch not yet passed.
+        for _ in 0..=self.stretches.len() {
+            let (low, high) = stretch.extent();
+            let beyond = if side == 1 { target > high } else { target < low };
+            match stretch.next[side].filter(|_| beyond) {
+                Some(next) => stretch = &self.stretches[next],
+                None => return Some((stretch.pattern, stretch.at(target))),
+            }
+        }
+        None
+    }
+}
+
+impl Stretch {
+    /// u0 of its lower and its upper end (length).
+    pub fn extent(&self) -> (f64, f64) {
+        (self.samples[0].mean_displacement, self.samples[self.samples.len() - 1].mean_displacement)
+    }
+
+    fn covers(&self, u0: f64, margin: f64) -> bool {
+        let (low, high) = self.extent();
+        (low - margin..=high + margin).contains(&u0)
+    }
+
+    /// Between its samples, or at its nearer end.
+    pub fn at(&self, u0: f64) -> Sample {
+        let i = self.samples.partition_point(|s| s.mean_displacement < u0).clamp(1, self.samples.len() - 1);
+        let (a, b) = (self.samples[i - 1], self.samples[i]);
+        let width = b.mean_displacement - a.mean_displacement;
+        let t = if width > 0.0 { ((u0 - a.mean_displacement) / width).clamp(0.0, 1.0) } else { 0.0 };
+        Sample {
+            mean_displacement: u0,
+            stress: a.stress + t * (b.stress - a.stress),
+            stiffness_min: a.stiffness_min + t * (b.stiffness_min - a.stiffness_min),
+        }
+    }
+}
+
+fn unmapped(why: &str) -> Unmapped {
+    Unmapped::anywhere(why)
+}
+
+/// Samples a place, densely towards both ends, where folds are steep.
+fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) -> Stretch {
+    let meshes = *atlas.meshes();
+    let (pattern, low, high) = match (place, atlas.flat_limits()) {
+        (Place::On(i), _) => {
+            let (low, high) = atlas.branches()[i].extent();
+            (atlas.branches()[i].pattern, low, high)
+        }
+        (Place::Flat, Some((low, _))) if pressed => (Pattern::Flat, turn, low),
+        (Place::Flat, Some((_, high))) => (Pattern::Flat, high, start),
+        (Place::Flat, None) => (Pattern::Flat, turn, start),
+    };
+    let stiffness = |u0: f64| match place {
+        Place::Flat => flat::stiffness_min(&meshes.law, meshes.length, u0),
+        Place::On(i) => {
+            let nodes = &atlas.branches()[i].nodes;
+            let k = nodes.partition_point(|n| n.state.mean_displacement < u0).clamp(1, nodes.len() - 1);
+            let (a, b) = (&nodes[k - 1], &nodes[k]);
+            let t = ((u0 - a.state.mean_displacement) / (b.state.mean_displacement - a.state.mean_displacement)).clamp(0.0, 1.0);
+            let softest = |n: &crate::solver::sector::Node| n.own.min(n.breaking) * meshes.length;
+            softest(a) + t * (softest(b) - softest(a))
+        }
+    };
+    let samples = (0..=SAMPLES)
+        .map(|k| {
+            let u0 = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
+            Sample { mean_displacement: u0, stress: atlas.at(place, u0).stress, stiffness_min: stiffness(u0) }
+        })
+        .collect();
+    Stretch { pattern, samples, next: [None; 2] }
+}

@@ -1,0 +1,12 @@
+//! Floor 4: what is done with loops: the plan and the run that follows it, the error bar, the chart of speed against accuracy, the live loop
+//! of a dragged parameter, and what is ahead of a surface.
+//!
+//! May use `follow` and all below it; no threads, channels or files.
+
+pub mod chart;
+pub mod error_bar;
+pub mod forecast;
+pub mod live_loop;
+pub mod plan;
+pub mod planned;
+pub mod time_step_map;

@@ -1,0 +1,137 @@
+//! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the cost it expects.
+
+use crate::follow::atlas::Meshes;
+use crate::physics::indenter::Indenter;
+use crate::physics::mesh_rule;
+use crate::scene::mesh::flat_error;
+use crate::scene::part::{Part, Road, no_quarter};
+use crate::scene::{Model, Scene, Turn};
+
+/// The decision, with its reason.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// What is done.
+    pub road: Road,
+    /// In one sentence: which models, on which meshes, and why.
+    pub words: String,
+    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger; 1 where nothing can be promised (a
+    /// coarse mesh, a law whose stiffness jumps), NaN where nothing is known (uneven ground).
+    pub predicted_error: f64,
+    /// Expected seconds for the loop, to a factor of two or three, on one core.
+    pub predicted_seconds: f64,
+}
+
+/// Largest mu_rho at which a tip may be left to its even quarter.
+const EVEN_TIP: f64 = 0.9;
+
+/// Decides how to compute the loop of `scene`, whose open choices are made in `model`; what is `asked` overrules the plan.
+pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
+    let n = model.grid.nx;
+    let flat = model.indenter == Indenter::Flat;
+    let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
+    let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
+    let mesh = if flat { flat_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
+    let increments = 2.0 * travel(scene, model) / scene.drive.step;
+    let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
+    let points = (model.grid.points()) as f64;
+    let by_walk = |part: Part, why: &str| {
+        let (place, seconds) = match part.is_even() {
+            true => (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0)),
+            false => (whole.clone(), 45.0 * transform(points)),
+        };
+        Plan {
+            road: Road::Walk(part),
+            words: format!("{place}: {why}; {}", promise(Some(mesh))),
+            predicted_error: mesh,
+            predicted_seconds: increments * seconds,
+        }
+    };
+    match (asked, obstacle) {
+        (Some(Road::Walk(part)), _) if part.is_even() && !model.indenter.is_even() => {
+            by_walk(Part::Whole, "rough ground has no mirror symmetry")
+        }
+        (Some(Road::Walk(part)), _) => by_walk(part, "asked for"),
+        (None, Some(why)) if has_one_crest(model) && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
+            by_walk(Part::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
+        }
+        (None, Some(why)) => by_walk(Part::Whole, &why),
+        // What is asked overrules the plan, not the scene.
+        (Some(Road::Atlas), _) if no_atlas.is_some() => by_walk(Part::Whole, &no_atlas.unwrap_or_default()),
+        (Some(Road::Atlas), _) | (None, None) => {
+            let meshes = Meshes::new(&model.law, model.grid.length, n);
+            let side = meshes.square;
+            Plan {
+                road: Road::Atlas,
+                words: format!(
+                    "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
+                     f64; {}",
+                    meshes.line,
+                    promise(Some(mesh))
+                ),
+                predicted_error: mesh,
+                predicted_seconds: (3000.0 + 20.0 * increments) * transform(points / 4.0),
+            }
+        }
+    }
+}
+
+/// What is promised of a number, in words; `error` is relative.
+pub fn promise(error: Option<f64>) -> String {
+    let Some(error) = error.filter(|error| *error < 1.0) else { return "no accuracy is promised".to_owned() };
+    // One significant digit.
+    let percent = 100.0 * error;
+    let digits = (-percent.log10().floor()).max(0.0) as usize;
+    format!("expected error {percent:.digits$} %")
+}
+
+/// Why the road that is asked for cannot hold the scene; `None` if it can.
+pub fn refusal(scene: &Scene, model: &Model, asked: Option<Road>) -> Option<String> {
+    no_atlas(scene, model).filter(|_| asked == Some(Road::Atlas))
+}
+
+/// Why the scene has no atlas; `None` if it can have one, wise or not.
+fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
+    let n = model.grid.nx;
+    if model.indenter != Indenter::Flat {
+        Some("uneven ground has no branches of known symmetry".to_owned())
+    } else if model.grid.is_line() {
+        Some("a line cell is small enough as it is".to_owned())
+    } else if let Some(reason) = no_quarter(n) {
+        Some(reason)
+    } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
+        Some("the turn at zero load is for uneven ground".to_owned())
+    } else {
+        None
+    }
+}
+
+/// Why an atlas will not do; `None` if it will.
+fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
+    if let Some(reason) = no_atlas(scene, model) {
+        Some(reason)
+    } else if !model.law.is_smooth() {
+        Some("this law's stiffness jumps, and branches with it".to_owned())
+    } else if !mesh_rule::is_safe(model.mu_rho) {
+        Some(format!("at mu_rho = {:.2} the mesh makes jumps of its own", model.mu_rho))
+    } else {
+        None
+    }
+}
+
+/// True over a square cell of uneven ground with one crest: nothing tells its sides apart. Two crests may take turns.
+fn has_one_crest(model: &Model) -> bool {
+    let one = match model.indenter {
+        Indenter::Hertz { .. } => true,
+        Indenter::Wave { periods, .. } => periods.iter().all(|&p| p <= 1),
+        Indenter::Flat | Indenter::Rough(_) => false,
+    };
+    one && !model.grid.is_line()
+}
+
+/// u0 from the start to the turn, or what it may be for a tip (length).
+fn travel(scene: &Scene, model: &Model) -> f64 {
+    match scene.drive.turn {
+        Turn::At(turn) => scene.drive.start - turn,
+        Turn::ZeroLoad => 10.0 * model.law.range,
+    }
+}

@@ -1,0 +1,203 @@
+//! What the plan promises, held against finer computations over random scenes.
+
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use tackscope::follow::atlas::{Atlas, Meshes};
+use tackscope::follow::run::run_loop;
+use tackscope::follow::walk::WalkOptions;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
+use tackscope::scene::mesh::next_fast;
+use tackscope::scene::part::{Part, Road};
+use tackscope::scene::{Points, Range, Scene, Turn};
+use tackscope::solver::methods::MethodKind;
+use tackscope::storage::{presets, scene_file};
+use tackscope::study::error_bar::{measured_error, reference};
+use tackscope::study::plan::{plan, refusal};
+use tackscope::study::planned::run_planned;
+
+/// A scene with this target, which also decides its mesh.
+fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
+    Scene { accuracy, ..crate::flat_ground::scene(shape, periods, Points::Auto) }
+}
+
+/// Of 48 random scenes, L/L_c from 1.2 to 20, every law, targets from 10 % to 0.01 %: measured against a mesh half as fine again.
+#[test]
+fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
+    let mut rng = Pcg64::seed_from_u64(20);
+    let (mut kept, mut all) = (0, 0);
+    println!("law                 L/L_c  target      n  predicted  measured");
+    for i in 0..48 {
+        // Long cells are dear: every fourth may be up to 20, the others up to 6.
+        let longest: f64 = if i % 4 == 0 { 20.0 } else { 6.0 };
+        let ratio = 1.2 * (longest / 1.2).powf(rng.random::<f64>());
+        let shape = match rng.random_range(0..4) {
+            0 => Shape::Morse(Morse),
+            1 => Shape::Mie(Mie { m: 8.0, n: 2.0 }),
+            2 => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
+            _ => Shape::Cosine(Cosine { smooth: rng.random::<bool>() }),
+        };
+        let target = [0.1, 0.01, 0.001, 0.0001][rng.random_range(0..4)];
+        let scene = scene(shape, ratio, target);
+        let model = scene.model().unwrap();
+        let plan = plan(&scene, &model, None);
+        let n = model.grid.nx;
+        all += 1;
+        let row = format!("{:<18} {ratio:6.2}  {target:6}  {n:5}  {:9.1e}", shape.word(), plan.predicted_error);
+        if plan.road != Road::Atlas {
+            // Nothing is promised where the stiffness jumps.
+            assert!(plan.predicted_error >= 1.0 && !model.law.is_smooth(), "{}", plan.words);
+            println!("{row}  {}", plan.words);
+            kept += 1;
+            continue;
+        }
+        let coarse = Meshes::new(&model.law, model.grid.length, n);
+        assert!(plan.predicted_error <= 1.5 * target.max(1e-4), "{}", plan.words);
+        let Turn::At(turn) = scene.drive.turn else { unreachable!() };
+        let finer = Meshes::new(&model.law, model.grid.length, tackscope::scene::mesh::next_fast(n * 3 / 2));
+        let loops = [coarse, finer].map(|chart| Atlas::new(chart).cycle(scene.drive.start, turn));
+        match loops {
+            [Ok(a), Ok(b)] => {
+                let same = a.jumps.len() == b.jumps.len();
+                let jumps = a.jumps.iter().zip(&b.jumps).map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs());
+                let loss = (a.dissipated_energy / b.dissipated_energy - 1.0).abs();
+                let measured = if same { jumps.fold(loss, f64::max) } else { 1.0 };
+                println!("{row}  {measured:8.1e}");
+                kept += usize::from(plan.predicted_error >= measured);
+            }
+            // Near L_c landings fall beside their branches: said in words, and the walk takes over.
+            [a, b] => {
+                println!(
+                    "{row}  {shape:?} {ratio} {} {}",
+                    a.err().map_or(String::new(), |e| e.to_string()),
+                    b.err().map_or(String::new(), |e| e.to_string())
+                );
+                assert!(ratio < 1.35, "{row}");
+                kept += 1;
+            }
+        }
+    }
+    println!("{kept} of {all} within the prediction");
+    assert!(kept * 20 >= all * 19);
+}
+
+#[test]
+fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
+    for target in [0.1, 0.01, 0.001] {
+        let scene = scene(Shape::Morse(Morse), 3.0, target);
+        let model = scene.model().unwrap();
+        let plan = plan(&scene, &model, None);
+        let newton = MethodKind::NewtonKrylov;
+        let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+        assert_eq!(run.deviation, None);
+        let finer = run_loop(
+            &reference(&scene, &model),
+            WalkOptions { part: Part::Whole, ..newton.into() },
+            &Cancel::default(),
+            &mut |_| {},
+        )
+        .unwrap();
+        let measured = measured_error(&run.record.jumps, &finer.record.jumps);
+        println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);
+        assert!(measured <= plan.predicted_error.max(1e-4) && plan.predicted_error <= 1.2 * target, "{measured:e}");
+    }
+}
+
+#[test]
+fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
+    let roads = [
+        ("fig2", "atlas", "ridge on half a line"),
+        ("fig3", "atlas", "quarter of 256 x 256"),
+        ("coarse-mesh", "whole", "the mesh makes jumps of its own"),
+        ("ridge-line", "whole", "a line cell is small enough"),
+    ];
+    for (name, road, words) in roads {
+        let scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
+        let plan = plan(&scene, &scene.model().unwrap(), None);
+        let word = match plan.road {
+            Road::Atlas => "atlas",
+            Road::Walk(reduction) => reduction.word(),
+        };
+        assert_eq!(word, road, "{name}: {}", plan.words);
+        assert!(plan.words.contains(words), "{name}: {}", plan.words);
+        assert!(plan.predicted_seconds > 0.0);
+    }
+}
+
+#[test]
+fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
+    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    scene.indenter = Indenter::Hertz { radius: 256.0 };
+    let model = scene.model().unwrap();
+    assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
+    assert_eq!(plan(&scene, &model, Some(Road::WHOLE)).road, Road::WHOLE);
+}
+
+#[test]
+fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
+    let mut rng = Pcg64::seed_from_u64(4);
+    for _ in 0..400 {
+        let shape = match rng.random_range(0..4) {
+            0 => Shape::Morse(Morse),
+            1 => Shape::Mie(Mie { m: rng.random_range(4.0..16.0), n: rng.random_range(1.0..3.9) }),
+            2 => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
+            _ => Shape::Cosine(Cosine { smooth: rng.random::<bool>() }),
+        };
+        let scene = scene(shape, rng.random_range(1.1..30.0), 10f64.powf(rng.random_range(-5.0..-0.5)));
+        let model = scene.model().unwrap();
+        assert_eq!(model.warning(), None, "{shape:?}");
+        assert!(model.law.is_smooth() || !model.reason.contains("keeps the mesh error"), "{}", model.reason);
+    }
+}
+
+#[test]
+fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh() {
+    for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
+        let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
+        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words;
+        assert!(words(&scene).contains("no accuracy is promised"), "{name}: {}", words(&scene));
+        if let Range::Length(_) = scene.law.range {
+            scene.cell.points = Points::Auto;
+            assert!(!scene.model().unwrap().reason.contains("keeps the mesh error"), "{name}");
+        }
+    }
+    let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    assert!(plan(&fig2, &fig2.model().unwrap(), None).words.contains("expected error"));
+}
+
+#[test]
+fn a_wish_overrules_the_plan_but_not_the_scene() {
+    let tip = scene_file::parse(presets::find("hertz").unwrap().text, "hertz").unwrap();
+    let line = scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
+    let mut small = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    small.cell.points = Points::Square(6);
+    for scene in [tip, line, small] {
+        let model = scene.model().unwrap();
+        assert!(refusal(&scene, &model, Some(Road::Atlas)).is_some() && refusal(&scene, &model, None).is_none());
+        assert_eq!(plan(&scene, &model, Some(Road::Atlas)).road, Road::WHOLE);
+    }
+    let coarse = scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
+    assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Some(Road::Atlas)), None, "unwise, but possible");
+}
+
+#[test]
+fn the_next_fast_count_is_the_first_of_a_search_and_found_at_once_however_large() {
+    let is_fast = |n: usize| {
+        let mut rest = n;
+        for p in [2, 3, 5] {
+            while rest.is_multiple_of(p) {
+                rest /= p;
+            }
+        }
+        n.is_multiple_of(8) && rest == 1
+    };
+    for n in (0..3000).chain([4095, 4096, 4097, 99_991]) {
+        let found = next_fast(n);
+        assert_eq!(Some(found), (n.max(1)..).find(|&n| is_fast(n)), "{n}");
+    }
+    for n in [10_usize.pow(15) + 1, 1 << 59, usize::MAX] {
+        let found = next_fast(n);
+        assert!(is_fast(found) && found >= n.min(1 << 60), "{n}: {found}");
+    }
+}
