@@ -7,7 +7,7 @@ use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::part::{Part, Road};
 use tackscope::scene::{Points, Range, Scene, Turn};
@@ -328,7 +328,7 @@ fn ready(out: &[Event]) -> &tackscope::worker::protocol::Ready {
 
 #[test]
 fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_it() {
-    let tip = || Scene { indenter: Indenter::Hertz { radius: 256.0 }, ..fig2(64) };
+    let tip = || Scene { indenter: Indenter::Hertz(Hertz { radius: 256.0 }), ..fig2(64) };
     let cases = [
         (wished(1, fig2(64), None), Part::Quarter, "ridge on half a line"),
         (wished(1, fig2(64), Some(Road::WHOLE)), Part::Whole, "asked for"),

@@ -5,8 +5,9 @@ use super::report::{self, Timed};
 use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
+use crate::physics::parameter::Refusal;
 use crate::scene::part::Road;
-use crate::scene::{Model, Points, Scene, SceneError};
+use crate::scene::{Model, Points, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
@@ -24,7 +25,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     check_options(arguments)?;
     let (scene, place) = scene(arguments)?;
-    let refused = |error: SceneError| scene_file::refused(&place, error);
+    let refused = |error: Refusal| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
     if let Some(reason) = refusal(&scene, &model, arguments.model.0) {
         return Err(Failure::Value {
@@ -99,7 +100,7 @@ fn compare(
     main: &Timed,
     cancel: &Cancel,
     told: &mut Summary,
-) -> Result<u8, SceneError> {
+) -> Result<u8, Refusal> {
     let mut code = DONE;
     if arguments.yardstick {
         let whole = plan_of(scene, model, Some(Road::WHOLE));
@@ -165,7 +166,7 @@ fn timed(
     plan: &Plan,
     method: MethodKind,
     cancel: &Cancel,
-) -> Result<Timed, SceneError> {
+) -> Result<Timed, Refusal> {
     let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
     let mut teller = Teller::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());

@@ -6,8 +6,9 @@ use super::ledger::Ledger;
 use super::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use super::walk::{Counts, Observed, Progress, Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
+use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
-use crate::scene::{Scene, SceneError, Turn};
+use crate::scene::{Scene, Turn};
 use ndarray::Array2;
 
 /// A loop, complete or as far as it came.
@@ -117,7 +118,7 @@ pub fn run_loop(
     options: WalkOptions,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
+) -> Result<LoopRun, Refusal> {
     let mut drive = Drive::new(Walk::start(scene, options, cancel)?, scene);
     if cancel.requested() {
         drive.run.outcome = Outcome::Cancelled;

@@ -20,9 +20,10 @@ use super::flat_branch::FlatBranch;
 use super::record::{Cause, Direction, StateRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
+use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
 use crate::scene::part::Part;
-use crate::scene::{Model, Scene, SceneError, refuse};
+use crate::scene::{Model, Scene};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
@@ -160,7 +161,7 @@ impl Walk {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn start(scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+    pub fn start(scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, Refusal> {
         Self::start_by(options.method.build(scene.seed), scene, options, cancel)
     }
 
@@ -168,13 +169,13 @@ impl Walk {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn start_by(method: Box<dyn Method>, scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, SceneError> {
+    pub fn start_by(method: Box<dyn Method>, scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, Refusal> {
         let (model, part) = (scene.model()?, options.part);
         if part.is_even() && !model.grid.nx.is_multiple_of(4) {
-            return Err(refuse("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
+            return Err(Refusal::new("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
         }
-        if part.is_even() && !model.indenter.is_even() {
-            return Err(refuse(
+        if part.is_even() && !model.indenter.ground().is_even() {
+            return Err(Refusal::new(
                 "indenter.kind",
                 "\"rough\"",
                 "even ground for a quarter of the cell; rough ground needs the whole",

@@ -5,7 +5,7 @@ use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::record::Direction;
 use crate::follow::walk::{Observed, Progress, Walk};
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Hertz, Indenter};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::solver::methods::MethodKind;
 
@@ -65,7 +65,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 
 fn radius(indenter: &Indenter) -> f64 {
     match indenter {
-        Indenter::Hertz { radius } => *radius,
+        Indenter::Hertz(Hertz { radius }) => *radius,
         _ => f64::NAN,
     }
 }

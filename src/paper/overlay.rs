@@ -1,7 +1,7 @@
 //! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of zero range, or JKR's tip.
 
 use crate::numerics::cancel::Cancel;
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Hertz, Indenter};
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
@@ -52,7 +52,7 @@ impl ZeroRange {
     pub fn lines(&self, model: &Model, from: f64, to: f64) -> Vec<TheoryLine> {
         match model.indenter {
             Indenter::Flat => {}
-            Indenter::Hertz { radius } if !model.grid.is_line() => {
+            Indenter::Hertz(Hertz { radius }) if !model.grid.is_line() => {
                 return tip(Jkr { radius, surface_energy: model.law.surface_energy }, model.grid.length, from);
             }
             _ => return Vec::new(),

@@ -1,9 +1,8 @@
 //! The scenes of the paper as values, for the figures and for the window.
 
 use crate::physics::grid::Grid;
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Hertz, Indenter, Rough};
 use crate::physics::law::{Morse, Shape};
-use crate::physics::roughness::Roughness;
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 
 /// gamma of the flat scenes in units of E* rho.
@@ -52,7 +51,7 @@ pub const ROUGH_RANGE: f64 = 0.23;
 pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
     let length = 8.0 * waves as f64 * ROUGH_RMS;
     let points = 32 * waves;
-    let surface = Roughness { hurst: 0.8, rms: ROUGH_RMS, longest: 8.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
+    let surface = Rough { hurst: 0.8, rms: ROUGH_RMS, longest: 8.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
     let mean = surface.mean_height(&Grid::square(length, points));
     Scene {
         title: "Fig. 14: rough ground".to_owned(),
@@ -83,7 +82,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
         cell: Cell { length: 1.0, points: Points::Square(points) },
         law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
-        indenter: Indenter::Hertz { radius: 1.0 },
+        indenter: Indenter::Hertz(Hertz { radius: 1.0 }),
         // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
         drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: step * range },
         accuracy: 0.01,
@@ -98,7 +97,7 @@ pub fn figure_1() -> Scene {
         source: "Wang, Zhou, Mueser 2020, Fig. 1".to_owned(),
         cell: Cell { length: 8.0, points: Points::Line(256) },
         law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.3, range: Range::Length(0.2) },
-        indenter: Indenter::Hertz { radius: 4.0 },
+        indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
         drive: Drive { start: 1.0, turn: Turn::At(-0.6), step: 0.02 },
         accuracy: 0.01,
         seed: 1,

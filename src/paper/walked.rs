@@ -3,7 +3,8 @@
 use super::task::{Stopped, Task};
 use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
 use crate::follow::walk::WalkOptions;
-use crate::scene::{Scene, SceneError};
+use crate::physics::parameter::Refusal;
+use crate::scene::Scene;
 
 /// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
 pub(super) fn run(scene: &Scene, options: WalkOptions, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
@@ -33,6 +34,6 @@ pub(super) fn completed(run: LoopRun, scene: &Scene) -> Result<LoopRun, Stopped>
 }
 
 /// A value of the scene that is not allowed.
-pub(super) fn refused(scene: &Scene, error: SceneError) -> Stopped {
+pub(super) fn refused(scene: &Scene, error: Refusal) -> Stopped {
     Stopped::Failed(format!("{}: {error}", scene.title))
 }

@@ -1,5 +1,8 @@
 //! The periodic cell and its mesh.
 
+/// Largest number of points along one side.
+pub const POINTS_MAX: usize = 4096;
+
 /// A square cell of `length` x `length` with `nx` = `ny` points, or a line cell with `ny` = 1 (fields uniform along y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {

@@ -100,7 +100,7 @@ impl System {
             }
         }
         let transforms = Transforms::new(Basis::Whole(fourier));
-        Self { grid, law, height: indenter.height(&grid), uniform: indenter.is_uniform(), transforms, elastic, gradient }
+        Self { grid, law, height: indenter.height(&grid), uniform: indenter.ground().is_uniform(), transforms, elastic, gradient }
     }
 
     /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex of a tip lies between points.
@@ -112,7 +112,7 @@ impl System {
         let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
         let height = indenter.even_height(&grid);
         let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
-        Self { grid, law, height, uniform: indenter.is_uniform(), transforms, elastic, gradient: Vec::new() }
+        Self { grid, law, height, uniform: indenter.ground().is_uniform(), transforms, elastic, gradient: Vec::new() }
     }
 
     /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between points here too.

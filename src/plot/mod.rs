@@ -7,6 +7,7 @@
 
 pub mod chart_panel;
 pub mod curve;
+pub mod extent;
 pub mod legend;
 pub mod loop_panel;
 pub mod panel;

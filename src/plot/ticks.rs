@@ -211,4 +211,12 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn ticks_are_few_whatever_the_ends_are() {
+        assert_eq!(within(0.2, 1.0, 4.0), (vec![0.2, 0.4, 0.6000000000000001, 0.8, 1.0], 0.2));
+        for (low, high) in [(1e17 - 16.0, 1e17), (-1e220, 1e220), (1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (3.0, 2.0)] {
+            assert!(within(low, high, 9.0).0.len() <= 60, "{low} {high}");
+        }
+    }
 }

@@ -3,21 +3,17 @@
 //!
 //! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1.
 
+pub mod edit;
 pub mod mesh;
 pub mod parameter;
 pub mod part;
 
-pub use parameter::SceneError;
-
-use crate::physics::grid::Grid;
+use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
-use crate::physics::law::{DoubleExponential, Law, Mie, Shape};
+use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
-use crate::physics::roughness::WAVES_MAX;
+use crate::physics::parameter::{Parameter, Refusal, Value, number};
 use mesh::{next_fast, points_for};
-use parameter::{Parameter, number};
-
-pub use parameter::POINTS_MAX;
 
 /// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,12 +122,7 @@ impl Model {
                 mesh_rule::SAFE
             )
         });
-        let ground = match self.indenter {
-            Indenter::Rough(roughness) if !roughness.fits(&self.grid) => {
-                Some(format!("the mesh is too coarse for waves of length {}: the shortest ones are left out", roughness.shortest))
-            }
-            _ => None,
-        };
+        let ground = self.indenter.ground().left_out(&self.grid);
         let words: Vec<_> = law.into_iter().chain(ground).collect();
         (!words.is_empty()).then(|| words.join("; "))
     }
@@ -159,50 +150,32 @@ impl Scene {
     ///
     /// # Errors
     /// The first value that is not allowed.
-    pub fn validate(&self) -> Result<(), SceneError> {
+    pub fn validate(&self) -> Result<(), Refusal> {
         self.model().map(|_| ())
     }
 
     /// Every number that the scene gives, with what is allowed of it.
-    pub fn numbers(&self) -> Vec<(&'static Parameter, f64)> {
+    pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
         let Self { cell, law, indenter, drive, accuracy, seed, .. } = self;
         let mut numbers = vec![
-            (&parameter::LENGTH, cell.length),
-            (&parameter::SURFACE_ENERGY, law.surface_energy),
-            (&parameter::START, drive.start),
-            (&parameter::STEP, drive.step),
-            (&parameter::TARGET, *accuracy),
-            (&parameter::SEED, *seed as f64),
+            (&parameter::LENGTH, Value::Number(cell.length)),
+            (&parameter::SURFACE_ENERGY, Value::Number(law.surface_energy)),
+            (&parameter::START, Value::Number(drive.start)),
+            (&parameter::STEP, Value::Number(drive.step)),
+            (&parameter::TARGET, Value::Number(*accuracy)),
+            (&parameter::SEED, Value::Whole(*seed)),
         ];
         if let Points::Square(n) | Points::Line(n) = cell.points {
-            numbers.push((&parameter::POINTS, n as f64));
+            numbers.push((&parameter::POINTS, Value::Whole(n as u64)));
         }
-        match law.shape {
-            Shape::Mie(Mie { m, n }) => numbers.extend([(&parameter::MIE_N, n), (&parameter::MIE_M, m)]),
-            Shape::DoubleExponential(DoubleExponential { ratio }) => numbers.push((&parameter::RATIO, ratio)),
-            Shape::Morse(_) | Shape::Cosine(_) => {}
-        }
+        numbers.extend(law.shape.parameters().iter().zip(law.shape.values()));
         numbers.push(match law.range {
-            Range::Length(range) => (&parameter::RANGE, range),
-            Range::MuRho(mu_rho) => (&parameter::MU_RHO, mu_rho),
+            Range::Length(range) => (&parameter::RANGE, Value::Number(range)),
+            Range::MuRho(mu_rho) => (&parameter::MU_RHO, Value::Number(mu_rho)),
         });
-        match *indenter {
-            Indenter::Flat => {}
-            Indenter::Hertz { radius } => numbers.push((&parameter::RADIUS, radius)),
-            Indenter::Wave { amplitude, periods } => {
-                numbers.push((&parameter::AMPLITUDE, amplitude));
-                numbers.extend(periods.map(|count| (&parameter::PERIODS, count as f64)));
-            }
-            Indenter::Rough(rough) => numbers.extend([
-                (&parameter::HURST, rough.hurst),
-                (&parameter::RMS, rough.rms),
-                (&parameter::LONGEST, rough.longest),
-                (&parameter::SHORTEST, rough.shortest),
-                (&parameter::GROUND_SEED, rough.seed as f64),
-            ]),
-        }
+        numbers.extend(indenter.parameters().iter().zip(indenter.values()));
         if let Turn::At(turn) = drive.turn {
-            numbers.push((&parameter::TURN, turn));
+            numbers.push((&parameter::TURN, Value::Number(turn)));
         }
         numbers
     }
@@ -211,73 +184,73 @@ impl Scene {
     ///
     /// # Errors
     /// The first value that is not allowed: by itself, then beside the others.
-    pub fn model(&self) -> Result<Model, SceneError> {
+    pub fn model(&self) -> Result<Model, Refusal> {
         for (parameter, value) in self.numbers() {
             parameter.check(value)?;
         }
-        self.check_shape()?;
+        self.law.shape.check()?;
         self.check_drive()?;
-        self.check_indenter()?;
+        self.indenter.check()?;
+        self.indenter.ground().check_in(self.cell.length)?;
         let unit = Law { shape: self.law.shape, surface_energy: self.law.surface_energy, range: 1.0 };
         let (grid, reason) = self.mesh(&unit)?;
         let range = match self.law.range {
             Range::Length(range) => range,
             Range::MuRho(mu) => mesh_rule::range_for_mu_rho(&unit, grid.spacing(), mu),
         };
-        self.check_waves(&grid)?;
+        self.indenter.ground().check_on(&grid)?;
         let law = Law { range, ..unit };
         let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
         if !parameter::MU_RHO.range.contains(&mu_rho) {
             let (low, high) = (parameter::MU_RHO.range.start(), parameter::MU_RHO.range.end());
             let allowed = format!("a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}");
-            return Err(refuse("law.range", number(range), &allowed));
+            return Err(Refusal::new("law.range", number(range), &allowed));
         }
         if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape) {
             let level = self.indenter.height(&grid).and_then(|height| height.mean()).unwrap_or(0.0);
             if turn <= level {
                 let allowed =
                     format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
-                return Err(refuse("drive.turn", number(turn), &allowed));
+                return Err(Refusal::new("drive.turn", number(turn), &allowed));
             }
         }
         if let Turn::At(turn) = self.drive.turn
             && self.indenter == Indenter::Flat
             && !law.at(turn).energy.is_finite()
         {
-            return Err(refuse("drive.turn", number(turn), "a gap at which the law is finite: so deep in its wall it overflows"));
+            return Err(Refusal::new(
+                "drive.turn",
+                number(turn),
+                "a gap at which the law is finite: so deep in its wall it overflows",
+            ));
         }
         if let Turn::ZeroLoad = self.drive.turn
             && range / self.drive.step > STEPS_MAX
         {
-            return Err(refuse("drive.step", number(self.drive.step), "at least a 200,000th of law.range"));
+            return Err(Refusal::new("drive.step", number(self.drive.step), "at least a 200,000th of law.range"));
         }
         Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
     }
 
     /// The mesh, and in words why; `unit` is the law with a range of 1.
-    fn mesh(&self, unit: &Law) -> Result<(Grid, String), SceneError> {
+    fn mesh(&self, unit: &Law) -> Result<(Grid, String), Refusal> {
         let length = self.cell.length;
         let range = match (self.cell.points, self.law.range) {
             (Points::Square(n), _) => return Ok((Grid::square(length, even(n)?), "points given".to_owned())),
             (Points::Line(n), _) => return Ok((Grid::line(length, even(n)?), "line cell given".to_owned())),
             (Points::Auto, Range::MuRho(mu)) => {
                 let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
-                return Err(refuse("law.mu_rho", number(mu), allowed));
+                return Err(Refusal::new("law.mu_rho", number(mu), allowed));
             }
             (Points::Auto, Range::Length(range)) => range,
         };
-        if let Indenter::Wave { periods, .. } = self.indenter
-            && self.indenter.points_needed(length) > POINTS_MAX
-        {
-            let allowed = format!("with cell.points = \"auto\" at most {}, each wave with its eight points", POINTS_MAX / 8);
-            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
-        }
+        self.indenter.ground().check_auto()?;
         let law = Law { range, ..*unit };
-        let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.points_needed(length)));
+        let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.ground().points_needed(length)));
         if n > POINTS_MAX {
             let allowed =
                 format!("this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length");
-            return Err(refuse("cell.points", "auto", &allowed));
+            return Err(Refusal::new("cell.points", "auto", &allowed));
         }
         let mu = mesh_rule::mu_rho(&law, length / n as f64);
         // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
@@ -288,60 +261,12 @@ impl Scene {
         Ok((Grid::square(length, n), reason))
     }
 
-    fn check_shape(&self) -> Result<(), SceneError> {
-        match self.law.shape {
-            Shape::Mie(Mie { m, n }) if !(m > n) => {
-                Err(refuse("law.m", number(m), &format!("a number above law.n = {n}, at most {}", parameter::MIE_M.range.end())))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn check_waves(&self, grid: &Grid) -> Result<(), SceneError> {
-        if let Indenter::Wave { periods, .. } = self.indenter
-            && (periods.iter().any(|&p| p > grid.nx / 4) || grid.is_line() && periods[1] > 0)
-        {
-            let allowed = if grid.is_line() { "along x alone on a line cell, and " } else { "" };
-            let allowed = format!("{allowed}at most a quarter of the points along a side ({})", grid.nx / 4);
-            return Err(refuse("indenter.periods", format!("{periods:?}"), &allowed));
-        }
-        Ok(())
-    }
-
-    fn check_indenter(&self) -> Result<(), SceneError> {
-        let length = self.cell.length;
-        match self.indenter {
-            Indenter::Flat | Indenter::Hertz { .. } => {}
-            Indenter::Wave { periods, .. } => {
-                if periods == [0, 0] {
-                    return Err(refuse("indenter.periods", "[0, 0]", "a whole number above 0 along x or y, as in 2 or [2, 1]"));
-                }
-            }
-            Indenter::Rough(rough) => {
-                if rough.longest > length {
-                    return Err(refuse(
-                        "indenter.longest",
-                        number(rough.longest),
-                        &format!("above 0, at most cell.length = {}", number(length)),
-                    ));
-                }
-                let least = length / WAVES_MAX as f64;
-                if !(rough.shortest >= least && rough.shortest <= rough.longest) {
-                    let allowed =
-                        format!("from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}", number(least), number(rough.longest));
-                    return Err(refuse("indenter.shortest", number(rough.shortest), &allowed));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn check_drive(&self) -> Result<(), SceneError> {
+    fn check_drive(&self) -> Result<(), Refusal> {
         let Drive { start, turn, step } = self.drive;
         // At zero load u0 goes below the ground by no more than about the length of the cell.
         let reach = start.abs() + if turn == Turn::ZeroLoad { self.cell.length } else { 0.0 };
         if step < STEP_SHARE * reach {
-            return Err(refuse(
+            return Err(Refusal::new(
                 "drive.step",
                 number(step),
                 &format!("at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"),
@@ -349,26 +274,22 @@ impl Scene {
         }
         if let Turn::At(turn) = turn {
             if turn >= start {
-                return Err(refuse(
+                return Err(Refusal::new(
                     "drive.turn",
                     number(turn),
                     &format!("a number below drive.start = {}, or \"zero_load\"", number(start)),
                 ));
             }
             if (start - turn) / step > STEPS_MAX {
-                return Err(refuse("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
+                return Err(Refusal::new("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
             }
         } else if self.indenter == Indenter::Flat {
-            return Err(refuse("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
+            return Err(Refusal::new("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
         }
         Ok(())
     }
 }
 
-fn even(n: usize) -> Result<usize, SceneError> {
+fn even(n: usize) -> Result<usize, Refusal> {
     if n.is_multiple_of(2) { Ok(n) } else { Err(parameter::POINTS.refuse(n)) }
-}
-
-pub(super) fn refuse(key: &str, value: impl std::fmt::Display, allowed: &str) -> SceneError {
-    SceneError { key: key.to_owned(), value: value.to_string(), allowed: format!("allowed is {allowed}") }
 }

@@ -18,7 +18,8 @@ pub use points::{Effort, Point, points};
 pub use reference::Reference;
 
 use crate::numerics::cancel::Cancel;
-use crate::scene::{Scene, SceneError};
+use crate::physics::parameter::Refusal;
+use crate::scene::Scene;
 use points::Predictor;
 use std::fmt;
 
@@ -79,7 +80,7 @@ pub enum News<'a> {
 ///
 /// # Errors
 /// The first value of the scene that is not allowed. Failures of methods are rows.
-pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnMut(News<'_>)) -> Result<Chart, SceneError> {
+pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnMut(News<'_>)) -> Result<Chart, Refusal> {
     let scene = points::with_fixed_law(scene)?;
     let (list, finest) = points::points(&scene, effort)?;
     let mut predictor = Predictor::new(&scene)?;

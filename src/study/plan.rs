@@ -30,6 +30,7 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
     let flat = model.indenter == Indenter::Flat;
     let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
     let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
+    let one_crest = model.indenter.ground().has_one_crest() && !model.grid.is_line();
     let mesh = if flat { flat_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
@@ -47,11 +48,11 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
         }
     };
     match (asked, obstacle) {
-        (Some(Road::Walk(part)), _) if part.is_even() && !model.indenter.is_even() => {
+        (Some(Road::Walk(part)), _) if part.is_even() && !model.indenter.ground().is_even() => {
             by_walk(Part::Whole, "rough ground has no mirror symmetry")
         }
         (Some(Road::Walk(part)), _) => by_walk(part, "asked for"),
-        (None, Some(why)) if has_one_crest(model) && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
+        (None, Some(why)) if one_crest && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
             by_walk(Part::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
         }
         (None, Some(why)) => by_walk(Part::Whole, &why),
@@ -116,16 +117,6 @@ fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
     } else {
         None
     }
-}
-
-/// True over a square cell of uneven ground with one crest: nothing tells its sides apart. Two crests may take turns.
-fn has_one_crest(model: &Model) -> bool {
-    let one = match model.indenter {
-        Indenter::Hertz { .. } => true,
-        Indenter::Wave { periods, .. } => periods.iter().all(|&p| p <= 1),
-        Indenter::Flat | Indenter::Rough(_) => false,
-    };
-    one && !model.grid.is_line()
 }
 
 /// u0 from the start to the turn, or what it may be for a tip (length).

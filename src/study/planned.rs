@@ -7,8 +7,9 @@ use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
+use crate::physics::parameter::Refusal;
 use crate::scene::part::Road;
-use crate::scene::{Model, Scene, SceneError, Turn};
+use crate::scene::{Model, Scene, Turn};
 use crate::solver::methods::MethodKind;
 
 /// Runs the closed loop on the road of `plan`, with its error bar and the loops of other landings; where an atlas finds that it does not
@@ -22,7 +23,7 @@ pub fn run_planned(
     plan: &Plan,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
+) -> Result<LoopRun, Refusal> {
     let (mut run, model) = (run_on_road(scene, method, plan, cancel, observe)?, scene.model()?);
     run.error_bar = error_bar(scene, &model, &run, cancel);
     run.rivals = rival_loops(scene, &model, &run, cancel);
@@ -57,7 +58,7 @@ fn run_on_road(
     plan: &Plan,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
-) -> Result<LoopRun, SceneError> {
+) -> Result<LoopRun, Refusal> {
     if let Road::Walk(part) = plan.road {
         return run_loop(scene, WalkOptions { part, ..method.into() }, cancel, observe);
     }

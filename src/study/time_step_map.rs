@@ -7,7 +7,8 @@
 use crate::follow::walk::{Progress as Walked, Walk};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, project_out, scale};
-use crate::scene::{Model, Scene, SceneError};
+use crate::physics::parameter::Refusal;
+use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::Equilibrium;
@@ -102,7 +103,7 @@ impl Survey {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn new(scene: &Scene, turn: f64) -> Result<Self, SceneError> {
+    pub fn new(scene: &Scene, turn: f64) -> Result<Self, Refusal> {
         let walk = Walk::start(scene, MethodKind::NewtonKrylov.into(), &Cancel::default())?;
         let (from, down) = (scene.drive.start, scene.drive.start - turn);
         let mut mechanics = walk.mechanics().clone();

@@ -1,8 +1,8 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
-use super::scene_edit::Follows;
 use crate::plot::chart_panel::Cost;
 use crate::scene::Scene;
+use crate::scene::edit::Follows;
 use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::worker::protocol::{Page, Speed, Sweep};

@@ -2,12 +2,12 @@
 
 use super::action::{Action, FileTask, Tab, ViewOptions};
 use super::number;
-use super::scene_edit;
 use super::tabs::TABS;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
 use crate::paper::GALLERY;
 use crate::physics::law::Shape;
+use crate::scene::edit;
 use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::storage::presets;
@@ -81,7 +81,7 @@ fn all(state: &ViewState) -> Vec<Command> {
         one(&format!("Preset {}", preset.name), KEYS.get(i).unwrap_or(&""), Action::LoadPreset(i))
     }));
     list.extend(Shape::all().into_iter().map(|shape| {
-        let scene = scene_edit::with_shape(&state.scene, &state.model, shape);
+        let scene = edit::with_shape(&state.scene, &state.model, shape);
         one(&format!("Cohesive law: {}", shape.word().replace('_', " ")), "", Action::EditScene(Box::new(scene)))
     }));
     list.extend(SPEEDS.map(|(speed, _, words)| one(&format!("Speed: {words}"), "", view(ViewOptions { speed, ..state.view }))));

@@ -4,12 +4,11 @@ use super::action::Action;
 use super::ground;
 use super::law_picker;
 use super::mu_rho_slider;
-use super::number::{SEED_MAX, field, number, whole};
-use super::scene_edit::{self, Follows};
+use super::number::{SEED_MAX, field, number, own, whole};
 use super::u0_slider;
 use super::view_state::ViewState;
 use crate::follow::record::Direction;
-use crate::physics::law::Shape;
+use crate::scene::edit::{self, Follows};
 use crate::scene::parameter;
 use crate::scene::part::Road;
 use crate::scene::{Points, Scene, Turn};
@@ -92,10 +91,10 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let label = ui.label(RichText::new("Mesh number μᵨ").strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let mut mu = state.model.mu_rho;
-            let range = scene_edit::MU_RHO.0..=scene_edit::MU_RHO.1;
+            let range = edit::MU_RHO.0..=edit::MU_RHO.1;
             let drag = field(&mut mu).range(range).clamp_existing_to_range(false).speed(0.002).max_decimals(4);
             if ui.add(drag).labelled_by(label.id).changed() {
-                actions.push(Action::EditScene(Box::new(scene_edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
+                actions.push(Action::EditScene(Box::new(edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
             }
         });
     });
@@ -122,7 +121,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     let rho = state.rho();
     if let Some(ratio) = number(ui, &parameter::LENGTH, model.grid.length / rho, 1.0..=65536.0, "ρ") {
-        edit(actions, scene_edit::with_length(scene, model, ratio * rho));
+        edit(actions, edit::with_length(scene, model, ratio * rho));
     }
     let line = model.grid.is_line();
     ui.horizontal(|ui| {
@@ -136,12 +135,12 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                     && matches!(scene.law.range, crate::scene::Range::Length(_))
                     && ui.selectable_label(scene.cell.points == Points::Auto, "auto").clicked()
                 {
-                    edit(actions, scene_edit::with_points(scene, model, Points::Auto));
+                    edit(actions, edit::with_points(scene, model, Points::Auto));
                 }
                 for n in [16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096].into_iter().filter(|&n| n <= most) {
                     if ui.selectable_label(model.grid.nx == n, n.to_string()).clicked() {
                         let points = if line { Points::Line(n) } else { Points::Square(n) };
-                        edit(actions, scene_edit::with_points(scene, model, points));
+                        edit(actions, edit::with_points(scene, model, points));
                     }
                 }
             });
@@ -152,7 +151,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     if ui.checkbox(&mut checked, "Line cell (uniform along y)").changed() {
         let n = model.grid.nx;
         let points = if checked { Points::Line(n) } else { Points::Square(n.min(256)) };
-        edit(actions, scene_edit::with_points(scene, model, points));
+        edit(actions, edit::with_points(scene, model, points));
     }
 }
 
@@ -160,12 +159,15 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     let rho = state.rho();
     if let Some(value) = number(ui, &parameter::SURFACE_ENERGY, scene.law.surface_energy, 1e-6..=1e6, "") {
-        edit(actions, scene_edit::with_surface_energy(scene, model, value));
+        edit(actions, edit::with_surface_energy(scene, model, value));
     }
     if let Some(value) = number(ui, &parameter::RANGE, rho, 1e-6..=1e6, "") {
-        edit(actions, scene_edit::with_range(scene, model, value));
+        edit(actions, edit::with_range(scene, model, value));
     }
-    law_parameters(ui, state, actions);
+    let shape = scene.law.shape;
+    if let Some(values) = own(ui, shape.parameters(), &shape.values(), rho) {
+        edit(actions, edit::with_shape(scene, model, shape.with(&values)));
+    }
     if let Some(value) = number(ui, &parameter::START, scene.drive.start / rho, -1e4..=1e4, "ρ") {
         let mut scene = (**scene).clone();
         scene.drive.start = value * rho;
@@ -214,24 +216,5 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         if ui.radio(state.method == method, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }
-    }
-}
-
-/// What only the present law has.
-fn law_parameters(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let mut shape = state.scene.law.shape;
-    match &mut shape {
-        Shape::Mie(mie) => {
-            mie.m = number(ui, &parameter::MIE_M, mie.m, mie.n + 0.1..=100.0, "").unwrap_or(mie.m);
-            mie.n = number(ui, &parameter::MIE_N, mie.n, 0.1..=mie.m - 0.1, "").unwrap_or(mie.n);
-        }
-        Shape::Cosine(cosine) => {
-            ui.checkbox(&mut cosine.smooth, "Smooth at contact (C2)");
-        }
-        Shape::DoubleExponential(law) => law.ratio = number(ui, &parameter::RATIO, law.ratio, 0.01..=0.99, "").unwrap_or(law.ratio),
-        Shape::Morse(_) => {}
-    }
-    if shape != state.scene.law.shape {
-        edit(actions, scene_edit::with_shape(&state.scene, &state.model, shape));
     }
 }

@@ -2,11 +2,11 @@
 
 use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
-use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
+use crate::plot::extent;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
@@ -42,7 +42,7 @@ impl MapCache {
             return;
         };
         let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let top = scene_edit::gap_scale(&state.scene, &state.model);
+        let top = extent::gap_scale(&state.scene, &state.model);
         let view = state.view;
         let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
             Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
@@ -203,7 +203,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let bar = Rect::from_min_max(pos2(map.right() + 10.0, map.top() + 16.0), pos2(map.right() + 22.0, map.bottom() - 2.0));
     let rho = state.rho();
-    let top = scene_edit::gap_scale(&state.scene, &state.model) / rho;
+    let top = extent::gap_scale(&state.scene, &state.model) / rho;
     let steps = 64;
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);

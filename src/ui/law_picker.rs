@@ -1,10 +1,10 @@
 //! The cohesive laws as cards, each with a sketch of its traction against the gap.
 
 use super::action::Action;
-use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::law::{Law, Shape};
+use crate::scene::edit;
 use egui::{Align2, Id, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// A row of cards, two by two.
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 let same = shape.word() == present.word();
                 let drawn = if same { present } else { shape };
                 if card(ui, drawn, same, width) && !same {
-                    actions.push(Action::EditScene(Box::new(scene_edit::with_shape(&state.scene, &state.model, shape))));
+                    actions.push(Action::EditScene(Box::new(edit::with_shape(&state.scene, &state.model, shape))));
                 }
             }
         });

@@ -9,7 +9,6 @@
 pub mod action;
 pub mod app;
 pub mod history;
-pub mod scene_edit;
 pub mod theme;
 pub mod view_state;
 

@@ -1,9 +1,9 @@
 //! The slider of mu_rho: logarithmic, with the named meshes of Table 1 beneath and a hatched zone where the mesh lies.
 
 use super::action::Action;
-use super::scene_edit::{self, MU_RHO, TICKS};
 use super::theme;
 use super::view_state::ViewState;
+use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::{Align2, Id, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Accessible name of the slider.
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         }
     }
     if let Some(mu) = wanted {
-        actions.push(Action::EditScene(Box::new(scene_edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
+        actions.push(Action::EditScene(Box::new(edit::with_mu_rho(&state.scene, &state.model, mu, state.follows))));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Numbers as people type them, and the fields they are typed into.
 
-use crate::scene::parameter::Parameter;
+use crate::physics::parameter::{Parameter, Value};
 use egui::{DragValue, Response, Ui};
 use std::ops::RangeInclusive;
 
@@ -34,6 +34,31 @@ pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclus
         response
     });
     (changed && edited != value).then_some(edited)
+}
+
+/// What only a law or a ground has, lengths in ranges; `None` while nothing is edited. A value that is refused beside the others is said to
+/// be by the scene.
+pub fn own(ui: &mut Ui, parameters: &[Parameter], values: &[Value], rho: f64) -> Option<Vec<Value>> {
+    let mut edited = values.to_vec();
+    for (parameter, value) in parameters.iter().zip(&mut edited) {
+        let (low, high) = (*parameter.range.start(), *parameter.range.end());
+        let (unit, word) = if parameter.unit == "length" { (rho, "ρ") } else { (1.0, "") };
+        let most = (high as u64).min(SEED_MAX);
+        match value {
+            Value::Number(x) => *x = number(ui, parameter, *x / unit, low / unit..=high / unit, word).map_or(*x, |new| new * unit),
+            Value::Whole(n) => *n = whole(ui, &parameter.title(), *n, low as u64..=most).unwrap_or(*n),
+            Value::Counts(both) => {
+                for (count, axis) in both.iter_mut().zip(["x", "y"]) {
+                    let name = format!("{} along {axis}", parameter.label);
+                    *count = whole(ui, &name, *count as u64, low as u64..=most).map_or(*count, |new| new as usize);
+                }
+            }
+            Value::Flag(flag) => {
+                ui.checkbox(flag, parameter.label);
+            }
+        }
+    }
+    (edited != values).then_some(edited)
 }
 
 /// The same for a whole number.

@@ -2,10 +2,10 @@
 
 use super::gap_map;
 use super::gap_picture::GapPicture;
-use super::scene_edit;
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
+use crate::plot::extent;
 use crate::plot::ticks;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
@@ -37,11 +37,11 @@ fn heights(state: &ViewState) -> (f64, f64) {
     let rho = state.rho();
     match state.model.indenter {
         Indenter::Flat => {
-            let top = scene_edit::gap_scale(&state.scene, &state.model);
+            let top = extent::gap_scale(&state.scene, &state.model);
             (-0.22 * top, 1.22 * top)
         }
         _ => {
-            let depth = scene_edit::relief(&state.model);
+            let depth = state.model.indenter.ground().relief(&state.model.law);
             (-2.0 * depth - 3.0 * rho, state.scene.drive.start.max(0.0) + depth + 3.0 * rho)
         }
     }

@@ -10,12 +10,14 @@ pub use run::{ClosedLoop, RunView, Selection};
 
 use super::action::{Tab, ViewOptions};
 use super::history::History;
-use super::scene_edit::{self, Follows};
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
+use crate::plot::extent;
 use crate::plot::loop_panel::{flat_state, loss};
+use crate::scene::edit::Follows;
 use crate::scene::part::Road;
-use crate::scene::{Model, Scene, SceneError};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep};
@@ -90,9 +92,9 @@ impl ViewState {
     ///
     /// # Errors
     /// The scene's first value that is not allowed.
-    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+    pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let limits = scene_edit::limits(&scene, &model);
+        let limits = extent::limits(&scene, &model);
         Ok(Self {
             plots: Plots::new(flat_state(&model, limits.into())),
             scene: Arc::new(scene),
@@ -147,7 +149,7 @@ impl ViewState {
             }
         };
         let at_start = self.target == self.limits.1;
-        self.limits = scene_edit::limits(&scene, &model);
+        self.limits = extent::limits(&scene, &model);
         if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
             self.target = self.limits.1;
         }

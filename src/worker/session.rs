@@ -7,8 +7,8 @@ use crate::follow::itinerary::Itinerary;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::follow::walk::{EnergyWell, Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
+use crate::physics::parameter::Refusal;
 use crate::physics::theory::flat;
-use crate::scene::SceneError;
 use crate::solver::equilibrium::Equilibrium;
 use std::sync::Arc;
 use std::time::Duration;
@@ -201,7 +201,7 @@ impl Session {
         }
     }
 
-    fn refuse(&mut self, run: RunId, error: SceneError, sink: &mut dyn FnMut(Event)) {
+    fn refuse(&mut self, run: RunId, error: Refusal, sink: &mut dyn FnMut(Event)) {
         *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
         let message = format!("This scene cannot run: {} = {}", error.key, error.value);
         sink(Event::Failed(Failure { message, remedy: error.allowed }));

@@ -5,8 +5,9 @@ use super::protocol::ModelChoice;
 use crate::follow::record::StateRecord;
 use crate::follow::walk::{Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
+use crate::physics::parameter::Refusal;
 use crate::scene::part::{Part, Road};
-use crate::scene::{Model, Scene, SceneError};
+use crate::scene::{Model, Scene};
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
@@ -27,7 +28,7 @@ impl Setup {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn new(scene: Arc<Scene>, method: MethodKind, asked: Option<Road>) -> Result<Self, SceneError> {
+    pub fn new(scene: Arc<Scene>, method: MethodKind, asked: Option<Road>) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let plan = plan(&scene, &model, asked);
         let wanted = match plan.road {
@@ -44,7 +45,7 @@ impl Setup {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn walk(&self, cancel: &Cancel) -> Result<Walk, SceneError> {
+    pub fn walk(&self, cancel: &Cancel) -> Result<Walk, Refusal> {
         Walk::start(&self.scene, WalkOptions { part: self.choice.part, ..self.method.into() }, cancel)
     }
 
@@ -52,7 +53,7 @@ impl Setup {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, SceneError> {
+    pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, Refusal> {
         Ok(self.walk(&Cancel::default())?.standing_on(state, record))
     }
 

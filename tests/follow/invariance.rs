@@ -5,7 +5,7 @@ use tackscope::follow::record::{Cause, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
@@ -41,7 +41,7 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
     let mut scene = wavy();
     (scene.drive.turn, scene.drive.step) = (Turn::At(-0.2), 0.03);
     let mut run = |periods, seed| {
-        scene.indenter = Indenter::Wave { amplitude: 0.3, periods };
+        scene.indenter = Indenter::Wave(Wave { amplitude: 0.3, periods });
         scene.seed = seed;
         looped(&scene, Part::Whole)
     };
@@ -74,7 +74,7 @@ fn gentle_ground_jumps_where_flat_ground_does() {
         let mut scene = flat.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.05);
         (scene.drive.start, scene.drive.turn) = (3.3, Turn::At(2.75));
-        scene.indenter = if amplitude == 0.0 { Indenter::Flat } else { Indenter::Wave { amplitude, periods: [1, 1] } };
+        scene.indenter = if amplitude == 0.0 { Indenter::Flat } else { Indenter::Wave(Wave { amplitude, periods: [1, 1] }) };
         looped(&scene, Part::Whole)
     };
     let (right, found) = (gentle(48, 0.0), gentle(48, 1e-4));
@@ -102,7 +102,7 @@ fn steps_longer_than_a_pattern_lives_find_every_pattern() {
 fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     // One crest, on a mesh point here and between points there: that far apart are the meshes.
     let mut scene = wavy();
-    scene.indenter = Indenter::Wave { amplitude: 0.5, periods: [1, 1] };
+    scene.indenter = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 1] });
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.05;
     let (whole, quarter) = (looped(&scene, Part::Whole), looped(&scene, Part::Quarter));
@@ -206,7 +206,7 @@ fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
 fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
     // Four crests: the ground comes back after half a cell along x or y, and is its own mirror image; the contact has fewer symmetries.
     let mut scene = wavy();
-    scene.indenter = Indenter::Wave { amplitude: 0.4, periods: [2, 2] };
+    scene.indenter = Indenter::Wave(Wave { amplitude: 0.4, periods: [2, 2] });
     let (there, n) = (standing_at(&scene, &[-0.2]), 32);
     let (system, mut ws) = (there.system(), there.system().workspace());
     let field = system.field(&there.here().state.amplitudes, &mut ws).clone();

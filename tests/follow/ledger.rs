@@ -6,7 +6,7 @@ use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::{Stuck, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
@@ -242,7 +242,7 @@ fn a_loop_that_ends_in_another_state_than_it_began_with_is_open_and_loses_nothin
 
 #[test]
 fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
-    let tip = Indenter::Hertz { radius: 256.0 };
+    let tip = Indenter::Hertz(Hertz { radius: 256.0 });
     for (indenter, start) in [(Indenter::Flat, 2.5), (Indenter::Flat, 0.9), (tip, -60.0), (tip, -400.0)] {
         let mut scene = preset("fig2");
         scene.cell.points = Points::Square(16);

@@ -6,7 +6,7 @@ use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::measured_law::MeasuredLaw;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::scene::part::{Part, Road};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
@@ -147,7 +147,7 @@ fn in_deep_compression_nothing_jumps() {
 #[test]
 fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
     let mut scene = preset("wavy");
-    scene.indenter = Indenter::Wave { amplitude: 0.5, periods: [1, 1] };
+    scene.indenter = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 1] });
     scene.drive.step = 0.05;
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
@@ -183,7 +183,7 @@ fn rough_ground_and_several_crests_are_left_to_the_whole_cell() {
 #[test]
 fn waves_along_x_alone_let_patterns_slide_along_y() {
     let mut scene = preset("wavy");
-    scene.indenter = Indenter::Wave { amplitude: 0.25, periods: [1, 0] };
+    scene.indenter = Indenter::Wave(Wave { amplitude: 0.25, periods: [1, 0] });
     (scene.drive.step, scene.cell.points) = (0.05, Points::Square(48));
     let run = newton(&scene);
     assert!(run.record.states.iter().all(|state| state.stop == Stop::Stable));
@@ -197,7 +197,7 @@ fn line_cells_walk_on_waves_and_on_rough_profiles() {
     for name in ["wavy", "rough"] {
         let mut scene = preset(name);
         scene.cell.points = Points::Line(128);
-        if let Indenter::Wave { periods, .. } = &mut scene.indenter {
+        if let Indenter::Wave(Wave { periods, .. }) = &mut scene.indenter {
             *periods = [2, 0];
         }
         scene.drive.turn = Turn::At(-0.8);

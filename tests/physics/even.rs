@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use tackscope::numerics::eigen::symmetric_eigen;
 use tackscope::physics::grid::Grid;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::low_block::{Class, LowBlock};
 use tackscope::physics::system::{System, carried};
@@ -49,7 +49,7 @@ fn energy_stress_and_forces_of_an_even_field_are_those_of_the_whole_cell() {
 #[test]
 fn a_tip_on_the_quarter_cell_falls_off_from_its_corner() {
     let grid = Grid::square(2.0, 8);
-    let height = Indenter::Hertz { radius: 3.0 }.even_height(&grid).unwrap();
+    let height = Indenter::Hertz(Hertz { radius: 3.0 }).even_height(&grid).unwrap();
     // Half a spacing of 0.25 from the apex along each axis, and three and a half along x at the far end.
     assert!((height[[0, 0]] + 2.0 * 0.125_f64.powi(2) / 6.0).abs() < 1e-15);
     assert!((height[[0, 3]] + (0.125_f64.powi(2) + 0.875_f64.powi(2)) / 6.0).abs() < 1e-15);

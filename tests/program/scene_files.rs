@@ -1,11 +1,11 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader panic.
 
 use proptest::prelude::*;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
-use tackscope::physics::roughness::Roughness;
-use tackscope::scene::parameter::{self, Parameter};
+use tackscope::physics::parameter::Parameter;
 use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::scene::{edit, parameter};
 use tackscope::storage::{Failure, presets, scene_file};
 
 const NAME: &str = "my scene.toml";
@@ -126,12 +126,12 @@ const ROUGH: &str = "kind = \"rough\"\nhurst = 0.8\nrms = 1\nlongest = 64\nshort
 fn wavy_and_rough_ground_are_read() {
     let with =
         |indenter: &str| scene_file::parse(&fig2().replacen("kind = \"flat\"", indenter, 1), NAME).expect("allowed").indenter;
-    let wave = |periods| Indenter::Wave { amplitude: 0.5, periods };
+    let wave = |periods| Indenter::Wave(Wave { amplitude: 0.5, periods });
     assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = 2"), wave([2, 0]));
     assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = [1, 3]"), wave([1, 3]));
-    let rough = Roughness { hurst: 0.8, rms: 1.0, longest: 64.0, shortest: 8.0, seed: 3 };
+    let rough = Rough { hurst: 0.8, rms: 1.0, longest: 64.0, shortest: 8.0, seed: 3 };
     assert_eq!(with(ROUGH), Indenter::Rough(rough));
-    assert_eq!(with(&ROUGH.replace("\nseed = 3", "")), Indenter::Rough(Roughness { seed: 1, ..rough }));
+    assert_eq!(with(&ROUGH.replace("\nseed = 3", "")), Indenter::Rough(Rough { seed: 1, ..rough }));
 }
 
 #[test]
@@ -227,10 +227,10 @@ fn meshes() -> impl Strategy<Value = (Points, Range)> {
 fn grounds() -> impl Strategy<Value = Indenter> {
     prop_oneof![
         Just(Indenter::Flat),
-        (1e-3..1e6).prop_map(|radius| Indenter::Hertz { radius }),
-        (1e-3..1e3).prop_map(|amplitude| Indenter::Wave { amplitude, periods: [1, 0] }),
+        (1e-3..1e6).prop_map(|radius| Indenter::Hertz(Hertz { radius })),
+        (1e-3..1e3).prop_map(|amplitude| Indenter::Wave(Wave { amplitude, periods: [1, 0] })),
         (0.01..1.0, 1e-6..1e6, 10.0..50.0, 1.0..10.0, 0..=i64::MAX as u64)
-            .prop_map(|(hurst, rms, longest, shortest, seed)| Indenter::Rough(Roughness { hurst, rms, longest, shortest, seed })),
+            .prop_map(|(hurst, rms, longest, shortest, seed)| Indenter::Rough(Rough { hurst, rms, longest, shortest, seed })),
     ]
 }
 
@@ -357,6 +357,7 @@ fn giving(parameter: &Parameter) -> (String, String) {
     match parameter.key {
         "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
         "law.m" | "law.n" => text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0"),
+        "law.smooth" => text = replaced(text, "kind = \"morse\"", "kind = \"cosine\"\nsmooth = false"),
         "law.ratio" => text = replaced(text, "kind = \"morse\"", "kind = \"double_exponential\"\nratio = 0.4"),
         "indenter.radius" => text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0"),
         "indenter.amplitude" | "indenter.periods" => {
@@ -377,12 +378,14 @@ fn giving(parameter: &Parameter) -> (String, String) {
 
 #[test]
 fn a_number_outside_its_range_is_refused_with_the_range() {
-    for parameter in parameter::ALL {
+    for parameter in parameter::all() {
         let (text, given) = giving(parameter);
         assert!(scene_file::parse(&text, NAME).is_ok(), "{}", parameter.key);
         let (low, high) = (*parameter.range.start(), *parameter.range.end());
         let whole = ["points", "periods", "seed"].contains(&parameter.name());
-        let beyond = if whole {
+        let beyond = if parameter.name() == "smooth" {
+            vec!["2".to_owned(), "\"yes\"".to_owned()]
+        } else if whole {
             vec![
                 format!("{}", low as i64 - 1),
                 if high > 1e6 { "9223372036854775808".to_owned() } else { format!("{}", high as i64 + 1) },
@@ -409,20 +412,35 @@ fn a_number_outside_its_range_is_refused_with_the_range() {
 #[test]
 fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
     let mut seen = std::collections::BTreeSet::new();
-    for parameter in parameter::ALL {
+    for parameter in parameter::all() {
         let scene = scene_file::parse(&giving(parameter).0, NAME).expect("allowed");
         seen.extend(scene.numbers().iter().map(|(parameter, _)| parameter.key));
         // What the file holds and what the scene lists are the same.
         let text = scene_file::to_text(&scene);
         let table: toml::Table = text.parse().expect("TOML");
         for (section, value) in table.iter().filter_map(|(name, value)| Some((name, value.as_table()?))) {
-            for (name, _) in value.iter().filter(|(_, value)| value.is_float() || value.is_integer() || value.is_array()) {
+            for (name, _) in value.iter().filter(|(_, value)| !value.is_str()) {
                 let key = format!("{section}.{name}");
                 assert!(scene.numbers().iter().any(|(parameter, _)| parameter.key == key), "{key} is not listed");
             }
         }
     }
-    assert_eq!(seen, parameter::ALL.iter().map(|parameter| parameter.key).collect());
+    assert_eq!(seen, parameter::all().into_iter().map(|parameter| parameter.key).collect());
+}
+
+#[test]
+fn every_law_and_every_ground_of_the_pickers_opens_from_its_file() {
+    let scene = presets::find("fig2").expect("built in").scene().expect("allowed");
+    let model = scene.model().expect("allowed");
+    for shape in Shape::all() {
+        for ground in Indenter::all() {
+            let indenter = ground.ground().suited(&model.law, &model.grid);
+            let edited = edit::with_ground(&edit::with_shape(&scene, &model, shape), &model, indenter);
+            let text = scene_file::to_text(&edited);
+            assert_eq!(scene_file::parse(&text, NAME).as_ref(), Ok(&edited), "{text}");
+            assert!(text.contains(shape.word()) && text.contains(indenter.word()), "{text}");
+        }
+    }
 }
 
 #[test]
@@ -473,8 +491,8 @@ fn a_drive_into_the_wall_of_a_mie_law_is_refused_on_any_ground() {
     // Over whole waves a cosine has no mean, so that the mean of the ground lies an amplitude below each crest of its two waves.
     for (indenter, level) in [
         (Indenter::Flat, 0.0),
-        (Indenter::Wave { amplitude: 0.3, periods: [1, 0] }, -0.3),
-        (Indenter::Wave { amplitude: 0.3, periods: [1, 1] }, -0.6),
+        (Indenter::Wave(Wave { amplitude: 0.3, periods: [1, 0] }), -0.3),
+        (Indenter::Wave(Wave { amplitude: 0.3, periods: [1, 1] }), -0.6),
     ] {
         let mut scene = scene_file::parse(fig2(), NAME).unwrap();
         scene.law.shape = Shape::Mie(Mie { m: 9.0, n: 3.0 });

@@ -14,9 +14,8 @@ use tackscope::follow::record::StateRecord;
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::dot;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
-use tackscope::physics::roughness::Roughness;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
@@ -85,13 +84,13 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
     let length = n as f64;
     let indenter = match rng.random_range(0..5) {
         0 | 1 => Indenter::Flat,
-        2 => Indenter::Hertz { radius: length * length / (8.0 * range * rng.random_range(0.5..12.0)) },
+        2 => Indenter::Hertz(Hertz { radius: length * length / (8.0 * range * rng.random_range(0.5..12.0)) }),
         3 => {
             let periods = *[[1, 1], [1, 0], [0, 1], [2, 1], [1, 2], [2, 2]].choose(rng).unwrap();
             let periods = if line { [1, 0] } else { periods.map(|p: usize| p.min(n / 8)) };
-            Indenter::Wave { amplitude: range * 10f64.powf(rng.random_range(-4.0..0.7)), periods }
+            Indenter::Wave(Wave { amplitude: range * 10f64.powf(rng.random_range(-4.0..0.7)), periods })
         }
-        _ => Indenter::Rough(Roughness {
+        _ => Indenter::Rough(Rough {
             hurst: rng.random_range(0.4..1.0),
             rms: range * rng.random_range(0.1..2.0),
             longest: length,
@@ -99,7 +98,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
             seed: rng.random_range(0..1000),
         }),
     };
-    let reduction = if indenter.is_even() && rng.random() { Part::Quarter } else { Part::Whole };
+    let reduction = if indenter.ground().is_even() && rng.random() { Part::Quarter } else { Part::Whole };
     let start = range * rng.random_range(2.0..5.0);
     let scene = Scene {
         title: "random".to_owned(),
@@ -126,7 +125,7 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
     let model = walk.model().clone();
     let dense = Dense::new(model.grid);
     let smooth = model.law.is_smooth();
-    let mut uniform = model.indenter.is_uniform();
+    let mut uniform = model.indenter.ground().is_uniform();
     uniform[1] &= !model.grid.is_line();
     tally.scenes += 1;
     let Turn::At(turn) = scene.drive.turn else { unreachable!() };
@@ -206,8 +205,8 @@ fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
         let kind = match (scene.cell.points, scene.indenter) {
             (Points::Line(_), _) => "line".to_owned(),
             (_, Indenter::Flat) => format!("flat, {}", reduction.word()),
-            (_, Indenter::Hertz { .. }) => format!("tip, {}", reduction.word()),
-            (_, Indenter::Wave { .. }) => format!("wave, {}", reduction.word()),
+            (_, Indenter::Hertz(_)) => format!("tip, {}", reduction.word()),
+            (_, Indenter::Wave(_)) => format!("wave, {}", reduction.word()),
             (_, Indenter::Rough(_)) => "rough, whole".to_owned(),
         };
         audit(&scene, reduction, tallies.entry(kind).or_default());

@@ -7,7 +7,7 @@ use tackscope::follow::atlas::{Atlas, End, Meshes};
 use tackscope::follow::run::run_loop;
 use tackscope::follow::walk::{Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::part::{Part, Road};
@@ -42,7 +42,7 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
 #[test]
 fn nothing_is_measured_where_nothing_is_promised() {
     let mut scene = scene(Shape::Morse(Morse), 1.9, Points::Square(24));
-    scene.indenter = Indenter::Wave { amplitude: 0.01, periods: [1, 1] };
+    scene.indenter = Indenter::Wave(Wave { amplitude: 0.01, periods: [1, 1] });
     let plan = plan(&scene, &scene.model().unwrap(), None);
     assert_eq!(run_planned(&scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap().error_bar, None);
 }

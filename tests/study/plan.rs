@@ -6,7 +6,7 @@ use tackscope::follow::atlas::{Atlas, Meshes};
 use tackscope::follow::run::run_loop;
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::scene::mesh::next_fast;
 use tackscope::scene::part::{Part, Road};
@@ -128,7 +128,7 @@ fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
 #[test]
 fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
     let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
-    scene.indenter = Indenter::Hertz { radius: 256.0 };
+    scene.indenter = Indenter::Hertz(Hertz { radius: 256.0 });
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
     assert_eq!(plan(&scene, &model, Some(Road::WHOLE)).road, Road::WHOLE);

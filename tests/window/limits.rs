@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter, Wave};
 use tackscope::scene::{Range, Scene, Turn};
 use tackscope::storage::{files, picture, presets, scene_file};
 
@@ -141,8 +141,8 @@ fn scenes_at_the_ends_of_their_ranges_are_drawn() {
         |scene| scene.cell.length = 1e100,
         |scene| scene.law.range = Range::Length(1e-3),
         |scene| scene.law.surface_energy = 1e-50,
-        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Hertz { radius: 1e-100 }, Turn::ZeroLoad),
-        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Wave { amplitude: 1e100, periods: [1, 0] }, Turn::At(-1e3)),
+        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Hertz(Hertz { radius: 1e-100 }), Turn::ZeroLoad),
+        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Wave(Wave { amplitude: 1e100, periods: [1, 0] }), Turn::At(-1e3)),
     ];
     for (index, extreme) in extremes.iter().enumerate() {
         let mut scene = fig2();

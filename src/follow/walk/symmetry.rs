@@ -153,7 +153,7 @@ pub(super) fn with_coarse(tracker: Tracker, Mechanics { system, slides, .. }: &M
 
 /// Whether patterns slide on the whole cell of `model`.
 pub(in crate::follow) fn slides_on(model: &Model) -> Slides {
-    match model.indenter.is_uniform() {
+    match model.indenter.ground().is_uniform() {
         [false, false] => Slides::Never,
         _ if model.law.is_smooth() && model.mu_rho <= SLIDING_MU_RHO => Slides::Freely,
         _ => Slides::UnlessPinned,

@@ -1,16 +1,37 @@
 //! The cosine law with a true cut-off (Eq. 31), as printed and with a continuous stiffness.
 
 use super::Form;
+use crate::physics::parameter::{Own, Parameter, Value};
 use std::f64::consts::PI;
 
 /// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the cut-off g_c.
 ///
 /// As printed the parabola is -(1 - (pi x)^2/2), and f'' jumps by a factor 2 at x = 0; `smooth` halves the wall, which makes f
 /// twice continuously differentiable there. At the cut-off f'' jumps from -pi^2/2 to 0 in both variants; x = 1 itself is beyond.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cosine {
     /// True for the variant with continuous stiffness at x = 0.
     pub smooth: bool,
+}
+
+impl Own for Cosine {
+    const PARAMETERS: &'static [Parameter] = &[Parameter {
+        key: "law.smooth",
+        label: "Smooth at contact (C2)",
+        symbol: "",
+        unit: "",
+        range: 0.0..=1.0,
+        default: Some(0.0),
+        hint: "true or false",
+    }];
+
+    fn values(&self) -> Vec<Value> {
+        vec![Value::Flag(self.smooth)]
+    }
+
+    fn of(values: &[Value]) -> Self {
+        Self { smooth: values[0].flag() }
+    }
 }
 
 impl Form for Cosine {

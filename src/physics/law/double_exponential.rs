@@ -2,6 +2,7 @@
 
 use super::{Form, fill_by_point};
 use crate::numerics::exponential::{exp, map_sum};
+use crate::physics::parameter::{BELOW_ONE, Own, Parameter, Value};
 
 /// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to 1e-14.
 const APART: f64 = 0.95;
@@ -13,6 +14,32 @@ const APART: f64 = 0.95;
 pub struct DoubleExponential {
     /// Range of the repulsion over the range of the attraction.
     pub ratio: f64,
+}
+
+impl Default for DoubleExponential {
+    fn default() -> Self {
+        Self { ratio: 0.4 }
+    }
+}
+
+impl Own for DoubleExponential {
+    const PARAMETERS: &'static [Parameter] = &[Parameter {
+        key: "law.ratio",
+        label: "Ratio of ranges",
+        symbol: "",
+        unit: "",
+        range: 1e-6..=BELOW_ONE,
+        default: None,
+        hint: "a number above 0 and below 1, {range} (repulsive over attractive range)",
+    }];
+
+    fn values(&self) -> Vec<Value> {
+        vec![Value::Number(self.ratio)]
+    }
+
+    fn of(values: &[Value]) -> Self {
+        Self { ratio: values[0].number() }
+    }
 }
 
 impl Form for DoubleExponential {

@@ -1,6 +1,7 @@
 //! The m-n Mie law (8-2 between half-spaces with Lennard-Jones interactions).
 
 use super::Form;
+use crate::physics::parameter::{Own, Parameter, Refusal, Value, number};
 
 /// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is singular at zero gap,
 /// and even exponents would give a plausible number on the wrong side of it.
@@ -10,6 +11,48 @@ pub struct Mie {
     pub m: f64,
     /// Exponent n of the attraction, smaller than m.
     pub n: f64,
+}
+
+impl Default for Mie {
+    fn default() -> Self {
+        Self { m: 8.0, n: 2.0 }
+    }
+}
+
+impl Own for Mie {
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter {
+            key: "law.m",
+            label: "Mie exponent",
+            symbol: "m",
+            unit: "",
+            range: 1e-9..=100.0,
+            default: None,
+            hint: "a number above law.n, {range}, as in 8",
+        },
+        Parameter {
+            key: "law.n",
+            label: "Mie exponent",
+            symbol: "n",
+            unit: "",
+            range: 1e-9..=100.0,
+            default: None,
+            hint: "a finite number above 0, {range}, as in 2",
+        },
+    ];
+
+    fn values(&self) -> Vec<Value> {
+        vec![Value::Number(self.m), Value::Number(self.n)]
+    }
+
+    fn of(values: &[Value]) -> Self {
+        Self { m: values[0].number(), n: values[1].number() }
+    }
+
+    fn check(&self) -> Result<(), Refusal> {
+        let (m, n, most) = (self.m, self.n, Self::PARAMETERS[0].range.end());
+        if m > n { Ok(()) } else { Err(Refusal::new("law.m", number(m), &format!("a number above law.n = {n}, at most {most}"))) }
+    }
 }
 
 impl Mie {

@@ -2,7 +2,8 @@
 //!
 //! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it:
 //! gamma(g) = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
-//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and one line in `forms!`.
+//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and an [`Own`],
+//! and one word in `kinds!`.
 
 mod cosine;
 mod double_exponential;
@@ -13,6 +14,8 @@ pub use cosine::Cosine;
 pub use double_exponential::DoubleExponential;
 pub use mie::Mie;
 pub use morse::Morse;
+
+use super::parameter::{Own, Parameter, Refusal, Value, kinds};
 
 /// A dimensionless cohesive law f(x), x = g/rho, with min f = -1.
 pub trait Form {
@@ -63,29 +66,9 @@ fn fill_by_point(
     scale[0] * sum
 }
 
-macro_rules! forms {
-    ($($name:ident = $word:literal, $default:expr;)*) => {
-        /// Which law, with the parameters that only it has.
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum Shape { $(#[doc = concat!("The `", $word, "` law.")] $name($name),)* }
-
-        impl Shape {
-            /// Every law with its default parameters, in the order of the picker.
-            pub fn all() -> Vec<Shape> { vec![$(Shape::$name($default),)*] }
-
-            /// The word of the scene file for this law.
-            pub fn word(&self) -> &'static str { match self { $(Shape::$name(_) => $word,)* } }
-
-            fn form(&self) -> &dyn Form { match self { $(Shape::$name(form) => form,)* } }
-        }
-    };
-}
-
-forms! {
-    Morse = "morse", Morse;
-    Mie = "mie", Mie { m: 8.0, n: 2.0 };
-    Cosine = "cosine", Cosine { smooth: false };
-    DoubleExponential = "double_exponential", DoubleExponential { ratio: 0.4 };
+kinds! {
+    /// Which law, with the parameters that only it has.
+    Shape: form -> Form [] Morse = "morse", Mie = "mie", Cosine = "cosine", DoubleExponential = "double_exponential"
 }
 
 /// A cohesive law with its scales.

@@ -2,11 +2,14 @@
 
 use super::Form;
 use crate::numerics::exponential::{exp, map_sum};
+use crate::physics::parameter::Own;
 use std::f64::consts::LN_2;
 
 /// f = e^{-2x} - 2 e^{-x}: largest traction 1/2 at ln 2, largest negative stiffness 1/4 at ln 4.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Morse;
+
+impl Own for Morse {}
 
 impl Form for Morse {
     fn at(&self, x: f64) -> [f64; 3] {

@@ -7,7 +7,8 @@ mod section;
 mod write;
 
 use super::{Failure, files};
-use crate::scene::{Scene, SceneError};
+use crate::physics::parameter::Refusal;
+use crate::scene::Scene;
 use std::path::Path;
 
 pub use read::parse;
@@ -61,6 +62,6 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), Failure> {
 }
 
 /// The refusal of a value by the scene itself, with the file it came from.
-pub fn refused(file: &str, error: SceneError) -> Failure {
+pub fn refused(file: &str, error: Refusal) -> Failure {
     Failure::Value { file: file.to_owned(), key: error.key, value: error.value, allowed: error.allowed }
 }

@@ -3,9 +3,9 @@
 use super::section::{Section, finite};
 use super::{FORMAT, refused};
 use crate::physics::indenter::Indenter;
-use crate::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
-use crate::physics::roughness::Roughness;
-use crate::scene::parameter::{self, Parameter};
+use crate::physics::law::Shape;
+use crate::physics::parameter::{Parameter, Value as Own};
+use crate::scene::parameter;
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::storage::Failure;
 use toml::{Table, Value};
@@ -73,27 +73,40 @@ fn points(section: &Section<'_>) -> Result<Points, Failure> {
 }
 
 fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
-    let words: Vec<_> = Shape::all().iter().map(Shape::word).collect();
-    let kind = section.text("kind", &format!("one of \"{}\"", words.join("\", \"")))?;
-    let (shape, own): (_, &[&str]) = match kind {
-        "morse" => (Ok(Shape::Morse(Morse)), &[]),
-        "mie" => (mie(section), &["m", "n"]),
-        "cosine" => (section.flag_or("smooth", false).map(|smooth| Shape::Cosine(Cosine { smooth })), &["smooth"]),
-        "double_exponential" => (double_exponential(section), &["ratio"]),
-        _ => return Err(section.refuse_word("kind", kind, &words)),
-    };
-    section.only(&[&["kind", "surface_energy", "range", "mu_rho"], own].concat())?;
-    let shape = shape?;
+    let kinds = Shape::all();
+    let shape = kinds[kind(section, &kinds.iter().map(Shape::word).collect::<Vec<_>>())?];
+    let values = own(section, &["kind", "surface_energy", "range", "mu_rho"], shape.parameters(), &shape.values())?;
     let surface_energy = section.number(&parameter::SURFACE_ENERGY)?;
-    Ok(LawChoice { shape, surface_energy, range: range(section)? })
+    Ok(LawChoice { shape: shape.with(&values), surface_energy, range: range(section)? })
 }
 
-fn mie(section: &Section<'_>) -> Result<Shape, Failure> {
-    Ok(Shape::Mie(Mie { m: section.number(&parameter::MIE_M)?, n: section.number(&parameter::MIE_N)? }))
+fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
+    let kinds = Indenter::all();
+    let ground = kinds[kind(section, &kinds.iter().map(Indenter::word).collect::<Vec<_>>())?];
+    Ok(ground.with(&own(section, &["kind"], ground.parameters(), &ground.values())?))
 }
 
-fn double_exponential(section: &Section<'_>) -> Result<Shape, Failure> {
-    Ok(Shape::DoubleExponential(DoubleExponential { ratio: section.number(&parameter::RATIO)? }))
+/// Which of the `words` the section's kind is.
+fn kind(section: &Section<'_>, words: &[&str]) -> Result<usize, Failure> {
+    let kind = section.text("kind", &format!("one of \"{}\"", words.join("\", \"")))?;
+    words.iter().position(|word| *word == kind).ok_or_else(|| section.refuse_word("kind", kind, words))
+}
+
+/// The values of a kind's own parameters, `like` those of its default; beside them the section may have only the `common` keys.
+fn own(section: &Section<'_>, common: &[&str], parameters: &[Parameter], like: &[Own]) -> Result<Vec<Own>, Failure> {
+    let names: Vec<&str> = parameters.iter().map(Parameter::name).collect();
+    section.only(&[common, &names].concat())?;
+    parameters.iter().zip(like).map(|(parameter, like)| value(section, parameter, like)).collect()
+}
+
+/// The value of a parameter, of the same kind as `like`.
+fn value(section: &Section<'_>, parameter: &Parameter, like: &Own) -> Result<Own, Failure> {
+    Ok(match like {
+        Own::Number(_) => Own::Number(section.number(parameter)?),
+        Own::Whole(_) => Own::Whole(seed(section, parameter)?),
+        Own::Counts(_) => Own::Counts(counts(section, parameter)?),
+        Own::Flag(_) => Own::Flag(section.flag_or(parameter.name(), parameter.default == Some(1.0))?),
+    })
 }
 
 fn range(section: &Section<'_>) -> Result<Range, Failure> {
@@ -108,34 +121,9 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
     }
 }
 
-fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
-    let words = ["flat", "hertz", "wave", "rough"];
-    match section.text("kind", "one of \"flat\", \"hertz\", \"wave\", \"rough\"")? {
-        "flat" => section.only(&["kind"]).map(|()| Indenter::Flat),
-        "hertz" => {
-            section.only(&["kind", "radius"])?;
-            Ok(Indenter::Hertz { radius: section.number(&parameter::RADIUS)? })
-        }
-        "wave" => {
-            section.only(&["kind", "amplitude", "periods"])?;
-            Ok(Indenter::Wave { amplitude: section.number(&parameter::AMPLITUDE)?, periods: periods(section)? })
-        }
-        "rough" => {
-            section.only(&["kind", "hurst", "rms", "longest", "shortest", "seed"])?;
-            Ok(Indenter::Rough(Roughness {
-                hurst: section.number(&parameter::HURST)?,
-                rms: section.number(&parameter::RMS)?,
-                longest: section.number(&parameter::LONGEST)?,
-                shortest: section.number(&parameter::SHORTEST)?,
-                seed: seed(section, &parameter::GROUND_SEED)?,
-            }))
-        }
-        other => Err(section.refuse_word("kind", other, &words)),
-    }
-}
-
-fn periods(section: &Section<'_>) -> Result<[usize; 2], Failure> {
-    let value = section.given(&parameter::PERIODS)?;
+/// One count along x, or one along x and one along y.
+fn counts(section: &Section<'_>, parameter: &Parameter) -> Result<[usize; 2], Failure> {
+    let value = section.given(parameter)?;
     let parsed = match value {
         Value::Array(both) => match both.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
             Some([x, y]) => Some([*x, *y]),
@@ -143,7 +131,7 @@ fn periods(section: &Section<'_>) -> Result<[usize; 2], Failure> {
         },
         other => whole(other).map(|x| [x, 0]),
     };
-    parsed.ok_or_else(|| section.refuse_number(&parameter::PERIODS, value))
+    parsed.ok_or_else(|| section.refuse_number(parameter, value))
 }
 
 fn drive(section: &Section<'_>) -> Result<Drive, Failure> {

@@ -1,6 +1,6 @@
 //! A typed view of one table of a scene file.
 
-use crate::scene::parameter::Parameter;
+use crate::physics::parameter::Parameter;
 use crate::storage::Failure;
 use crate::storage::failure::{near, quote};
 use std::sync::LazyLock;

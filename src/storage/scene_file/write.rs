@@ -1,8 +1,7 @@
 //! From a scene to the text of its file.
 
 use super::FORMAT;
-use crate::physics::indenter::Indenter;
-use crate::physics::law::Shape;
+use crate::physics::parameter::{Parameter, Value as Own};
 use crate::scene::{Points, Range, Scene, Turn};
 use toml::Value;
 
@@ -41,12 +40,7 @@ fn cell(scene: &Scene) -> Keys {
 
 fn law(scene: &Scene) -> Keys {
     let mut keys: Keys = vec![("kind", scene.law.shape.word().into())];
-    match scene.law.shape {
-        Shape::Morse(_) => {}
-        Shape::Mie(mie) => keys.extend([("m", mie.m.into()), ("n", mie.n.into())]),
-        Shape::Cosine(cosine) => keys.push(("smooth", cosine.smooth.into())),
-        Shape::DoubleExponential(pair) => keys.push(("ratio", pair.ratio.into())),
-    }
+    keys.extend(own(scene.law.shape.parameters(), &scene.law.shape.values()));
     keys.push(("surface_energy", scene.law.surface_energy.into()));
     keys.push(match scene.law.range {
         Range::Length(range) => ("range", range.into()),
@@ -56,22 +50,21 @@ fn law(scene: &Scene) -> Keys {
 }
 
 fn indenter(scene: &Scene) -> Keys {
-    match scene.indenter {
-        Indenter::Flat => vec![("kind", "flat".into())],
-        Indenter::Hertz { radius } => vec![("kind", "hertz".into()), ("radius", radius.into())],
-        Indenter::Wave { amplitude, periods: [x, y] } => {
-            let periods = if y == 0 { whole(x) } else { Value::Array(vec![whole(x), whole(y)]) };
-            vec![("kind", "wave".into()), ("amplitude", amplitude.into()), ("periods", periods)]
-        }
-        Indenter::Rough(rough) => vec![
-            ("kind", "rough".into()),
-            ("hurst", rough.hurst.into()),
-            ("rms", rough.rms.into()),
-            ("longest", rough.longest.into()),
-            ("shortest", rough.shortest.into()),
-            ("seed", seed(rough.seed)),
-        ],
-    }
+    let mut keys: Keys = vec![("kind", scene.indenter.word().into())];
+    keys.extend(own(scene.indenter.parameters(), &scene.indenter.values()));
+    keys
+}
+
+/// What only a law or a ground of this kind has.
+fn own(parameters: &'static [Parameter], values: &[Own]) -> Keys {
+    let value = |value: &Own| match *value {
+        Own::Number(x) => x.into(),
+        Own::Whole(n) => seed(n),
+        Own::Counts([x, 0]) => whole(x),
+        Own::Counts([x, y]) => Value::Array(vec![whole(x), whole(y)]),
+        Own::Flag(flag) => flag.into(),
+    };
+    parameters.iter().map(Parameter::name).zip(values.iter().map(value)).collect()
 }
 
 fn drive(scene: &Scene) -> Keys {

@@ -8,8 +8,9 @@ use crate::follow::walk::Counts;
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
+use crate::physics::parameter::Refusal;
 use crate::scene::part::Road;
-use crate::scene::{Points, Scene, SceneError};
+use crate::scene::{Points, Scene};
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
@@ -68,7 +69,7 @@ pub fn measure(
     allowed: f64,
     cancel: &Cancel,
     progress: &mut dyn FnMut(f64),
-) -> Result<Measured, SceneError> {
+) -> Result<Measured, Refusal> {
     let mut scene = scene.clone();
     scene.drive.step = point.step;
     scene.cell.points = if point.line { Points::Line(point.points) } else { Points::Square(point.points) };

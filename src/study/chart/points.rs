@@ -5,9 +5,10 @@ use crate::numerics::precision::Precision;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule::{SAFE, mu_rho};
+use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Road;
-use crate::scene::{Cell, LawChoice, Points, Range, Scene, SceneError, Turn};
+use crate::scene::{Cell, LawChoice, Points, Range, Scene, Turn};
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
 use std::collections::HashMap;
@@ -92,7 +93,7 @@ impl Effort {
 }
 
 /// The scene with its range as a length: it must not change with the mesh.
-pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
+pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, Refusal> {
     let model = scene.model()?;
     let points = if model.grid.is_line() { Points::Line(model.grid.nx) } else { Points::Square(model.grid.nx) };
     let law = LawChoice { range: Range::Length(model.law.range), ..scene.law };
@@ -104,7 +105,7 @@ pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.
-pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), SceneError> {
+pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), Refusal> {
     let predictor = Predictor::new(scene)?;
     let grid = scene.model()?.grid;
     let mesh = |share: f64| if share < 1.0 { next_fast((share * grid.nx as f64).ceil().max(16.0) as usize) } else { grid.nx };
@@ -147,7 +148,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     }
     // The same on a quarter of the cell, for the methods that gain most from it.
     let reducible = |p: &&Point| {
-        scene.indenter.is_even()
+        scene.indenter.ground().is_even()
             && p.precision == Precision::Double
             && p.points.is_multiple_of(4)
             && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs)
@@ -163,7 +164,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
 }
 
 /// The points that `tackscope run` and the paper would choose.
-pub(super) fn own(scene: &Scene) -> Result<[Point; 2], SceneError> {
+pub(super) fn own(scene: &Scene) -> Result<[Point; 2], Refusal> {
     let decided = scene.model()?;
     let (line, points, step) = (decided.grid.is_line(), decided.grid.nx, scene.drive.step);
     let own = |method, model| Point { method, model, line, points, precision: Precision::Double, step };
@@ -172,12 +173,12 @@ pub(super) fn own(scene: &Scene) -> Result<[Point; 2], SceneError> {
 }
 
 /// What `tackscope run` would do.
-pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
+pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, Refusal> {
     Ok(*point == own(scene)?[0])
 }
 
 /// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
-pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, SceneError> {
+pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Refusal> {
     Ok(*point == own(scene)?[1])
 }
 
@@ -198,7 +199,7 @@ pub(super) struct Predictor {
 }
 
 impl Predictor {
-    pub(super) fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub(super) fn new(scene: &Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let depth = match scene.drive.turn {
             Turn::At(turn) => scene.drive.start - turn,

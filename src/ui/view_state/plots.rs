@@ -5,9 +5,9 @@ use crate::follow::record::{Direction, LoopRecord};
 use crate::follow::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
+use crate::plot::extent;
 use crate::plot::panel::Series;
 use crate::study::live_loop::Sample;
-use crate::ui::scene_edit;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -117,7 +117,7 @@ impl ViewState {
         if let Some(fit) = self.plots.fit {
             return fit;
         }
-        let (low, high) = scene_edit::stress_scale(&self.scene, &self.model);
+        let (low, high) = extent::stress_scale(&self.scene, &self.model);
         let (left, right) = (self.limits.0 / self.rho(), self.limits.1 / self.rho());
         let margin = 0.03 * (right - left);
         ([left - margin, low], [right + margin, high])
@@ -179,7 +179,7 @@ impl ViewState {
         let lowest = well.energies.iter().fold(0.0f64, |a, e| a.min(*e));
         let top = well.energies.iter().fold(0.0f64, |a, e| a.max(*e)).max(-2.0 * lowest) / gamma;
         if top > 0.0 && !(top / self.plots.well_scale > 0.12 && top <= self.plots.well_scale) {
-            self.plots.well_scale = scene_edit::nice(1.2 * top);
+            self.plots.well_scale = extent::nice(1.2 * top);
         }
         self.run.well = Some(well);
     }

@@ -5,8 +5,11 @@
 //! zero above. A line cell has profiles of the same Hurst exponent, C(q) ~ q^-(1+2H). As only the phases are random, height and
 //! gradient have exactly their root mean squares, whatever the seed.
 
-use super::grid::Grid;
+use super::{Ground, Indenter};
 use crate::numerics::fourier::Fourier;
+use crate::physics::grid::Grid;
+use crate::physics::law::Law;
+use crate::physics::parameter::{LENGTHS, Own, Parameter, Refusal, SEED_MAX, Value, number};
 use ndarray::Array2;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -24,7 +27,7 @@ const CLIMB_MAX: usize = 30;
 
 /// A self-affine random surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roughness {
+pub struct Rough {
     /// Hurst exponent H, 0 to 1.
     pub hurst: f64,
     /// Root mean square height about the mean (length).
@@ -39,28 +42,145 @@ pub struct Roughness {
 
 /// One wave, Re(amplitude e^{i q r}) with q = 2 pi wave / L.
 #[derive(Clone, Copy, Debug)]
-struct Wave {
+struct Component {
     wave: [i64; 2],
     amplitude: Complex<f64>,
 }
 
-impl Roughness {
-    /// Height field (length), highest point of the surface (not of the mesh) at 0. Shape (ny, nx).
-    ///
-    /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows it without them.
-    pub fn height(&self, grid: &Grid) -> Array2<f64> {
-        let waves = self.shown(grid);
-        let crest = crest(&waves, grid);
-        synthesis(&waves, grid) - crest
+impl Default for Rough {
+    fn default() -> Self {
+        Self { hurst: 0.8, rms: 1.0, longest: 8.0, shortest: 2.0, seed: 1 }
+    }
+}
+
+impl Own for Rough {
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter {
+            key: "indenter.hurst",
+            label: "Hurst exponent",
+            symbol: "",
+            unit: "",
+            range: 1e-12..=1.0,
+            default: None,
+            hint: "a number above 0, at most 1, {range}, as in 0.8",
+        },
+        Parameter {
+            key: "indenter.rms",
+            label: "RMS height",
+            symbol: "",
+            unit: "length",
+            range: LENGTHS,
+            default: None,
+            hint: "the root mean square height, a finite number above 0, {range}",
+        },
+        Parameter {
+            key: "indenter.longest",
+            label: "Longest wave",
+            symbol: "",
+            unit: "length",
+            range: LENGTHS,
+            default: None,
+            hint: "a wavelength, at most cell.length, {range}",
+        },
+        Parameter {
+            key: "indenter.shortest",
+            label: "Shortest wave",
+            symbol: "",
+            unit: "length",
+            range: LENGTHS,
+            default: None,
+            hint: "a wavelength from cell.length/512 to indenter.longest, {range}",
+        },
+        Parameter {
+            key: "indenter.seed",
+            label: "Surface seed",
+            symbol: "",
+            unit: "",
+            range: 0.0..=SEED_MAX,
+            default: Some(1.0),
+            hint: "a whole number {range}",
+        },
+    ];
+
+    fn values(&self) -> Vec<Value> {
+        let Self { hurst, rms, longest, shortest, seed } = *self;
+        [hurst, rms, longest, shortest].map(Value::Number).into_iter().chain([Value::Whole(seed)]).collect()
     }
 
+    fn of(values: &[Value]) -> Self {
+        let [hurst, rms, longest, shortest] = [0, 1, 2, 3].map(|i| values[i].number());
+        Self { hurst, rms, longest, shortest, seed: values[4].whole() }
+    }
+}
+
+// The hint of `shortest` quotes it.
+const _: () = assert!(WAVES_MAX == 512);
+
+impl Ground for Rough {
+    fn name(&self) -> &'static str {
+        "rough"
+    }
+
+    /// Four ranges high, in waves from the cell's length down to what its mesh shows well.
+    fn suited(&self, law: &Law, grid: &Grid) -> Indenter {
+        let shortest = (8.0 * grid.spacing()).max(grid.length / 16.0).min(grid.length);
+        Indenter::Rough(Self { hurst: 0.8, rms: 4.0 * law.range, longest: grid.length, shortest, seed: 1 })
+    }
+
+    fn at(&self, _x: f64, _y: f64, _length: f64) -> f64 {
+        unreachable!("its waves are summed over a mesh")
+    }
+
+    /// Highest point of the surface (not of the mesh) at 0.
+    ///
+    /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows it without them.
+    fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        let waves = self.shown(grid);
+        let crest = crest(&waves, grid);
+        Some(synthesis(&waves, grid) - crest)
+    }
+
+    fn is_even(&self) -> bool {
+        false
+    }
+
+    fn points_needed(&self, length: f64) -> usize {
+        (4.0 * length / self.shortest).ceil() as usize
+    }
+
+    /// About three times its root mean square.
+    fn relief(&self, _law: &Law) -> f64 {
+        3.0 * self.rms
+    }
+
+    fn check_in(&self, length: f64) -> Result<(), Refusal> {
+        let Self { longest, shortest, .. } = *self;
+        if longest > length {
+            let allowed = format!("above 0, at most cell.length = {}", number(length));
+            return Err(Refusal::new("indenter.longest", number(longest), &allowed));
+        }
+        let least = length / WAVES_MAX as f64;
+        if !(shortest >= least && shortest <= longest) {
+            let allowed = format!("from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}", number(least), number(longest));
+            return Err(Refusal::new("indenter.shortest", number(shortest), &allowed));
+        }
+        Ok(())
+    }
+
+    fn left_out(&self, grid: &Grid) -> Option<String> {
+        let words = format!("the mesh is too coarse for waves of length {}: the shortest ones are left out", self.shortest);
+        (!self.fits(grid)).then_some(words)
+    }
+}
+
+impl Rough {
     /// Mean of the height (length), minus the height of the crest above it.
     pub fn mean_height(&self, grid: &Grid) -> f64 {
         -crest(&self.shown(grid), grid)
     }
 
     /// The waves that the points of `grid` can tell from longer ones.
-    fn shown(&self, grid: &Grid) -> Vec<Wave> {
+    fn shown(&self, grid: &Grid) -> Vec<Component> {
         let mut waves = self.waves(grid);
         waves.retain(|wave| wave.is_shown(grid));
         waves
@@ -89,7 +209,7 @@ impl Roughness {
 
     /// All waves of one half plane. The phases are drawn ring by ring outwards, so that neither the mesh nor a shorter `shortest`
     /// changes those of the longer waves.
-    fn waves(&self, grid: &Grid) -> Vec<Wave> {
+    fn waves(&self, grid: &Grid) -> Vec<Component> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let mut waves = Vec::new();
         let mut sum = 0.0;
@@ -104,7 +224,7 @@ impl Roughness {
                     let power = self.spectrum(grid.q1() * (x as f64).hypot(y as f64), grid.is_line());
                     if power > 0.0 {
                         sum += 0.5 * power;
-                        waves.push(Wave { wave: [x, y], amplitude: Complex::from_polar(power.sqrt(), phase) });
+                        waves.push(Component { wave: [x, y], amplitude: Complex::from_polar(power.sqrt(), phase) });
                     }
                 }
             }
@@ -115,7 +235,7 @@ impl Roughness {
     }
 }
 
-impl Wave {
+impl Component {
     fn is_shown(&self, grid: &Grid) -> bool {
         let [x, y] = self.wave.map(|k| 2 * k.unsigned_abs() as usize);
         x < grid.nx.max(2) && (y == 0 || y < grid.ny.max(2))
@@ -128,10 +248,10 @@ impl Wave {
 }
 
 /// The sum of the waves on the points of `grid`, which must be able to show them.
-fn synthesis(waves: &[Wave], grid: &Grid) -> Array2<f64> {
+fn synthesis(waves: &[Component], grid: &Grid) -> Array2<f64> {
     let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
     let mut spectrum = fourier.spectrum();
-    for Wave { wave: [x, y], amplitude } in waves {
+    for Component { wave: [x, y], amplitude } in waves {
         let column = |y: i64| y.rem_euclid(grid.ny as i64) as usize;
         spectrum[[*x as usize, column(*y)]] = 0.5 * amplitude;
         if *x == 0 {
@@ -145,7 +265,7 @@ fn synthesis(waves: &[Wave], grid: &Grid) -> Array2<f64> {
 
 /// The highest value of the sum of the waves anywhere: by Newton's method from the highest points of a mesh that depends on the waves
 /// alone.
-fn crest(waves: &[Wave], grid: &Grid) -> f64 {
+fn crest(waves: &[Component], grid: &Grid) -> f64 {
     let longest = waves.iter().flat_map(|w| w.wave).map(i64::unsigned_abs).max().unwrap_or(1) as usize;
     let n = (8 * longest).max(32);
     let mesh = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
@@ -164,7 +284,7 @@ fn crest(waves: &[Wave], grid: &Grid) -> f64 {
 
 /// Height of the top above `angle` = 2 pi r/L, by Newton's method: steps of at most a mesh spacing, halved until they lead up, with the
 /// curvature of a hill in every direction, which a mesh point beside a saddle does not have.
-fn climb(waves: &[Wave], longest: usize, mut angle: [f64; 2]) -> f64 {
+fn climb(waves: &[Component], longest: usize, mut angle: [f64; 2]) -> f64 {
     let reach = TAU / (4 * longest) as f64;
     let mut here = Hill::at(waves, longest, angle);
     for _ in 0..CLIMB_MAX {
@@ -195,11 +315,11 @@ struct Hill {
 
 impl Hill {
     /// At `angle`, of waves up to `longest` in either direction.
-    fn at(waves: &[Wave], longest: usize, angle: [f64; 2]) -> Hill {
+    fn at(waves: &[Component], longest: usize, angle: [f64; 2]) -> Hill {
         // Sine and cosine of x and of y alone: a wave is their product.
         let [along_x, along_y] = angle.map(|angle| (0..=longest).map(|k| (k as f64 * angle).sin_cos()).collect::<Vec<_>>());
         let mut hill = Hill { height: 0.0, slope: [0.0; 2], bend: [0.0; 3] };
-        for Wave { wave: [i, j], amplitude } in waves {
+        for Component { wave: [i, j], amplitude } in waves {
             let (x, y) = (*i as f64, *j as f64);
             let (sin_x, cos_x) = along_x[*i as usize];
             let (sin_y, cos_y) = along_y[j.unsigned_abs() as usize];
@@ -229,10 +349,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn surfaces() -> impl Strategy<Value = Roughness> {
+    fn surfaces() -> impl Strategy<Value = Rough> {
         (0.1..1.0, 0.1..3.0, 0.2..1.0, 0.1..0.15, any::<u64>()).prop_map(|(hurst, rms, longest, shortest, seed)| {
             // In a cell of side 20: at most 10 waves along a side.
-            Roughness { hurst, rms, longest: 20.0 * longest, shortest: 20.0 * shortest, seed }
+            Rough { hurst, rms, longest: 20.0 * longest, shortest: 20.0 * shortest, seed }
         })
     }
 
@@ -246,7 +366,7 @@ mod tests {
         #[test]
         fn the_height_has_the_asked_root_mean_square_and_the_gradient_that_of_its_differences(surface in surfaces()) {
             for grid in grids(256) {
-                let h = surface.height(&grid);
+                let h = surface.height(&grid).unwrap();
                 let mean = h.mean().unwrap();
                 let rms = h.mapv(|h| (h - mean).powi(2)).mean().unwrap().sqrt();
                 prop_assert!((rms / surface.rms - 1.0).abs() < 1e-10, "{}", rms);
@@ -266,7 +386,7 @@ mod tests {
         #[test]
         fn a_finer_mesh_shows_the_same_surface_and_its_crest_is_at_zero(surface in surfaces()) {
             for (coarse, fine) in grids(32).into_iter().zip(grids(256)) {
-                let (coarse, fine) = (surface.height(&coarse), surface.height(&fine));
+                let (coarse, fine) = (surface.height(&coarse).unwrap(), surface.height(&fine).unwrap());
                 for ((j, i), h) in coarse.indexed_iter() {
                     prop_assert!((h - fine[[8 * j, 8 * i]]).abs() < 1e-10 * surface.rms);
                 }
@@ -279,10 +399,10 @@ mod tests {
         #[test]
         fn the_seed_decides_and_shorter_waves_leave_the_longer_ones_alone(surface in surfaces()) {
             for grid in grids(64) {
-                prop_assert_eq!(surface.height(&grid), surface.height(&grid));
-                prop_assert_ne!(surface.height(&grid), Roughness { seed: surface.seed ^ 1, ..surface }.height(&grid));
+                prop_assert_eq!(surface.height(&grid).unwrap(), surface.height(&grid).unwrap());
+                prop_assert_ne!(surface.height(&grid).unwrap(), Rough { seed: surface.seed ^ 1, ..surface }.height(&grid).unwrap());
                 let longer = surface.waves(&grid);
-                let shorter = Roughness { shortest: 0.5 * surface.shortest, ..surface }.waves(&grid);
+                let shorter = Rough { shortest: 0.5 * surface.shortest, ..surface }.waves(&grid);
                 for wave in longer {
                     let same = shorter.iter().find(|w| w.wave == wave.wave).unwrap();
                     prop_assert!((same.amplitude.arg() - wave.amplitude.arg()).abs() < 1e-12);
@@ -293,8 +413,8 @@ mod tests {
 
     /// Slope of ln of the mean square amplitude per wave against ln q, by least squares over rings of the transformed field.
     fn measured_decay(grid: &Grid, low: f64, high: f64) -> f64 {
-        let surface = Roughness { hurst: 0.7, rms: 1.0, longest: 5.0, shortest: 0.5, seed: 3 };
-        let height = surface.height(grid);
+        let surface = Rough { hurst: 0.7, rms: 1.0, longest: 5.0, shortest: 0.5, seed: 3 };
+        let height = surface.height(grid).unwrap();
         let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
         let mut spectrum = fourier.spectrum();
         fourier.forward(&height, &mut spectrum, &mut fourier.scratch());
@@ -322,13 +442,13 @@ mod tests {
 
     #[test]
     fn a_ground_takes_no_more_waves_than_its_mesh_has_points_and_all_where_it_shows_them() {
-        let most = Roughness { hurst: 0.8, rms: 1.0, longest: 20.0, shortest: 20.0 / WAVES_MAX as f64, seed: 5 };
+        let most = Rough { hurst: 0.8, rms: 1.0, longest: 20.0, shortest: 20.0 / WAVES_MAX as f64, seed: 5 };
         for grid in grids(16) {
             assert!(most.shown(&grid).len() <= grid.points() / 2);
-            let height = most.height(&grid);
+            let height = most.height(&grid).unwrap();
             assert!(height.iter().all(|h| *h <= 1e-12 && h.is_finite()));
         }
-        let some = Roughness { shortest: 2.0, ..most };
+        let some = Rough { shortest: 2.0, ..most };
         for grid in grids(24) {
             assert_eq!(some.shown(&grid).len(), some.waves(&grid).len());
         }
@@ -336,10 +456,10 @@ mod tests {
 
     #[test]
     fn a_mesh_too_coarse_for_the_shortest_waves_shows_the_surface_without_them() {
-        let surface = Roughness { hurst: 0.8, rms: 1.0, longest: 10.0, shortest: 1.0, seed: 5 };
+        let surface = Rough { hurst: 0.8, rms: 1.0, longest: 10.0, shortest: 1.0, seed: 5 };
         let coarse = Grid::square(20.0, 16);
         assert!(!surface.fits(&coarse) && surface.fits(&Grid::square(20.0, 64)));
-        let height = surface.height(&coarse);
+        let height = surface.height(&coarse).unwrap();
         let mean = height.mean().unwrap();
         let rms = height.mapv(|h| (h - mean).powi(2)).mean().unwrap().sqrt();
         assert!(rms < 1.0 && rms > 0.9, "{rms}");

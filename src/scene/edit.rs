@@ -1,10 +1,10 @@
-//! What follows what when a value of the scene is edited: range or mesh after mu_rho, and the drive after the law.
+//! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after mu_rho, and the drive after the law.
 
+use super::{Drive, Model, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::theory::flat;
-use crate::scene::{Drive, Model, Points, Range, Scene, Turn};
 
 /// What follows when mu_rho is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -123,92 +123,35 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
     high.min(lower - 0.2 * law.range)
 }
 
-/// Ends of the u0 slider (lower, upper).
-pub fn limits(scene: &Scene, model: &Model) -> (f64, f64) {
-    let lower = match scene.drive.turn {
-        Turn::At(turn) => turn,
-        Turn::ZeroLoad => -0.6 * relief(model) - model.law.range,
-    };
-    (lower, scene.drive.start)
-}
-
-/// The length that scales pictures of uneven ground: a^2/R of a tip's contact at zero load (JKR), else the depth of the mean height
-/// below the crest (about three times its root mean square on rough ground); 0 on flat ground.
-pub fn relief(model: &Model) -> f64 {
-    match model.indenter {
-        Indenter::Flat => 0.0,
-        Indenter::Hertz { radius } => {
-            // a^2/R with a^3 = 4.5 pi gamma R^2, so that no unit of length overflows.
-            radius * (4.5 * std::f64::consts::PI * model.law.surface_energy / radius).cbrt().powi(2)
-        }
-        Indenter::Wave { amplitude, periods } => amplitude * periods.iter().filter(|&&p| p > 0).count() as f64,
-        Indenter::Rough(rough) => 3.0 * rough.rms,
-    }
-}
-
 /// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and far into the valleys of waves and
 /// rough ground.
 pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
     let mut scene = frozen(scene, model);
     scene.indenter = indenter;
-    let (rho, depth) = (model.law.range, relief(&Model { indenter, ..model.clone() }));
-    let (start, step) = (6.0 * rho, 0.1 * rho);
-    match indenter {
-        Indenter::Flat => {
-            scene.drive = SAFE;
-            fit_drive(&mut scene);
-        }
-        Indenter::Hertz { .. } => scene.drive = Drive { start, turn: Turn::ZeroLoad, step },
-        _ => scene.drive = Drive { start, turn: Turn::At(-0.85 * depth), step },
-    }
+    let (rho, ground) = (model.law.range, indenter.ground());
+    let turn = if ground.turns_at_zero_load() { Turn::ZeroLoad } else { Turn::At(-0.85 * ground.relief(&model.law)) };
+    scene.drive = if indenter == Indenter::Flat { SAFE } else { Drive { start: 6.0 * rho, turn, step: 0.1 * rho } };
+    fit_drive(&mut scene);
     scene
-}
-
-/// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning while u0 moves.
-pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
-    let rho = model.law.range;
-    let wanted = match model.indenter {
-        Indenter::Flat => 1.8 * scene.drive.start,
-        _ => (2.5 * relief(model)).max(6.0 * rho),
-    };
-    nice(wanted / rho) * rho
-}
-
-/// Lower and upper end of the stress axis, in units of sigma_max.
-pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
-    let law = &model.law;
-    let pull_off = match model.indenter {
-        Indenter::Flat => {
-            let at_turn = law.at(limits(scene, model).0).traction / law.traction_max();
-            return (at_turn.clamp(-1.5, 0.0) - 0.06, 1.08);
-        }
-        Indenter::Hertz { radius } if !model.grid.is_line() => {
-            1.5 * std::f64::consts::PI * law.surface_energy * radius / model.grid.length.powi(2)
-        }
-        // Between full contact and a few asperities nothing is known beforehand.
-        Indenter::Wave { .. } | Indenter::Rough(_) => return (-0.6, 0.6),
-        Indenter::Hertz { radius } => {
-            3.0 * law.surface_energy * (std::f64::consts::PI * radius / (16.0 * law.surface_energy)).cbrt() / model.grid.length
-        }
-    };
-    let top = (1.5 * pull_off / law.traction_max()).min(1.08);
-    (-0.5 * top, top)
-}
-
-/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10, ... at or above `x`.
-pub fn nice(x: f64) -> f64 {
-    let decade = 10f64.powf(x.max(1e-12).log10().floor());
-    let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-    steps.into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::{presets, scene_file};
+    use crate::physics::law::Morse;
+    use crate::scene::{Cell, LawChoice};
 
     fn fig2() -> Scene {
-        scene_file::parse(presets::find("fig2").unwrap().text, "fig2.toml").unwrap()
+        Scene {
+            title: String::new(),
+            source: String::new(),
+            cell: Cell { length: 256.0, points: Points::Square(64) },
+            law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.15, range: Range::Length(1.0) },
+            indenter: Indenter::Flat,
+            drive: Drive { start: 4.2, turn: Turn::At(0.2), step: 0.02 },
+            accuracy: 0.01,
+            seed: 1,
+        }
     }
 
     #[test]
@@ -220,7 +163,7 @@ mod tests {
         for scene in edited {
             let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
             let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else { continue };
-            let (turn, start) = limits(&scene, &model);
+            let (Turn::At(turn), start) = (scene.drive.turn, scene.drive.start) else { panic!("flat ground") };
             assert!(turn < lower && upper < start, "{turn} {lower} {upper} {start} of {}", scene.law.shape.word());
         }
     }
@@ -233,41 +176,5 @@ mod tests {
             let model = with_mu_rho(&scene, &model, 0.45, follows).model().unwrap();
             assert!((model.mu_rho - 0.45).abs() < tolerance, "{}", model.mu_rho);
         }
-    }
-
-    #[test]
-    fn ticks_are_few_whatever_the_ends_are() {
-        use crate::plot::ticks::within;
-        assert_eq!(within(0.2, 1.0, 4.0), (vec![0.2, 0.4, 0.6000000000000001, 0.8, 1.0], 0.2));
-        for (low, high) in [(1e17 - 16.0, 1e17), (-1e220, 1e220), (1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (3.0, 2.0)] {
-            assert!(within(low, high, 9.0).0.len() <= 60, "{low} {high}");
-        }
-    }
-
-    #[test]
-    fn the_reliefs_of_a_tip_is_that_of_jkr_in_any_unit_of_length() {
-        let tip = |unit: f64| {
-            let mut scene = fig2();
-            scene.cell.length *= unit;
-            scene.law.surface_energy *= unit;
-            scene.law.range = Range::Length(unit);
-            scene.indenter = Indenter::Hertz { radius: 30.0 * unit };
-            scene.drive = Drive { start: 6.0 * unit, turn: Turn::ZeroLoad, step: 0.1 * unit };
-            let model = scene.model().unwrap();
-            (relief(&model) / unit, gap_scale(&scene, &model) / unit, stress_scale(&scene, &model))
-        };
-        let a = (4.5 * std::f64::consts::PI * 0.15 * 900.0_f64).cbrt();
-        let (relief, gap, stress) = tip(1.0);
-        assert!((relief - a * a / 30.0).abs() < 1e-12 * relief);
-        for unit in [1e-100, 1e100] {
-            let (other, other_gap, other_stress) = tip(unit);
-            assert!((other / relief - 1.0).abs() < 1e-9 && (other_gap / gap - 1.0).abs() < 1e-9, "{unit}: {other}, {other_gap}");
-            assert!((other_stress.1 / stress.1 - 1.0).abs() < 1e-9, "{unit}: {other_stress:?}");
-        }
-    }
-
-    #[test]
-    fn nice_numbers_are_at_or_above_what_they_round() {
-        assert_eq!([nice(7.56), nice(1.0), nice(0.14), nice(99.0)], [8.0, 1.0, 0.15000000000000002, 100.0]);
     }
 }

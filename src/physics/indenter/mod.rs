@@ -1,0 +1,153 @@
+//! Rigid indenters: height h(x, y) with its highest point at h = 0.
+//!
+//! A new ground is one file with a [`Ground`] and an [`Own`], and one word in `kinds!`.
+
+mod flat;
+mod hertz;
+mod rough;
+mod wave;
+
+pub use hertz::Hertz;
+pub use rough::{Rough, WAVES_MAX};
+pub use wave::Wave;
+
+use super::grid::Grid;
+use super::law::Law;
+use super::parameter::{Own, Parameter, Refusal, Value, kinds};
+use flat::Flat;
+use ndarray::Array2;
+
+kinds! {
+    /// Shape of the rigid counter-surface.
+    Indenter: ground -> Ground [Flat = "flat"] Hertz = "hertz", Wave = "wave", Rough = "rough"
+}
+
+/// What a ground says of itself.
+pub trait Ground {
+    /// Its name on the screen.
+    fn name(&self) -> &'static str;
+
+    /// The same kind with numbers that suit a law and a mesh.
+    fn suited(&self, law: &Law, grid: &Grid) -> Indenter;
+
+    /// Height at (x, y) from the middle of a cell of side `length`; at most 0. All lengths.
+    fn at(&self, x: f64, y: f64, length: f64) -> f64;
+
+    /// Height field (length) of shape (ny, nx), or `None` where it is zero everywhere; its middle on the point (n/2, n/2).
+    fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        Some(sampled(grid, grid.shape(), |i, n| i as f64 - (n / 2) as f64, |x, y| self.at(x, y, grid.length)))
+    }
+
+    /// True if h(-x, y) = h(x, -y) = h(x, y) about the middle of the cell.
+    fn is_even(&self) -> bool {
+        true
+    }
+
+    /// Points along a side that show its shape in a cell of side `length`; 0 where any will do.
+    fn points_needed(&self, _length: f64) -> usize {
+        0
+    }
+
+    /// Along which of x and y it is the same everywhere, so that patterns can slide.
+    fn is_uniform(&self) -> [bool; 2] {
+        [false; 2]
+    }
+
+    /// True if it has one crest in a square cell: then nothing tells its sides apart. Two crests may take turns.
+    fn has_one_crest(&self) -> bool {
+        false
+    }
+
+    /// True if a loop is driven down to zero load, and not to a depth.
+    fn turns_at_zero_load(&self) -> bool {
+        false
+    }
+
+    /// Depth of its mean height below the crest, or of what a contact presses in at zero load (length): it scales pictures. 0 on flat
+    /// ground.
+    fn relief(&self, law: &Law) -> f64;
+
+    /// Largest mean stress (E*) to be expected, if anything is known of it.
+    fn pull_off(&self, _law: &Law, _grid: &Grid) -> Option<f64> {
+        None
+    }
+
+    /// Checks it in a cell of side `length`.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    fn check_in(&self, _length: f64) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    /// Checks that a mesh can be found for it.
+    ///
+    /// # Errors
+    /// The first value that is not allowed with `cell.points = "auto"`.
+    fn check_auto(&self) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    /// Checks it on a mesh.
+    ///
+    /// # Errors
+    /// The first value that is not allowed.
+    fn check_on(&self, _grid: &Grid) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    /// What a mesh cannot show of it, in words.
+    fn left_out(&self, _grid: &Grid) -> Option<String> {
+        None
+    }
+}
+
+impl Indenter {
+    /// Height field h <= 0 (length) of shape (ny, nx), or `None` where it is zero everywhere.
+    pub fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        self.ground().height(grid)
+    }
+
+    /// The same on the even part of the cell, whose corner is the middle: there the apex lies half a spacing off the points.
+    ///
+    /// # Panics
+    /// On ground that is not [`Ground::is_even`].
+    pub fn even_height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        let ground = self.ground();
+        assert!(ground.is_even(), "a {} surface is not even", ground.name());
+        let shape = (grid.ny.div_ceil(2), grid.nx / 2);
+        let place = |i: usize, n: usize| if n == 1 { 0.0 } else { i as f64 + 0.5 };
+        (*self != Indenter::Flat).then(|| sampled(grid, shape, place, |x, y| ground.at(x, y, grid.length)))
+    }
+}
+
+/// A height at every point of a mesh of this shape, `place` telling how many spacings a point lies from the middle.
+fn sampled(
+    grid: &Grid,
+    shape: (usize, usize),
+    place: impl Fn(usize, usize) -> f64,
+    height: impl Fn(f64, f64) -> f64,
+) -> Array2<f64> {
+    Array2::from_shape_fn(shape, |(j, i)| height(place(i, shape.1) * grid.spacing(), place(j, shape.0) * grid.spacing()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flat_ground_has_no_height_field() {
+        assert_eq!(Indenter::Flat.height(&Grid::square(1.0, 8)), None);
+        assert_eq!(Indenter::Flat.even_height(&Grid::square(1.0, 8)), None);
+    }
+
+    #[test]
+    fn the_even_part_of_a_wave_is_the_wave_between_the_points() {
+        let grid = Grid::square(8.0, 16);
+        let wave = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 2] });
+        let (even, whole) = (wave.even_height(&grid).unwrap(), wave.height(&Grid::square(8.0, 32)).unwrap());
+        for ((j, i), h) in even.indexed_iter() {
+            assert!((h - whole[[16 + 2 * j + 1, 16 + 2 * i + 1]]).abs() < 1e-15);
+        }
+    }
+}
