@@ -83,7 +83,7 @@ fn look_for(ui: &mut Ui, preset: &presets::Preset, state: &ViewState) {
     ui.set_width(340.0);
     // A menu's own layout justifies its lines.
     ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
-        ui.label(RichText::new(plain(state.title_opened())).strong());
+        ui.label(set(state.title_opened(), 14.0, ui.visuals().strong_text_color()));
         ui.label(set(&preset.look_for(), 13.0, ui.visuals().text_color()));
         ui.label(RichText::new(&state.scene.source).small().weak());
     });

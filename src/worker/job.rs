@@ -153,7 +153,7 @@ mod tests {
             if let Some(end) = job.poll() {
                 return end;
             }
-            std::thread::sleep(Duration::from_millis(1));
+            system::sleep(Duration::from_millis(1));
         }
         panic!("it did not end");
     }
@@ -190,7 +190,7 @@ mod tests {
             let say = say.clone();
             Job::<u32>::start(Arc::new(|| {}), move |report| {
                 while !report.cancel.requested() {
-                    std::thread::sleep(Duration::from_millis(1));
+                    system::sleep(Duration::from_millis(1));
                 }
                 report.result(name);
                 say.send(name).map_err(|error| error.to_string())
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(next(), 3);
         let began = Instant::now();
         drop(Job::<()>::start(Arc::new(|| {}), |_| {
-            std::thread::sleep(Duration::from_secs(60));
+            system::sleep(Duration::from_secs(60));
             Ok(())
         }));
         assert!(began.elapsed() < Duration::from_secs(1));

@@ -1,14 +1,13 @@
 //! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the hand rests.
 
 use super::protocol::{Envelope, Event, LiveState, RunId};
-use super::system::{self, Instant};
+use super::system::{self, Instant, JoinHandle};
 use crate::numerics::cancel::Cancel;
 use crate::scene::{Drive, Model, Scene};
 use crate::study::live_loop::{Fineness, LiveLoops};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// Silence after which the hand counts as resting.

@@ -6,7 +6,7 @@ use super::live::Live;
 use super::measurements;
 use super::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle};
 use super::session::Session;
-use super::system::{self, Instant};
+use super::system::{self, Instant, JoinHandle};
 use crate::numerics::cancel::Cancel;
 use crate::scene::Scene;
 use crate::study::chart::Effort;
@@ -14,7 +14,6 @@ use crate::study::time_step_map::TimeStepMap;
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::thread::JoinHandle;
 
 /// Handle of the solver thread, and of the live loop's beside it. Dropping it cancels both, and waits for them a little.
 pub struct Worker {

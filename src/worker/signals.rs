@@ -1,13 +1,12 @@
 //! Requests from outside to end: Ctrl-C, SIGTERM (batch systems, `kill`), SIGHUP (a terminal that closes).
 
-use super::system::Instant;
+use super::system::{Instant, sleep, try_spawn};
 use crate::numerics::cancel::Cancel;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::process::exit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::Duration;
 
 /// SIGHUP, which only Unix has.
@@ -47,10 +46,10 @@ where
     let cancel = Cancel::default();
     let (token, heard) = (cancel.clone(), Arc::new(AtomicBool::new(false)));
     let asked = heard.clone();
-    let watch = thread::Builder::new().name("signals".into()).spawn(move || {
+    let watch = try_spawn("signals", move || {
         let mut first = None;
         loop {
-            thread::sleep(PACE);
+            sleep(PACE);
             if !asked.swap(false, Ordering::Relaxed) {
                 continue;
             }
@@ -79,7 +78,7 @@ fn end<G>(at_rest: fn() -> Option<G>, code: i32) {
     let begin = Instant::now();
     let mut guard = at_rest();
     while guard.is_none() && begin.elapsed() < PATIENCE {
-        thread::sleep(PACE);
+        sleep(PACE);
         guard = at_rest();
     }
     exit(code);

@@ -1,8 +1,10 @@
 //! The one door to threads and to the clock: what a program without either (a browser's) replaces.
 
+pub(super) use std::thread::{JoinHandle, sleep};
 pub(super) use std::time::Instant;
 
-use std::thread::{JoinHandle, available_parallelism, scope};
+use std::io;
+use std::thread::{Builder, available_parallelism, scope};
 use std::time::Duration;
 
 /// How long threads may take to end, all together: a window closes within two seconds.
@@ -11,8 +13,16 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Starts a thread.
+///
+/// # Errors
+/// The system refuses.
+pub(super) fn try_spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<JoinHandle<()>> {
+    Builder::new().name(name.into()).spawn(work)
+}
+
+/// Starts a thread that the program cannot do without.
 pub(super) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> JoinHandle<()> {
-    std::thread::Builder::new().name(name.into()).spawn(work).expect("the system refuses to start a thread")
+    try_spawn(name, work).expect("the system refuses to start a thread")
 }
 
 /// Waits for threads that were asked to end; one that does not answer in time is left to end with the process.
@@ -20,7 +30,7 @@ pub(super) fn end(threads: impl IntoIterator<Item = JoinHandle<()>>) {
     let begin = Instant::now();
     for thread in threads {
         while !thread.is_finished() && begin.elapsed() < PATIENCE {
-            std::thread::sleep(LOOK);
+            sleep(LOOK);
         }
         if thread.is_finished() {
             // A panic has been told by the thread itself.
@@ -47,7 +57,7 @@ mod tests {
     #[test]
     fn a_thread_that_does_not_answer_does_not_keep_the_caller() {
         let began = Instant::now();
-        end([spawn("busy", || std::thread::sleep(Duration::from_secs(60))), spawn("done", || {})]);
+        end([spawn("busy", || sleep(Duration::from_secs(60))), spawn("done", || {})]);
         assert!(began.elapsed() < Duration::from_secs(2));
     }
 }

@@ -43,7 +43,8 @@ const OWNED: [(&[&str], &str); 12] = [
 const TIMELESS: [&str; 3] = ["numerics", "physics", "solver"];
 const CLOCKS: [&str; 3] = ["Instant", "SystemTime", "cpu_time"];
 
-const LINES_MAX: usize = 420;
+/// A file holds one idea and all of it.
+const LINES_MAX: usize = 600;
 
 /// How far apart (in lines) two `cfg`s may be and still be one place: both arms of one choice.
 const ONE_PLACE: usize = 12;
