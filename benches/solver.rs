@@ -22,7 +22,7 @@ fn on_threads<W: FnMut() + Send>(c: &mut Criterion, name: &str, prepare: impl Fn
     for n in SIDES {
         let mut work = alone.install(|| prepare(n));
         group.bench_function(BenchmarkId::new("one thread", n), |b| {
-            b.iter_custom(|times| alone.install(|| timed(times, &mut work)))
+            b.iter_custom(|times| alone.install(|| timed(times, &mut work)));
         });
         if n * n >= POINTS_MIN && rayon::current_num_threads() > 1 {
             let mut work = prepare(n);

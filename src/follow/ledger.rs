@@ -72,9 +72,10 @@ impl Ledger {
             return None;
         }
         let found = format!("the loop integral, {:.4} gamma, is not the sum of releases, {loss:.4} gamma", self.loop_integral);
-        Some(match off <= 2.0 * self.integral_error {
-            true => format!("{found}: the states lie too far apart to check it; a smaller drive.step does"),
-            false => format!("{found}: energy is missing, and the loss is not to be trusted; try a smaller drive.step"),
+        Some(if off <= 2.0 * self.integral_error {
+            format!("{found}: the states lie too far apart to check it; a smaller drive.step does")
+        } else {
+            format!("{found}: energy is missing, and the loss is not to be trusted; try a smaller drive.step")
         })
     }
 }
@@ -121,9 +122,10 @@ impl LoopRecord {
             return None;
         }
         let (began, ended) = (first.pattern, last.pattern);
-        let what = match began == ended {
-            true => format!("in another {ended} state than it began with"),
-            false => format!("as {ended} and began as {began}"),
+        let what = if began == ended {
+            format!("in another {ended} state than it began with")
+        } else {
+            format!("as {ended} and began as {began}")
         };
         Some(Open {
             reason: format!("it ends {what}, at u0 = {}", last.mean_displacement),
@@ -353,7 +355,7 @@ mod tests {
     #[test]
     fn states_that_crowd_at_a_fold_do_not_spoil_the_long_interval_before_them() {
         // y = sqrt(1 - x), steep at the end; by hand 2/3. Straight lines alone would miss the last interval by a sixth of its box.
-        let xs = (0..=20).map(|i| 0.04 * i as f64).chain([0.99, 0.9999, 0.999999, 1.0 - 1e-9, 1.0]);
+        let xs = (0..=20).map(|i| 0.04 * f64::from(i)).chain([0.99, 0.9999, 0.999999, 1.0 - 1e-9, 1.0]);
         let points: Vec<_> = xs.map(|x: f64| [x, (1.0 - x).max(0.0).sqrt()]).collect();
         let missing = value(&points) - 2.0 / 3.0;
         assert!(missing.abs() < 0.19 * 0.45 / 6.0, "{missing}");

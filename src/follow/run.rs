@@ -193,9 +193,10 @@ impl<'s> Drive<'s> {
             Observed::State(state) => {
                 fresh = true;
                 *lowest = lowest.min(state.mean_displacement);
-                let gone = match retracting {
-                    true => 1.0 + (state.mean_displacement - *lowest) / (start - *lowest),
-                    false => (start - state.mean_displacement) / depth,
+                let gone = if retracting {
+                    1.0 + (state.mean_displacement - *lowest) / (start - *lowest)
+                } else {
+                    (start - state.mean_displacement) / depth
                 };
                 observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
                 run.record.states.push(state);

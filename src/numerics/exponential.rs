@@ -93,7 +93,7 @@ mod tests {
     fn agrees_with_the_standard_library_to_four_units_in_1e16() {
         let mut worst = 0.0_f64;
         for i in 0..400_001 {
-            let x = -700.0 + i as f64 * 0.0035;
+            let x = -700.0 + f64::from(i) * 0.0035;
             worst = worst.max((exp(x) / x.exp() - 1.0).abs());
         }
         assert!(worst < 5e-16, "{worst:e}");

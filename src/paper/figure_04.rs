@@ -66,7 +66,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         }));
     }
     let small = Surface::new(law, SMALL * critical, points);
-    let gaps: Vec<f64> = (0..=8).map(|i| 0.25 * i as f64 + 0.5).collect();
+    let gaps: Vec<f64> = (0..=8).map(|i| 0.25 * f64::from(i) + 0.5).collect();
     let mut grown = 0;
     for &gap in gaps.iter().chain([&law.softest_gap()]) {
         grown += usize::from(small.gives_way(gap, task.cancel)?);
@@ -110,7 +110,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 /// Eq. 8: the limits on approach and on retraction.
 fn lines(law: &Law) -> [Series; 2] {
     let critical = flat::critical_length(law);
-    let ratios: Vec<f64> = (0..=400).map(|i| 10f64.powf(3.0 * (i as f64 / 400.0).powi(2))).collect();
+    let ratios: Vec<f64> = (0..=400).map(|i| 10f64.powf(3.0 * (f64::from(i) / 400.0).powi(2))).collect();
     let line = |name: &str, direction, pick: fn((f64, f64)) -> f64| {
         let points = ratios.iter().filter_map(|&r| flat::limits(law, r * critical).map(|limits| [r, pick(limits)]));
         Series::line(name, Role::Theory, Colour::of(direction), points.collect())

@@ -54,7 +54,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     };
     let worst = found.iter().map(|[u, alpha]| (exact(*u) - alpha).abs()).fold(0.0, f64::max);
     let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
-    let thick = (1..=600).map(|i| cube_root(end.displacement * i as f64 / 600.0)).fold(0.0, f64::max);
+    let thick = (1..=600).map(|i| cube_root(end.displacement * f64::from(i) / 600.0)).fold(0.0, f64::max);
     let words = format!(
         "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 with slopes of v̂ by boundary elements; \
          they agree with the exact curve to {worst:.0e} in α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to \

@@ -116,9 +116,10 @@ fn panel(surfaces: &[Surface]) -> Panel {
         let own = law.strongest().1;
         let curve = (0..=300).map(|i| low + (5.0 - low) * f64::from(i) / 300.0);
         let points = curve.map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own]).collect();
-        let (name, role, colour) = match surface.seed == first.seed {
-            true => ("fit by two exponentials".to_owned(), Role::Theory, Colour::Ink),
-            false => (format!("fit, surface {}", surface.seed), Role::Guide, Colour::Grey),
+        let (name, role, colour) = if surface.seed == first.seed {
+            ("fit by two exponentials".to_owned(), Role::Theory, Colour::Ink)
+        } else {
+            (format!("fit, surface {}", surface.seed), Role::Guide, Colour::Grey)
         };
         series.push(Series::line(&name, role, colour, points));
     }

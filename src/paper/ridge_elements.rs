@@ -47,8 +47,9 @@ fn collect(
 
 /// Why boundary elements gave nothing.
 pub(super) fn unsolved(task: &Task<'_>, size: f64) -> Stopped {
-    match task.cancel.requested() {
-        true => Stopped::Cancelled,
-        false => Stopped::Failed(format!("boundary elements did not converge at a share of {size}")),
+    if task.cancel.requested() {
+        Stopped::Cancelled
+    } else {
+        Stopped::Failed(format!("boundary elements did not converge at a share of {size}"))
     }
 }

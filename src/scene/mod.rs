@@ -254,9 +254,10 @@ impl Scene {
         }
         let mu = mesh_rule::mu_rho(&law, length / n as f64);
         // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
-        let reason = match self.indenter == Indenter::Flat && law.is_smooth() {
-            true => format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy),
-            false => format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy),
+        let reason = if self.indenter == Indenter::Flat && law.is_smooth() {
+            format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy)
+        } else {
+            format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy)
         };
         Ok((Grid::square(length, n), reason))
     }

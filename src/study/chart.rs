@@ -92,7 +92,7 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
         observe(News::Begun { what: *point, reference: true });
         let expected = predictor.seconds(point);
         let loop_ = measure(&scene, point, points::REFERENCE * effort.seconds() - spent, cancel, &mut |f| {
-            observe(News::Fraction((done + f * expected) / total))
+            observe(News::Fraction((done + f * expected) / total));
         })?;
         done += expected;
         spent += loop_.processor_seconds;

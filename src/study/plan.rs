@@ -36,9 +36,10 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
     let by_walk = |part: Part, why: &str| {
-        let (place, seconds) = match part.is_even() {
-            true => (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0)),
-            false => (whole.clone(), 45.0 * transform(points)),
+        let (place, seconds) = if part.is_even() {
+            (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0))
+        } else {
+            (whole.clone(), 45.0 * transform(points))
         };
         Plan {
             road: Road::Walk(part),

@@ -243,7 +243,7 @@ impl App {
                 Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
             },
             Action::RestoreLayout => {
-                ctx.data_mut(|data| data.remove_by_type::<PanelState>());
+                ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
                 state.view = ViewOptions::default();
                 state.fit_axes(false);
             }

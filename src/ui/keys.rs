@@ -35,7 +35,7 @@ const COARSE: f64 = 10.0;
 
 /// Turns this frame's key presses into actions. `dialog_open` leaves only what concerns the dialog.
 pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mut Vec<Action>) {
-    let focused = ctx.memory(|memory| memory.focused());
+    let focused = ctx.memory(egui::Memory::focused);
     let free = focused.is_none() || focused == Some(u0_slider::id());
     let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
         let pressed = |event: &Event| match event {

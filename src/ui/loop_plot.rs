@@ -165,7 +165,7 @@ fn live(state: &ViewState) -> Vec<Series> {
     let Some(live) = state.plots.live.as_ref().filter(|live| !live.pieces.is_empty()) else { return Vec::new() };
     let line = joined(live.pieces.iter().map(|(_, points)| points.as_slice()));
     let jumps: Vec<[[f64; 2]; 2]> = live.jumps.iter().map(|(u0, [from, to])| [[*u0, *from], [*u0, *to]]).collect();
-    let jumps = joined(jumps.iter().map(|jump| jump.as_slice()));
+    let jumps = joined(jumps.iter().map(<[[f64; 2]; 2]>::as_slice));
     vec![Series::line("live", Role::Forecast, Colour::LIVE, line), Series::line("", Role::Unstable, Colour::LIVE, jumps)]
 }
 

@@ -173,7 +173,7 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
     assert!(run.record.jumps.iter().all(|j| j.released_energy > 0.0));
     let deepest = run.record.states.iter().min_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement)).unwrap();
     let periodic = PeriodicJkr::new(TIP, 1.0);
-    let equal = (1..2000).map(|i| periodic.contact(0.2 + 5e-5 * i as f64)).find(|c| c.force < deepest.stress).unwrap();
+    let equal = (1..2000).map(|i| periodic.contact(0.2 + 5e-5 * f64::from(i))).find(|c| c.force < deepest.stress).unwrap();
     // At equal force the wall of the law gives way by less than half a range.
     let range = scene.model().unwrap().law.range;
     let given = equal.mean_displacement - deepest.mean_displacement;

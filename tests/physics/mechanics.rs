@@ -46,7 +46,7 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
     let at = system.at(z, u0, &mut ws).state;
     // |u_q|^2 = (a/2)^2 for q and for -q.
     let elastic = q / 4.0 * 2.0 * (amplitude / 2.0f64).powi(2);
-    let phases = (0..4000).map(|i| u0 + amplitude * (TAU * (i as f64 + 0.5) / 4000.0).cos());
+    let phases = (0..4000).map(|i| u0 + amplitude * (TAU * (f64::from(i) + 0.5) / 4000.0).cos());
     let (adhesive, stress) = phases.fold((0.0, 0.0), |(e, s), gap| {
         let r = LAW.at(gap);
         (e + r.energy / 4000.0, s + r.traction / 4000.0)

@@ -167,7 +167,7 @@ fn jacobi_finds_the_eigenvalues_a_matrix_was_made_of() {
 
 #[test]
 fn lobpcg_finds_the_smallest_pair_and_leaves_out_removed_directions() {
-    let spectrum: Vec<f64> = (0..40).map(|i| if i == 0 { -0.3 } else { 0.2 + i as f64 }).collect();
+    let spectrum: Vec<f64> = (0..40).map(|i| if i == 0 { -0.3 } else { 0.2 + f64::from(i) }).collect();
     let a = matrix(&spectrum);
     let limits = EigenLimits { pairs: 2, least: 2, most: 200, relative: 1e-9, absolute: 1e-9 };
     let start = |s| vec![noise(1, 40, s).into_raw_vec_and_offset().0, noise(1, 40, s + 1).into_raw_vec_and_offset().0];
@@ -190,7 +190,7 @@ fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
     times(&good)(&x, &mut ax);
     assert_eq!(end, CgEnd::Converged);
     assert!(ax.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11));
-    let bad = matrix(&(0..30).map(|i| i as f64 - 0.5).collect::<Vec<_>>());
+    let bad = matrix(&(0..30).map(|i| f64::from(i) - 0.5).collect::<Vec<_>>());
     assert_eq!(conjugate_gradients(times(&bad), &b, identity, &[], limits, &Cancel::default()).end, CgEnd::NegativeCurvature);
     let nan = vec![vec![f64::NAN; 30]; 30];
     assert_eq!(conjugate_gradients(times(&nan), &b, identity, &[], limits, &Cancel::default()).end, CgEnd::NegativeCurvature);

@@ -36,9 +36,10 @@ impl Walk {
         if self.method.locates() {
             self.note_transition(pattern, observe);
         }
-        let contact_area = match uniform {
-            true => f64::from(u8::from(self.here.state.mean_displacement < law.contact_gap())),
-            false => contact_area(self.here.fields.gap.view(), &law),
+        let contact_area = if uniform {
+            f64::from(u8::from(self.here.state.mean_displacement < law.contact_gap()))
+        } else {
+            contact_area(self.here.fields.gap.view(), &law)
         };
         if pattern != Pattern::Flat {
             self.spent.counts.patterned_increments += 1;
@@ -113,10 +114,8 @@ impl Walk {
         let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
         let Some(at) = [limits.0, limits.1].into_iter().find(|limit| low < *limit && *limit <= high) else { return };
         let leaves = flat.is_stable(a.mean_displacement);
-        let (stable, energy, pattern) = match leaves {
-            true => (a.mean_displacement, a.energy, now),
-            false => (b.mean_displacement, b.energy, a.pattern),
-        };
+        let (stable, energy, pattern) =
+            if leaves { (a.mean_displacement, a.energy, now) } else { (b.mean_displacement, b.energy, a.pattern) };
         if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
             return;
         }

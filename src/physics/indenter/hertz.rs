@@ -70,9 +70,10 @@ impl Ground for Hertz {
     /// (M. K. Chaudhury, T. Weaver, C. Y. Hui and E. J. Kramer, J. Appl. Phys. 80, 30 (1996)).
     fn pull_off(&self, law: &Law, grid: &Grid) -> Option<f64> {
         let (radius, surface_energy) = (self.radius, law.surface_energy);
-        Some(match grid.is_line() {
-            false => Jkr { radius, surface_energy }.pull_off_force() / grid.length.powi(2),
-            true => 3.0 * surface_energy * (PI * radius / (16.0 * surface_energy)).cbrt() / grid.length,
+        Some(if !grid.is_line() {
+            Jkr { radius, surface_energy }.pull_off_force() / grid.length.powi(2)
+        } else {
+            3.0 * surface_energy * (PI * radius / (16.0 * surface_energy)).cbrt() / grid.length
         })
     }
 }

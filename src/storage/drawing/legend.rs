@@ -96,7 +96,7 @@ impl Legend {
                         sheet.line(&frame(sides), solid(colour.on(GROUND), 0.8 * self.size));
                     }
                     Look::Arrow(colour) => {
-                        arrow(sheet, [middle[0], y + 8.0 * self.size], [middle[0], y - 8.0 * self.size], colour, self.size)
+                        arrow(sheet, [middle[0], y + 8.0 * self.size], [middle[0], y - 8.0 * self.size], colour, self.size);
                     }
                 }
                 sheet.words([right + self.size * GAP, y], &set(name), self.size * TEXT, ink(), Anchor::Start);
