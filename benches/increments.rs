@@ -1,5 +1,6 @@
-//! What one increment of the walk takes on finer and finer meshes, as a table: `cargo bench --no-default-features --bench increments`,
-//! on some of the meshes only with `-- 64 512` behind it.
+//! What one increment of the walk takes on finer and finer meshes, as a table: `cargo bench
+//! --no-default-features --bench increments`, on some of the meshes only with `-- 64 512` behind
+//! it.
 //!
 //! All start from one dimple of Fig. 2, found on the coarsest mesh and carried to the finer ones.
 
@@ -26,7 +27,8 @@ const WARM: usize = 4;
 const COUNTED: usize = 5;
 
 fn scene(n: usize) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").expect("built in").text, "fig2").expect("valid");
+    let mut scene =
+        scene_file::parse(presets::find("fig2").expect("built in").text, "fig2").expect("valid");
     scene.cell.points = Points::Square(n);
     scene.drive.step = STEP;
     scene
@@ -37,7 +39,13 @@ fn walked(walk: &mut Walk, u0: f64) -> Vec<StateRecord> {
     walk.set_target(u0);
     let mut states = Vec::new();
     loop {
-        match walk.step(&Cancel::default(), &mut |news| states.extend(if let Observed::State(s) = news { Some(s) } else { None })) {
+        match walk.step(&Cancel::default(), &mut |news| {
+            states.extend(if let Observed::State(s) = news {
+                Some(s)
+            } else {
+                None
+            });
+        }) {
             Progress::Working => {}
             Progress::Resting => return states,
             other => panic!("{other:?}"),
@@ -59,7 +67,12 @@ fn carried(z: &[f64], n: usize) -> Vec<f64> {
 }
 
 /// One increment by `method` along the branch of `states`, and nothing else: no check of stability.
-fn relaxed(name: &'static str, mut method: Box<dyn Method>, n: usize, states: &[Equilibrium]) -> Row {
+fn relaxed(
+    name: &'static str,
+    mut method: Box<dyn Method>,
+    n: usize,
+    states: &[Equilibrium],
+) -> Row {
     let model = scene(n).model().expect("valid");
     let system = System::new(model.grid, model.law, &model.indenter);
     let mut mechanics = Mechanics::new(system, Slides::Freely);
@@ -69,7 +82,10 @@ fn relaxed(name: &'static str, mut method: Box<dyn Method>, n: usize, states: &[
     mechanics.refresh(&from.fields);
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let to = from.state.mean_displacement + STEP;
-    let cost = method.follow(&mut mechanics, &history, from, to).expect("stays on its branch").cost;
+    let cost = method
+        .follow(&mut mechanics, &history, from, to)
+        .expect("stays on its branch")
+        .cost;
     Row {
         name,
         transforms: cost.transforms as f64,
@@ -90,14 +106,25 @@ struct Row {
     states: Vec<Equilibrium>,
 }
 
-/// The mean over counted increments of Newton's method in the walk with some numbers, checks of stability and all, from a state of the coarse mesh.
+/// The mean over counted increments of Newton's method in the walk with some numbers, checks of
+/// stability and all, from a state of the coarse mesh.
 fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, StateRecord)) -> Row {
-    let mut state = Equilibrium { soft_mode: Vec::new(), ..state.clone() };
+    let mut state = Equilibrium {
+        soft_mode: Vec::new(),
+        ..state.clone()
+    };
     state.state.amplitudes = carried(&state.state.amplitudes, n);
     let start = state.state.mean_displacement;
-    let walk =
-        Walk::start(&scene(n), WalkOptions { part: Part::Whole, precision, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
-            .expect("valid");
+    let walk = Walk::start(
+        &scene(n),
+        WalkOptions {
+            part: Part::Whole,
+            precision,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+    )
+    .expect("valid");
     let mut walk = walk.standing_on(state, record.clone());
     // Up towards the dimple's limit.
     let place = |increments: usize| start + STEP * increments as f64;
@@ -108,7 +135,10 @@ fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, Sta
     }
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let states = walked(&mut walk, place(WARM + COUNTED));
-    let (seconds, processor_seconds) = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
+    let (seconds, processor_seconds) = (
+        wall.elapsed().as_secs_f64(),
+        processor.elapsed().as_secs_f64(),
+    );
     let mean = |total: f64| total / COUNTED as f64;
     Row {
         name: precision.word(),
@@ -125,31 +155,65 @@ fn main() {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    let mut walk = Walk::start(&scene(COARSE), MethodKind::NewtonKrylov.into(), &Cancel::default()).expect("valid");
+    let mut walk = Walk::start(
+        &scene(COARSE),
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+    )
+    .expect("valid");
     walked(&mut walk, 0.3);
     walked(&mut walk, 1.8);
     let start = (walk.here().clone(), walk.record().clone());
     println!("a {}", walk.record().pattern);
-    println!("double, mixed, single: the walk with these numbers; newton: its method alone; paper: 200 time steps alone");
+    println!(
+        "double, mixed, single: the walk with these numbers; newton: its method alone; paper: 200 time steps alone"
+    );
     println!("what        n  transforms  iterations  wall ms  processor ms");
-    let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
-    for n in [64, 128, 256, 512, 1024].into_iter().filter(|n| asked.is_empty() || asked.contains(n)) {
+    let asked: Vec<usize> = std::env::args()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
+    for n in [64, 128, 256, 512, 1024]
+        .into_iter()
+        .filter(|n| asked.is_empty() || asked.contains(n))
+    {
         let newton = shown(n, increment(n, Precision::Double, &start));
         for precision in [Precision::Mixed, Precision::Single] {
             let row = shown(n, increment(n, precision, &start));
-            println!("double over {}: {:.2} in processor time", row.name, newton.processor_seconds / row.processor_seconds);
+            println!(
+                "double over {}: {:.2} in processor time",
+                row.name,
+                newton.processor_seconds / row.processor_seconds
+            );
         }
-        let alone = shown(n, relaxed("newton", MethodKind::NewtonKrylov.build(1), n, &newton.states));
+        let alone = shown(
+            n,
+            relaxed(
+                "newton",
+                MethodKind::NewtonKrylov.build(1),
+                n,
+                &newton.states,
+            ),
+        );
         if [64, 512].contains(&n) {
-            let paper = shown(n, relaxed("paper", MethodKind::Gfmd.build(1), n, &newton.states));
+            let paper = shown(
+                n,
+                relaxed("paper", MethodKind::Gfmd.build(1), n, &newton.states),
+            );
             let ratio = |other: &Row| paper.processor_seconds / other.processor_seconds;
-            println!("paper over double: {:.1}, over newton alone: {:.1} in processor time", ratio(&newton), ratio(&alone));
+            println!(
+                "paper over double: {:.1}, over newton alone: {:.1} in processor time",
+                ratio(&newton),
+                ratio(&alone)
+            );
         }
     }
 }
 
 fn shown(n: usize, row: Row) -> Row {
     let (seconds, processor_seconds) = (1e3 * row.seconds, 1e3 * row.processor_seconds);
-    println!("{:7} {n:5}  {:10.1}  {:10.1}  {seconds:7.1}  {processor_seconds:12.1}", row.name, row.transforms, row.iterations);
+    println!(
+        "{:7} {n:5}  {:10.1}  {:10.1}  {seconds:7.1}  {processor_seconds:12.1}",
+        row.name, row.transforms, row.iterations
+    );
     row
 }

@@ -1,4 +1,5 @@
-//! Benchmarks of the transform and of one force evaluation: `cargo bench --no-default-features --bench solver`.
+//! Benchmarks of the transform and of one force evaluation: `cargo bench --no-default-features
+//! --bench solver`.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ndarray::Array2;
@@ -14,11 +15,22 @@ use tackscope::physics::system::System;
 
 const SIDES: [usize; 5] = [64, 128, 256, 512, 1024];
 
-/// Benchmarks what `prepare` makes for n points a side, on one thread and, for fields that are shared, on all.
-fn on_threads<W: FnMut() + Send>(c: &mut Criterion, name: &str, prepare: impl Fn(usize) -> W + Sync) {
+/// Benchmarks what `prepare` makes for n points a side, on one thread and, for fields that are
+/// shared, on all.
+fn on_threads<W: FnMut() + Send>(
+    c: &mut Criterion,
+    name: &str,
+    prepare: impl Fn(usize) -> W + Sync,
+) {
     let mut group = c.benchmark_group(name);
-    group.sample_size(20).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
-    let alone = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1));
+    let alone = ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
     for n in SIDES {
         let mut work = alone.install(|| prepare(n));
         group.bench_function(BenchmarkId::new("one thread", n), |b| {
@@ -26,7 +38,9 @@ fn on_threads<W: FnMut() + Send>(c: &mut Criterion, name: &str, prepare: impl Fn
         });
         if n * n >= POINTS_MIN && rayon::current_num_threads() > 1 {
             let mut work = prepare(n);
-            group.bench_function(BenchmarkId::new("all threads", n), |b| b.iter_custom(|times| timed(times, &mut work)));
+            group.bench_function(BenchmarkId::new("all threads", n), |b| {
+                b.iter_custom(|times| timed(times, &mut work));
+            });
         }
     }
 }
@@ -51,7 +65,11 @@ fn transforms(c: &mut Criterion) {
 
 fn forces(c: &mut Criterion) {
     on_threads(c, "force evaluation", |n| {
-        let law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+        let law = Law {
+            shape: Shape::Morse(Morse),
+            surface_energy: 0.15,
+            range: 1.0,
+        };
         let system = System::new(Grid::square(256.0, n), law, &Indenter::Flat);
         let mut ws = system.workspace();
         let mut at = system.at(vec![1e-3; system.dimension()], 1.0, &mut ws);

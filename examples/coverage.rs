@@ -1,8 +1,10 @@
-//! How often the stated error holds: random loops on flat ground against an independent walk on a mesh half as fine again.
+//! How often the stated error holds: random loops on flat ground against an independent walk on a
+//! mesh half as fine again.
 //!
-//! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features --example coverage`. Arguments:
-//! `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares and lines, every road, targets from 0.1 to 1e-5. A loop that does not
-//! complete, loses a jump or has one too many counts as outside.
+//! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features
+//! --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares
+//! and lines, every road, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump or
+//! has one too many counts as outside.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -28,22 +30,33 @@ struct Trial {
     road: &'static str,
     target: f64,
     predicted: f64,
-    /// Relative error of the loss or of a jump's u0, whichever is larger; 1 where the jumps are not the same, NaN without a reference.
+    /// Relative error of the loss or of a jump's u0, whichever is larger; 1 where the jumps are not
+    /// the same, NaN without a reference.
     measured: f64,
 }
 
-/// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be computed.
+/// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be
+/// computed.
 fn random(seed: u64) -> (Scene, Option<Road>) {
     let rng = &mut Pcg64::seed_from_u64(seed);
     let shape = match rng.random_range(0..3) {
         0 => Shape::Morse(Morse),
         1 => {
             let n = rng.random_range(1.5..4.0);
-            Shape::Mie(Mie { m: n + rng.random_range(1.0..7.0), n })
+            Shape::Mie(Mie {
+                m: n + rng.random_range(1.0..7.0),
+                n,
+            })
         }
-        _ => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
+        _ => Shape::DoubleExponential(DoubleExponential {
+            ratio: rng.random_range(0.25..0.8),
+        }),
     };
-    let law = Law { shape, surface_energy: rng.random_range(0.02..0.3), range: 1.0 };
+    let law = Law {
+        shape,
+        surface_energy: rng.random_range(0.02..0.3),
+        range: 1.0,
+    };
     let length = flat::critical_length(&law) * rng.random_range(1.15..5.0);
     let line = rng.random_bool(0.3);
     let target = 10f64.powf(rng.random_range(-5.0..-1.0));
@@ -52,8 +65,15 @@ fn random(seed: u64) -> (Scene, Option<Road>) {
     let scene = Scene {
         title: format!("seed {seed}"),
         source: String::new(),
-        cell: Cell { length, points: Points::Auto },
-        law: LawChoice { shape, surface_energy: law.surface_energy, range: Range::Length(1.0) },
+        cell: Cell {
+            length,
+            points: Points::Auto,
+        },
+        law: LawChoice {
+            shape,
+            surface_energy: law.surface_energy,
+            range: Range::Length(1.0),
+        },
         indenter: Indenter::Flat,
         drive: Drive {
             start,
@@ -64,10 +84,24 @@ fn random(seed: u64) -> (Scene, Option<Road>) {
         seed,
     };
     if !line {
-        return (scene, *[None, None, Some(Road::QUARTER), Some(Road::WHOLE)].choose(rng).expect("not empty"));
+        return (
+            scene,
+            *[None, None, Some(Road::QUARTER), Some(Road::WHOLE)]
+                .choose(rng)
+                .expect("not empty"),
+        );
     }
     let n = scene.model().expect("a legal scene").grid.nx;
-    (Scene { cell: Cell { length, points: Points::Line(n) }, ..scene }, None)
+    (
+        Scene {
+            cell: Cell {
+                length,
+                points: Points::Line(n),
+            },
+            ..scene
+        },
+        None,
+    )
 }
 
 fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
@@ -79,29 +113,60 @@ fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
     let cancel = Cancel::default();
     let mut finer = scene.clone();
     let n = next_fast(model.grid.nx * 3 / 2);
-    finer.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+    finer.cell.points = if model.grid.is_line() {
+        Points::Line(n)
+    } else {
+        Points::Square(n)
+    };
     finer.drive.step = 0.2 * model.law.range;
     let run = run_planned(scene, NewtonKrylov, plan, &cancel, &mut |_| {}).expect("a legal scene");
-    let better =
-        run_loop(&finer, WalkOptions { part: Part::Quarter, ..NewtonKrylov.into() }, &cancel, &mut |_| {}).expect("a legal scene");
+    let better = run_loop(
+        &finer,
+        WalkOptions {
+            part: Part::Quarter,
+            ..NewtonKrylov.into()
+        },
+        &cancel,
+        &mut |_| {},
+    )
+    .expect("a legal scene");
     let measured = match (&run.outcome, &better.outcome) {
         (_, Outcome::NotConverged { .. } | Outcome::Cancelled) => f64::NAN,
         (Outcome::Completed, _) => {
             // Where it is contested which of two loops it is, the reference has both.
-            let contested = [&run, &better].iter().any(|run| run.record.jumps.iter().any(|jump| !jump.landings.is_empty()));
-            let loops = contested.then(|| read_off(&finer, &cancel)).flatten().unwrap_or_default();
+            let contested = [&run, &better].iter().any(|run| {
+                run.record
+                    .jumps
+                    .iter()
+                    .any(|jump| !jump.landings.is_empty())
+            });
+            let loops = contested
+                .then(|| read_off(&finer, &cancel))
+                .flatten()
+                .unwrap_or_default();
             let all = loops.iter().chain([&better.record.jumps]);
-            all.map(|jumps| measured_error(&run.record.jumps, jumps)).fold(1.0, f64::min)
+            all.map(|jumps| measured_error(&run.record.jumps, jumps))
+                .fold(1.0, f64::min)
         }
         _ => 1.0,
     };
     let predicted = run.error_bar.unwrap_or(plan.predicted_error);
-    Trial { road, target: scene.accuracy, predicted, measured }
+    Trial {
+        road,
+        target: scene.accuracy,
+        predicted,
+        measured,
+    }
 }
 
 fn main() {
-    let mut arguments = std::env::args().skip(1).filter_map(|argument| argument.parse::<u64>().ok());
-    let (count, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
+    let mut arguments = std::env::args()
+        .skip(1)
+        .filter_map(|argument| argument.parse::<u64>().ok());
+    let (count, first) = (
+        arguments.next().unwrap_or(200),
+        arguments.next().unwrap_or(1),
+    );
     let (next, trials) = (AtomicU64::new(first), Mutex::new(Vec::new()));
     println!("seed,road,target,law,periods,points,mu_rho,predicted,measured");
     let work = || {
@@ -115,7 +180,12 @@ fn main() {
             let plan = plan(&scene, &model, asked);
             let trial = trial(&scene, &model, &plan);
             let periods = model.grid.length / flat::critical_length(&model.law);
-            let Trial { road, target, predicted, measured } = trial;
+            let Trial {
+                road,
+                target,
+                predicted,
+                measured,
+            } = trial;
             println!(
                 "{seed},{road},{target:.1e},{:?},{periods:.3},{},{:.4},{predicted:.2e},{measured:.2e}",
                 model.law.shape, model.grid.nx, model.mu_rho
@@ -124,14 +194,18 @@ fn main() {
         }
     };
     std::thread::scope(|scope| {
-        (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| _ = scope.spawn(work));
+        (0..std::thread::available_parallelism().map_or(1, usize::from))
+            .for_each(|_| _ = scope.spawn(work));
     });
     let trials = trials.into_inner().expect("no thread panicked");
     println!(
         "\n| road | loops | inside | nothing promised | met the target | median predicted / measured |\n|---|---|---|---|---|---|"
     );
     for road in ["atlas", "quarter", "whole", "line"] {
-        row(road, trials.iter().filter(|trial| trial.road == road).collect());
+        row(
+            road,
+            trials.iter().filter(|trial| trial.road == road).collect(),
+        );
     }
     row("all", trials.iter().collect());
 }
@@ -139,10 +213,20 @@ fn main() {
 fn row(road: &str, trials: Vec<&Trial>) {
     // A bar of 1 says that a finer mesh has other jumps.
     let refused = trials.iter().filter(|t| t.predicted >= 1.0).count();
-    let inside = trials.iter().filter(|t| t.measured <= t.predicted && t.predicted < 1.0).count();
+    let inside = trials
+        .iter()
+        .filter(|t| t.measured <= t.predicted && t.predicted < 1.0)
+        .count();
     let met = trials.iter().filter(|t| t.measured <= t.target).count();
-    let mut ratios: Vec<f64> = trials.iter().map(|t| t.predicted / t.measured).filter(|ratio| ratio.is_finite()).collect();
+    let mut ratios: Vec<f64> = trials
+        .iter()
+        .map(|t| t.predicted / t.measured)
+        .filter(|ratio| ratio.is_finite())
+        .collect();
     ratios.sort_by(f64::total_cmp);
     let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
-    println!("| {road} | {} | {inside} | {refused} | {met} | {median:.1} |", trials.len());
+    println!(
+        "| {road} | {} | {inside} | {refused} | {met} | {median:.1} |",
+        trials.len()
+    );
 }

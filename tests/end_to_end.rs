@@ -1,6 +1,8 @@
-//! The real binary in a real window on a virtual screen: it opens at rest, u0 is dragged through the first jump, the picture shows it.
+//! The real binary in a real window on a virtual screen: it opens at rest, u0 is dragged through
+//! the first jump, the picture shows it.
 //!
-//! Needs a display, xdotool and ImageMagick; without them it says so and passes, unless TACKSCOPE_REQUIRE_DISPLAY is set (as in CI).
+//! Needs a display, xdotool and ImageMagick; without them it says so and passes, unless
+//! TACKSCOPE_REQUIRE_DISPLAY is set (as in CI).
 #![cfg(feature = "gui")]
 
 use image::RgbImage;
@@ -21,13 +23,24 @@ impl Drop for Window {
 
 /// Runs a tool and returns what it printed, or `None` if it is missing or fails.
 fn tool(name: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(name).args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    let output = Command::new(name)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    output
+        .status
+        .success()
+        .then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 fn xdotool(arguments: &str) {
     let arguments: Vec<_> = arguments.split_whitespace().collect();
-    assert!(tool("xdotool", &arguments).is_some(), "xdotool {arguments:?}");
+    assert!(
+        tool("xdotool", &arguments).is_some(),
+        "xdotool {arguments:?}"
+    );
 }
 
 /// A memory of the window in which every number is out of bounds.
@@ -61,18 +74,28 @@ fn await_some<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
         if let Some(found) = look() {
             return found;
         }
-        assert!(begin.elapsed() < Duration::from_secs(20), "{what} did not come");
+        assert!(
+            begin.elapsed() < Duration::from_secs(20),
+            "{what} did not come"
+        );
         sleep(Duration::from_millis(100));
     }
 }
 
-/// Largest difference of brightness within the upper half of the gap map, which fills the middle of the window: between the hint and
-/// the profile line, where a uniform gap has one colour.
+/// Largest difference of brightness within the upper half of the gap map, which fills the middle of
+/// the window: between the hint and the profile line, where a uniform gap has one colour.
 fn contrast_of_the_map(picture: &RgbImage) -> u32 {
     let brightness: Vec<u32> = (150..290)
         .step_by(10)
         .flat_map(|y| (300..760).step_by(10).map(move |x| (x, y)))
-        .map(|(x, y)| picture.get_pixel(x, y).0.iter().map(|c| u32::from(*c)).sum())
+        .map(|(x, y)| {
+            picture
+                .get_pixel(x, y)
+                .0
+                .iter()
+                .map(|c| u32::from(*c))
+                .sum()
+        })
         .collect();
     brightness.iter().max().unwrap() - brightness.iter().min().unwrap()
 }
@@ -80,7 +103,10 @@ fn contrast_of_the_map(picture: &RgbImage) -> u32 {
 #[test]
 fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
     if let Some(reason) = missing() {
-        assert!(std::env::var_os("TACKSCOPE_REQUIRE_DISPLAY").is_none(), "required, yet {reason}");
+        assert!(
+            std::env::var_os("TACKSCOPE_REQUIRE_DISPLAY").is_none(),
+            "required, yet {reason}"
+        );
         println!("skipped: {reason}");
         return;
     }
@@ -100,15 +126,38 @@ fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
         .unwrap();
     let pid = child.id().to_string();
     let mut window = Window(child);
-    let id =
-        await_some("the window", || tool("xdotool", &["search", "--onlyvisible", "--all", "--pid", &pid, "--name", "^Tackscope"]));
+    let id = await_some("the window", || {
+        tool(
+            "xdotool",
+            &[
+                "search",
+                "--onlyvisible",
+                "--all",
+                "--pid",
+                &pid,
+                "--name",
+                "^Tackscope",
+            ],
+        )
+    });
     let id = id.lines().next().unwrap().to_owned();
     xdotool(&format!("windowmove {id} 0 0"));
     xdotool(&format!("windowfocus {id}"));
     let path = folder.path().join("shot.png");
-    // At rest the map shows one colour (and the hint, above the part that is looked at). The first frames may show less.
-    let lit = |picture: &RgbImage| picture.get_pixel(520, 500).0.iter().map(|c| u32::from(*c)).sum::<u32>() > 60;
-    await_some("a uniform map", || Some(screenshot(&path)).filter(|p| lit(p) && contrast_of_the_map(p) < 20));
+    // At rest the map shows one colour (and the hint, above the part that is looked at). The first
+    // frames may show less.
+    let lit = |picture: &RgbImage| {
+        picture
+            .get_pixel(520, 500)
+            .0
+            .iter()
+            .map(|c| u32::from(*c))
+            .sum::<u32>()
+            > 60
+    };
+    await_some("a uniform map", || {
+        Some(screenshot(&path)).filter(|p| lit(p) && contrast_of_the_map(p) < 20)
+    });
 
     // The thumb of the vertical u0 slider is at its upper end; one step of the mouse a frame.
     xdotool("mousemove 50 70 mousedown 1");
@@ -117,7 +166,9 @@ fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
         sleep(Duration::from_millis(10));
     }
     xdotool("mouseup 1");
-    let picture = await_some("a pattern", || Some(screenshot(&path)).filter(|p| contrast_of_the_map(p) > 150));
+    let picture = await_some("a pattern", || {
+        Some(screenshot(&path)).filter(|p| contrast_of_the_map(p) > 150)
+    });
     assert_eq!(picture.dimensions(), (1280, 800));
 
     xdotool("key --clearmodifiers ctrl+q");

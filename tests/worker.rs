@@ -1,4 +1,5 @@
-//! The solver thread as the window meets it: latest target, kept path, quick cancel, stale runs, films of jumps.
+//! The solver thread as the window meets it: latest target, kept path, quick cancel, stale runs,
+//! films of jumps.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,7 +17,9 @@ use tackscope::storage::{presets, scene_file};
 use tackscope::study::chart::Effort;
 use tackscope::study::live_loop::Fineness;
 use tackscope::worker::job::Job;
-use tackscope::worker::protocol::{Command, Envelope, Event, Failure, Frame, Page, PageContent, Speed, Sweep};
+use tackscope::worker::protocol::{
+    Command, Envelope, Event, Failure, Frame, Page, PageContent, Speed, Sweep,
+};
 use tackscope::worker::session::Session;
 use tackscope::worker::{SolverHandle, Worker};
 
@@ -35,11 +38,24 @@ fn set_scene(run: u64, scene: Scene) -> Envelope<Command> {
 }
 
 fn wished(run: u64, scene: Scene, asked: Option<Road>) -> Envelope<Command> {
-    of(run, Command::SetScene { scene: Arc::new(scene), method: MethodKind::NewtonKrylov, asked })
+    of(
+        run,
+        Command::SetScene {
+            scene: Arc::new(scene),
+            method: MethodKind::NewtonKrylov,
+            asked,
+        },
+    )
 }
 
 fn target(run: u64, motion: u64, mean_displacement: f64) -> Envelope<Command> {
-    of(run, Command::SetTarget { motion, mean_displacement })
+    of(
+        run,
+        Command::SetTarget {
+            motion,
+            mean_displacement,
+        },
+    )
 }
 
 fn sweep(run: u64, motion: u64, sweep: Sweep) -> Envelope<Command> {
@@ -60,42 +76,87 @@ fn drain(session: &mut Session, commands: Vec<Envelope<Command>>) -> Vec<Event> 
 }
 
 fn frames(out: &[Event]) -> impl Iterator<Item = &Frame> {
-    out.iter().filter_map(|e| if let Event::Frame(frame) = e { Some(&**frame) } else { None })
+    out.iter().filter_map(|e| {
+        if let Event::Frame(frame) = e {
+            Some(&**frame)
+        } else {
+            None
+        }
+    })
 }
 
 #[test]
 fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), target(1, 1, 2.0)]);
-    let path: Vec<f64> =
-        out.iter().filter_map(|e| if let Event::State(state) = e { Some(state.mean_displacement) } else { None }).collect();
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(32)), target(1, 1, 2.0)],
+    );
+    let path: Vec<f64> = out
+        .iter()
+        .filter_map(|e| {
+            if let Event::State(state) = e {
+                Some(state.mean_displacement)
+            } else {
+                None
+            }
+        })
+        .collect();
     assert_eq!(*path.last().unwrap(), 2.0);
-    assert!(path.windows(2).all(|w| w[0] - w[1] <= 0.02 + 1e-9 && w[1] <= w[0]), "{path:?}");
+    assert!(
+        path.windows(2)
+            .all(|w| w[0] - w[1] <= 0.02 + 1e-9 && w[1] <= w[0]),
+        "{path:?}"
+    );
 }
 
 #[test]
 fn slow_motion_takes_four_times_as_long_and_full_speed_does_not_wait() {
     let mut session = Session::default();
     drain(&mut session, vec![set_scene(1, fig2(32))]);
-    session.command(sweep(1, 1, Sweep::Approach), &Cancel::default(), &mut |_| ());
+    session.command(
+        sweep(1, 1, Sweep::Approach),
+        &Cancel::default(),
+        &mut |_| (),
+    );
     let mut pause = |speed| {
-        session.command(of(1, Command::SetSpeed { speed }), &Cancel::default(), &mut |_| ());
+        session.command(
+            of(1, Command::SetSpeed { speed }),
+            &Cancel::default(),
+            &mut |_| (),
+        );
         let now = Instant::now();
         session.step(now, &Cancel::default(), &mut |_| ());
         session.wait(now).expect("it is under way")
     };
     let normal = pause(Speed::Normal);
     assert!(normal > Duration::ZERO);
-    assert_eq!([pause(Speed::Slow), pause(Speed::Full)], [4 * normal, Duration::ZERO]);
+    assert_eq!(
+        [pause(Speed::Slow), pause(Speed::Full)],
+        [4 * normal, Duration::ZERO]
+    );
 }
 
 #[test]
 fn a_jump_is_seen_as_a_film_and_told_once() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), target(1, 1, 3.05)]);
-    let film = frames(&out).filter(|frame| frame.relaxing && frame.state.is_none()).count();
-    let jumps: Vec<_> =
-        out.iter().filter_map(|e| if let Event::Jump(jump) = e { Some((jump.from, jump.to)) } else { None }).collect();
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(64)), target(1, 1, 3.05)],
+    );
+    let film = frames(&out)
+        .filter(|frame| frame.relaxing && frame.state.is_none())
+        .count();
+    let jumps: Vec<_> = out
+        .iter()
+        .filter_map(|e| {
+            if let Event::Jump(jump) = e {
+                Some((jump.from, jump.to))
+            } else {
+                None
+            }
+        })
+        .collect();
     assert_eq!(jumps, [(Pattern::Flat, Pattern::Bulge)]);
     assert!(film >= 5, "{film} pictures");
 }
@@ -103,12 +164,23 @@ fn a_jump_is_seen_as_a_film_and_told_once() {
 #[test]
 fn a_closed_loop_reports_a_ledger_that_agrees() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(64)), sweep(1, 1, Sweep::Loop)]);
-    let summary = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(summary.clone()) } else { None });
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(64)), sweep(1, 1, Sweep::Loop)],
+    );
+    let summary = out.iter().find_map(|e| {
+        if let Event::Loop(summary) = e {
+            Some(summary.clone())
+        } else {
+            None
+        }
+    });
     let summary = summary.expect("a loop was closed");
     let ledger = &summary.ledger;
     assert!(
-        ledger.dissipated_energy().unwrap() > 0.1 && ledger.mismatch().unwrap() < 1e-4 && ledger.warning().is_none(),
+        ledger.dissipated_energy().unwrap() > 0.1
+            && ledger.mismatch().unwrap() < 1e-4
+            && ledger.warning().is_none(),
         "{ledger:?}"
     );
 }
@@ -116,8 +188,17 @@ fn a_closed_loop_reports_a_ledger_that_agrees() {
 #[test]
 fn commands_of_an_older_run_are_dropped() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), set_scene(2, fig2(32)), target(1, 1, 1.0)]);
-    let moved = out.iter().any(|e| matches!(e, Event::State(state) if state.mean_displacement < 4.2));
+    let out = drain(
+        &mut session,
+        vec![
+            set_scene(1, fig2(32)),
+            set_scene(2, fig2(32)),
+            target(1, 1, 1.0),
+        ],
+    );
+    let moved = out
+        .iter()
+        .any(|e| matches!(e, Event::State(state) if state.mean_displacement < 4.2));
     assert!(!moved);
 }
 
@@ -126,15 +207,25 @@ fn a_scene_that_cannot_run_is_refused_in_words() {
     let mut scene = fig2(64);
     scene.law.surface_energy = f64::NAN;
     let out = drain(&mut Session::default(), vec![set_scene(1, scene)]);
-    let [Event::Failed(Failure { message, remedy })] = &out[..] else { panic!("one refusal expected") };
-    assert!(message.contains("law.surface_energy") && message.contains("NaN") && remedy.contains("above 0"), "{message} {remedy}");
+    let [Event::Failed(Failure { message, remedy })] = &out[..] else {
+        panic!("one refusal expected")
+    };
+    assert!(
+        message.contains("law.surface_energy")
+            && message.contains("NaN")
+            && remedy.contains("above 0"),
+        "{message} {remedy}"
+    );
 }
 
 /// Waits until the worker has shown `event`, at most a minute: other tests may load the machine.
 fn await_event(worker: &Worker, mut wanted: impl FnMut(u64, &Event) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_secs(60) {
-        if worker.next_event(Duration::from_millis(50)).is_some_and(|e| wanted(e.run, &e.message)) {
+        if worker
+            .next_event(Duration::from_millis(50))
+            .is_some_and(|e| wanted(e.run, &e.message))
+        {
             return;
         }
     }
@@ -152,7 +243,10 @@ fn stop_is_answered_in_the_middle_of_a_large_increment_and_the_thread_goes_on() 
     await_event(&worker, |_, e| matches!(e, Event::Rest { .. }));
     worker.send(target(1, 1, 0.5));
     // In the thick of the first jump.
-    await_event(&worker, |_, e| matches!(e, Event::State(state) if state.mean_displacement < 3.12));
+    await_event(
+        &worker,
+        |_, e| matches!(e, Event::State(state) if state.mean_displacement < 3.12),
+    );
     std::thread::sleep(Duration::from_millis(30));
     let begin = Instant::now();
     worker.send(of(1, Command::Stop { motion: 2 }));
@@ -175,7 +269,10 @@ fn the_latest_of_many_targets_is_where_it_rests() {
         worker.send(target(7, i + 1, 4.2 - 0.005 * i as f64));
     }
     worker.send(target(7, 101, 4.0));
-    await_event(&worker, |_, e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0));
+    await_event(
+        &worker,
+        |_, e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0),
+    );
 }
 
 #[test]
@@ -183,36 +280,92 @@ fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
     let mut session = Session::default();
     let to = |motion, mean_displacement| target(1, motion, mean_displacement);
     let rests = |out: &[Event]| -> Vec<u64> {
-        out.iter().filter_map(|e| if let Event::Rest { motion, .. } = e { Some(*motion) } else { None }).collect()
+        out.iter()
+            .filter_map(|e| {
+                if let Event::Rest { motion, .. } = e {
+                    Some(*motion)
+                } else {
+                    None
+                }
+            })
+            .collect()
     };
-    assert_eq!(rests(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])), [0, 1]);
-    // A stop while it rests, and a sweep within milliseconds: the rest of the stop is not the end of the sweep.
+    assert_eq!(
+        rests(&drain(
+            &mut session,
+            vec![set_scene(1, fig2(32)), to(1, 4.1)]
+        )),
+        [0, 1]
+    );
+    // A stop while it rests, and a sweep within milliseconds: the rest of the stop is not the end
+    // of the sweep.
     let sweep = sweep(1, 3, Sweep::Retract);
-    assert_eq!(rests(&drain(&mut session, vec![of(1, Command::Stop { motion: 2 }), sweep])), [2, 3]);
-    let out = drain(&mut session, vec![to(5, 4.1), of(1, Command::Stop { motion: 4 }), to(4, 4.0)]);
-    assert!(matches!(out.last(), Some(Event::Rest { motion: 5, mean_displacement }) if *mean_displacement == 4.1));
+    assert_eq!(
+        rests(&drain(
+            &mut session,
+            vec![of(1, Command::Stop { motion: 2 }), sweep]
+        )),
+        [2, 3]
+    );
+    let out = drain(
+        &mut session,
+        vec![to(5, 4.1), of(1, Command::Stop { motion: 4 }), to(4, 4.0)],
+    );
+    assert!(
+        matches!(out.last(), Some(Event::Rest { motion: 5, mean_displacement }) if *mean_displacement == 4.1)
+    );
 }
 
 #[test]
 fn the_energy_well_is_told_at_rest_and_on_the_move_while_it_is_watched() {
     let mut session = Session::default();
     let wells = |out: &[Event]| -> Vec<f64> {
-        let well = |e: &Event| if let Event::Well(well) = e { Some(well.mean_displacement) } else { None };
+        let well = |e: &Event| {
+            if let Event::Well(well) = e {
+                Some(well.mean_displacement)
+            } else {
+                None
+            }
+        };
         out.iter().filter_map(well).collect()
     };
     let to = |motion, mean_displacement| target(1, motion, mean_displacement);
-    assert!(wells(&drain(&mut session, vec![set_scene(1, fig2(32)), to(1, 4.1)])).is_empty());
-    assert_eq!(wells(&drain(&mut session, vec![of(1, Command::Watch { energy_well: true })])), [4.1]);
+    assert!(
+        wells(&drain(
+            &mut session,
+            vec![set_scene(1, fig2(32)), to(1, 4.1)]
+        ))
+        .is_empty()
+    );
+    assert_eq!(
+        wells(&drain(
+            &mut session,
+            vec![of(1, Command::Watch { energy_well: true })]
+        )),
+        [4.1]
+    );
     // The clock of this test stands still, so that one well on the move is all there may be.
     let told = wells(&drain(&mut session, vec![to(2, 3.8)]));
-    assert!(told.len() == 2 && told[0] > 3.8 && told[1] == 3.8, "{told:?}");
-    assert!(wells(&drain(&mut session, vec![of(1, Command::Watch { energy_well: false }), to(3, 3.6)])).is_empty());
+    assert!(
+        told.len() == 2 && told[0] > 3.8 && told[1] == 3.8,
+        "{told:?}"
+    );
+    assert!(
+        wells(&drain(
+            &mut session,
+            vec![of(1, Command::Watch { energy_well: false }), to(3, 3.6)]
+        ))
+        .is_empty()
+    );
 }
 
 #[test]
 fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
     let mut session = Session::default();
-    let out = drain(&mut session, vec![set_scene(1, fig2(32)), target(1, 1, 3.05)]);
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(32)), target(1, 1, 3.05)],
+    );
     let (mut resting, mut moving) = (0, 0);
     for frame in frames(&out) {
         assert!(!(frame.relaxing && frame.soft_mode.is_some()));
@@ -240,7 +393,8 @@ fn await_end<T>(job: &mut Job<T>, mut look: impl FnMut(&Job<T>)) -> Result<(), S
 }
 
 #[test]
-fn time_steps_are_measured_beside_the_walk_and_the_newest_measurement_takes_the_place_of_the_others() {
+fn time_steps_are_measured_beside_the_walk_and_the_newest_measurement_takes_the_place_of_the_others()
+ {
     let worker = Worker::spawn(|| {});
     let scene = Arc::new(fig2(16));
     let mut job = worker.time_steps(scene.clone(), 0.2);
@@ -254,7 +408,11 @@ fn time_steps_are_measured_beside_the_walk_and_the_newest_measurement_takes_the_
     job = worker.time_steps(scene, 0.2);
     let mut partial = 0;
     assert_eq!(
-        await_end(&mut job, |job| partial += usize::from(job.so_far.as_ref().is_some_and(|map| map.stable.len() < 100))),
+        await_end(&mut job, |job| partial += usize::from(
+            job.so_far
+                .as_ref()
+                .is_some_and(|map| map.stable.len() < 100)
+        )),
         Ok(())
     );
     let cells = job.so_far.as_ref().map_or(0, |map| map.stable.len());
@@ -271,7 +429,10 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
         scene.law.range = Range::Length(1.0 + 0.002 * run as f64);
         worker.send(set_scene(run, scene));
     }
-    assert!(began.elapsed() < Duration::from_millis(100), "asking must not wait");
+    assert!(
+        began.elapsed() < Duration::from_millis(100),
+        "asking must not wait"
+    );
     let mut told = Vec::new();
     await_event(&worker, |run, e| {
         if let Event::Live(live) = e {
@@ -281,7 +442,10 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
         matches!(e, Event::Live(live) if live.fineness == Fineness::Fine)
     });
     assert_eq!(told.last(), Some(&(last, Fineness::Fine)));
-    assert!(told.contains(&(last, Fineness::Coarse)) && told.len() < 10, "{told:?}");
+    assert!(
+        told.contains(&(last, Fineness::Coarse)) && told.len() < 10,
+        "{told:?}"
+    );
     assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
 }
 
@@ -290,16 +454,33 @@ fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
     let worker = Worker::spawn(|| {});
     let mut job = worker.chart(Arc::new(fig2(32)), Effort::Quick);
     let begin = Instant::now();
-    while job.so_far.as_ref().is_none_or(|chart| chart.rows.is_empty()) {
+    while job
+        .so_far
+        .as_ref()
+        .is_none_or(|chart| chart.rows.is_empty())
+    {
         assert!(job.poll().is_none() && begin.elapsed() < Duration::from_secs(60));
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(job.fraction > 0.0 && job.fraction < 1.0 && !job.doing.is_empty(), "{} {}", job.fraction, job.doing);
+    assert!(
+        job.fraction > 0.0 && job.fraction < 1.0 && !job.doing.is_empty(),
+        "{} {}",
+        job.fraction,
+        job.doing
+    );
     let begin = Instant::now();
     job.stop();
     // The errors of the reference come last.
-    while job.so_far.as_ref().is_none_or(|chart| chart.floor.is_none()) {
-        assert!(job.poll().is_none() && begin.elapsed() < Duration::from_secs(2), "{:?}", begin.elapsed());
+    while job
+        .so_far
+        .as_ref()
+        .is_none_or(|chart| chart.floor.is_none())
+    {
+        assert!(
+            job.poll().is_none() && begin.elapsed() < Duration::from_secs(2),
+            "{:?}",
+            begin.elapsed()
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
     println!("stopped after {:?}", begin.elapsed());
@@ -314,28 +495,65 @@ fn pages_of_the_paper_are_computed_beside_the_walk_and_one_that_is_dropped_says_
     let mut theory = worker.page(Page::Theory);
     assert_eq!(await_end(&mut theory, |_| {}), Ok(()));
     assert!(matches!(theory.so_far, Some(PageContent::Theory(_))));
-    assert!(dropped.poll().is_none() && dropped.so_far.is_none(), "Fig. 2 was dropped without a word");
+    assert!(
+        dropped.poll().is_none() && dropped.so_far.is_none(),
+        "Fig. 2 was dropped without a word"
+    );
     let mut figure = worker.page(Page::Figure(4));
     assert_eq!(await_end(&mut figure, |_| {}), Ok(()));
     assert!(matches!(&figure.so_far, Some(PageContent::Figure(figure)) if figure.number == 4));
     let end = await_end(&mut worker.page(Page::Figure(777)), |_| {});
-    assert!(matches!(&end, Err(why) if why.contains("no Fig. 777")), "{end:?}");
+    assert!(
+        matches!(&end, Err(why) if why.contains("no Fig. 777")),
+        "{end:?}"
+    );
 }
 
 fn ready(out: &[Event]) -> &tackscope::worker::protocol::Ready {
-    out.iter().find_map(|e| if let Event::Ready(ready) = e { Some(&**ready) } else { None }).expect("ready")
+    out.iter()
+        .find_map(|e| {
+            if let Event::Ready(ready) = e {
+                Some(&**ready)
+            } else {
+                None
+            }
+        })
+        .expect("ready")
 }
 
 #[test]
 fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_it() {
-    let tip = || Scene { indenter: Indenter::Hertz(Hertz { radius: 256.0 }), ..fig2(64) };
+    let tip = || Scene {
+        indenter: Indenter::Hertz(Hertz { radius: 256.0 }),
+        ..fig2(64)
+    };
     let cases = [
-        (wished(1, fig2(64), None), Part::Quarter, "ridge on half a line"),
-        (wished(1, fig2(64), Some(Road::WHOLE)), Part::Whole, "asked for"),
-        (wished(1, fig2(64), Some(Road::QUARTER)), Part::Quarter, "asked for"),
-        (wished(1, fig2(62), Some(Road::QUARTER)), Part::Whole, "asked for"),
+        (
+            wished(1, fig2(64), None),
+            Part::Quarter,
+            "ridge on half a line",
+        ),
+        (
+            wished(1, fig2(64), Some(Road::WHOLE)),
+            Part::Whole,
+            "asked for",
+        ),
+        (
+            wished(1, fig2(64), Some(Road::QUARTER)),
+            Part::Quarter,
+            "asked for",
+        ),
+        (
+            wished(1, fig2(62), Some(Road::QUARTER)),
+            Part::Whole,
+            "asked for",
+        ),
         (wished(1, fig2(16), None), Part::Whole, "jumps of its own"),
-        (wished(1, tip(), None), Part::Quarter, "a single crest keeps its mirror symmetry"),
+        (
+            wished(1, tip(), None),
+            Part::Quarter,
+            "a single crest keeps its mirror symmetry",
+        ),
     ];
     for (command, reduction, words) in cases {
         let out = drain(&mut Session::default(), vec![command]);
@@ -349,10 +567,25 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
     }
     let out = drain(
         &mut Session::default(),
-        vec![of(1, Command::SetScene { scene: Arc::new(fig2(64)), method: MethodKind::Gfmd, asked: None })],
+        vec![of(
+            1,
+            Command::SetScene {
+                scene: Arc::new(fig2(64)),
+                method: MethodKind::Gfmd,
+                asked: None,
+            },
+        )],
     );
     let choice = &ready(&out).choice;
-    assert!(choice.part == Part::Whole && choice.because.as_ref().unwrap().contains("as it was published"), "{choice:?}");
+    assert!(
+        choice.part == Part::Whole
+            && choice
+                .because
+                .as_ref()
+                .unwrap()
+                .contains("as it was published"),
+        "{choice:?}"
+    );
 }
 
 #[test]
@@ -360,18 +593,36 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
     let walked = |asked| {
         let mut session = Session::default();
         let began = Instant::now();
-        let out = drain(&mut session, vec![wished(1, fig2(64), asked), sweep(1, 1, Sweep::Loop)]);
+        let out = drain(
+            &mut session,
+            vec![wished(1, fig2(64), asked), sweep(1, 1, Sweep::Loop)],
+        );
         println!("{asked:?}: {:?}", began.elapsed());
         let jumps: Vec<_> = out
             .iter()
-            .filter_map(|e| if let Event::Jump(jump) = e { Some((jump.direction, jump.from, jump.to)) } else { None })
+            .filter_map(|e| {
+                if let Event::Jump(jump) = e {
+                    Some((jump.direction, jump.from, jump.to))
+                } else {
+                    None
+                }
+            })
             .collect();
-        let energy = out.iter().find_map(|e| if let Event::Loop(summary) = e { summary.ledger.dissipated_energy() } else { None });
+        let energy = out.iter().find_map(|e| {
+            if let Event::Loop(summary) = e {
+                summary.ledger.dissipated_energy()
+            } else {
+                None
+            }
+        });
         (jumps, energy.expect("a loop was closed"))
     };
     let (quarter, whole) = (walked(None), walked(Some(Road::WHOLE)));
     assert_eq!(quarter.0, whole.0);
-    assert!((quarter.1 / whole.1 - 1.0).abs() < 2e-3, "{quarter:?} {whole:?}");
+    assert!(
+        (quarter.1 / whole.1 - 1.0).abs() < 2e-3,
+        "{quarter:?} {whole:?}"
+    );
 }
 
 #[test]
@@ -379,7 +630,8 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
     let mut scene = fig2(32);
     let range = 0.35;
     scene.law.range = Range::Length(range);
-    (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
+    (scene.drive.start, scene.drive.turn, scene.drive.step) =
+        (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
     for asked in [Some(Road::QUARTER), Some(Road::WHOLE)] {
@@ -400,14 +652,23 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
                 _ => {}
             }
         }
-        // The path already gone is kept: no step is longer than the scene's, before and after the change.
-        let long = path.windows(2).find(|w| (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9);
+        // The path already gone is kept: no step is longer than the scene's, before and after the
+        // change.
+        let long = path.windows(2).find(|w| {
+            (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9
+        });
         assert!(long.is_none(), "{long:?}");
         assert!(path.iter().any(|s| s.part == Part::Whole));
     }
-    assert!(changes.len() == 1 && changes[0].contains("not mirror-symmetric"), "{changes:?}");
+    assert!(
+        changes.len() == 1 && changes[0].contains("not mirror-symmetric"),
+        "{changes:?}"
+    );
     // The mesh traps the dimple beyond the start: neither loop closes, and both know.
-    assert!(ledgers.len() == 2 && ledgers[0].open.is_some() && ledgers[0].open == ledgers[1].open, "{ledgers:?}");
+    assert!(
+        ledgers.len() == 2 && ledgers[0].open.is_some() && ledgers[0].open == ledgers[1].open,
+        "{ledgers:?}"
+    );
 }
 
 #[test]
@@ -415,19 +676,58 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     let mut scene = fig2(32);
     let range = 0.35;
     scene.law.range = Range::Length(range);
-    (scene.drive.start, scene.drive.turn, scene.drive.step) = (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
-    let commands = vec![wished(1, scene.clone(), Some(Road::QUARTER)), sweep(1, 1, Sweep::Loop)];
+    (scene.drive.start, scene.drive.turn, scene.drive.step) =
+        (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
+    let commands = vec![
+        wished(1, scene.clone(), Some(Road::QUARTER)),
+        sweep(1, 1, Sweep::Loop),
+    ];
     let out = drain(&mut Session::default(), commands);
-    let began = out.iter().rposition(|e| matches!(e, Event::LoopStarted)).expect("a loop");
+    let began = out
+        .iter()
+        .rposition(|e| matches!(e, Event::LoopStarted))
+        .expect("a loop");
     let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.part);
-    let shown: Vec<_> = out[began..].iter().filter_map(|e| if let Event::State(s) = e { Some(state(s)) } else { None }).collect();
+    let shown: Vec<_> = out[began..]
+        .iter()
+        .filter_map(|e| {
+            if let Event::State(s) = e {
+                Some(state(s))
+            } else {
+                None
+            }
+        })
+        .collect();
     let cancel = Cancel::default();
-    let run = run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &cancel, &mut |_| {})
-        .expect("a scene");
+    let run = run_loop(
+        &scene,
+        WalkOptions {
+            part: Part::Quarter,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &cancel,
+        &mut |_| {},
+    )
+    .expect("a scene");
     assert_eq!(run.outcome, Outcome::Completed);
-    assert!(run.deviation.as_ref().is_some_and(|why| why.contains("on the whole cell")), "{:?}", run.deviation);
-    assert_eq!(run.record.states.iter().map(state).collect::<Vec<_>>(), shown);
-    let told = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(&summary.ledger) } else { None });
+    assert!(
+        run.deviation
+            .as_ref()
+            .is_some_and(|why| why.contains("on the whole cell")),
+        "{:?}",
+        run.deviation
+    );
+    assert_eq!(
+        run.record.states.iter().map(state).collect::<Vec<_>>(),
+        shown
+    );
+    let told = out.iter().find_map(|e| {
+        if let Event::Loop(summary) = e {
+            Some(&summary.ledger)
+        } else {
+            None
+        }
+    });
     assert_eq!(run.ledger(scene.law.surface_energy).as_ref(), told);
 }
 
@@ -436,15 +736,38 @@ fn no_loop_begins_with_an_unstable_state_and_an_open_one_says_so() {
     let mut scene = fig2(32);
     scene.drive.start = 2.5;
     let sweep = || sweep(1, 1, Sweep::Loop);
-    let out = drain(&mut Session::default(), vec![set_scene(1, scene.clone()), sweep()]);
-    let failed = out.iter().find_map(|e| if let Event::Failed(Failure { message, .. }) = e { Some(message.clone()) } else { None });
-    assert!(failed.as_ref().is_some_and(|words| words.contains("unstable")), "{failed:?}");
+    let out = drain(
+        &mut Session::default(),
+        vec![set_scene(1, scene.clone()), sweep()],
+    );
+    let failed = out.iter().find_map(|e| {
+        if let Event::Failed(Failure { message, .. }) = e {
+            Some(message.clone())
+        } else {
+            None
+        }
+    });
+    assert!(
+        failed
+            .as_ref()
+            .is_some_and(|words| words.contains("unstable")),
+        "{failed:?}"
+    );
     assert!(!out.iter().any(|e| matches!(e, Event::Loop(_))));
     (scene.drive.start, scene.drive.turn) = (3.5, Turn::At(1.8));
     let out = drain(&mut Session::default(), vec![set_scene(1, scene), sweep()]);
-    let ledger = out.iter().find_map(|e| if let Event::Loop(summary) = e { Some(summary.ledger.clone()) } else { None });
+    let ledger = out.iter().find_map(|e| {
+        if let Event::Loop(summary) = e {
+            Some(summary.ledger.clone())
+        } else {
+            None
+        }
+    });
     let ledger = ledger.expect("the drive is completed");
-    assert!(ledger.open.is_some() && ledger.dissipated_energy().is_none(), "{ledger:?}");
+    assert!(
+        ledger.open.is_some() && ledger.dissipated_energy().is_none(),
+        "{ledger:?}"
+    );
 }
 
 /// Not a timed test: it prints what a hand that drags the range would see.
@@ -456,7 +779,11 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
     let mut told: Vec<(u64, Fineness, f64)> = Vec::new();
     let mut listen = |until: Instant| {
         while let Some(event) = worker.next_event(until.saturating_duration_since(Instant::now())) {
-            if let Envelope { run, message: Event::Live(live) } = event {
+            if let Envelope {
+                run,
+                message: Event::Live(live),
+            } = event
+            {
                 assert!(live.found.is_ok(), "{live:?}");
                 told.push((run, live.fineness, began.elapsed().as_secs_f64()));
             }
@@ -471,14 +798,20 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
     let dragged = began.elapsed().as_secs_f64();
     listen(Instant::now() + Duration::from_secs(3));
     let on_the_way: Vec<f64> = told.iter().map(|t| t.2).filter(|t| *t <= dragged).collect();
-    let longest = on_the_way.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    let longest = on_the_way
+        .windows(2)
+        .map(|w| w[1] - w[0])
+        .fold(0.0, f64::max);
     println!(
         "{} loops in {dragged:.2} s, longest wait {:.0} ms, first after {:.0} ms",
         on_the_way.len(),
         1e3 * longest,
         1e3 * told[0].2
     );
-    assert_eq!(told.last().map(|t| (t.0, t.1)), Some((steps, Fineness::Fine)));
+    assert_eq!(
+        told.last().map(|t| (t.0, t.1)),
+        Some((steps, Fineness::Fine))
+    );
 }
 
 #[test]
@@ -488,17 +821,33 @@ fn the_threads_end_within_two_seconds_whatever_they_are_at() {
         scene.cell.points = Points::Square(512);
         scene
     };
-    let scenes = [fig2(192), heavy(), presets::find("rough").unwrap().scene().unwrap()];
+    let scenes = [
+        fig2(192),
+        heavy(),
+        presets::find("rough").unwrap().scene().unwrap(),
+    ];
     for scene in scenes {
-        for pages in [Page::Figure(4), Page::Figure(14), Page::Errata, Page::Theory] {
+        for pages in [
+            Page::Figure(4),
+            Page::Figure(14),
+            Page::Errata,
+            Page::Theory,
+        ] {
             let worker = Worker::spawn(|| {});
             worker.send(set_scene(1, scene.clone()));
             worker.send(sweep(1, 1, Sweep::Loop));
-            let jobs = (worker.chart(Arc::new(scene.clone()), Effort::Full { seconds: 60.0 }), worker.page(pages));
+            let jobs = (
+                worker.chart(Arc::new(scene.clone()), Effort::Full { seconds: 60.0 }),
+                worker.page(pages),
+            );
             std::thread::sleep(Duration::from_millis(150));
             let began = Instant::now();
             drop((jobs, worker));
-            assert!(began.elapsed() < Duration::from_secs(2), "{pages:?}: {:?}", began.elapsed());
+            assert!(
+                began.elapsed() < Duration::from_secs(2),
+                "{pages:?}: {:?}",
+                began.elapsed()
+            );
         }
     }
 }

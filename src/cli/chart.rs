@@ -1,7 +1,10 @@
 //! `tackscope chart`: every method on the same loop, speed against accuracy.
 
-use super::progress::Teller;
-use super::{BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say, told_replaced, unwritten, warn};
+use super::progress::Monitor;
+use super::{
+    BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say,
+    told_replaced, unwritten, warn,
+};
 use crate::plot::chart_panel::page;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, chart as table, drawing, presets, scene_file};
@@ -22,11 +25,27 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     scene.validate().map_err(refused)?;
     let cancel = cancel_on_signal();
     let folder = Folder::claim(&arguments.out, &[], ROOM)?;
-    told_replaced(folder.clear(&[], |name| FILES.contains(&name))?, arguments.quiet, &arguments.out);
-    let effort = if arguments.quick { Effort::Quick } else { Effort::Full { seconds: arguments.seconds } };
-    let mut teller = Teller::new(arguments.quiet, &format!("{}: speed against accuracy", scene.title));
-    let chart = run(&scene, effort, &cancel, &mut |news| tell(&mut teller, &news)).map_err(refused)?;
-    teller.finish();
+    told_replaced(
+        folder.clear(&[], |name| FILES.contains(&name))?,
+        arguments.quiet,
+        &arguments.out,
+    );
+    let effort = if arguments.quick {
+        Effort::Quick
+    } else {
+        Effort::Full {
+            seconds: arguments.seconds,
+        }
+    };
+    let mut monitor = Monitor::new(
+        arguments.quiet,
+        &format!("{}: speed against accuracy", scene.title),
+    );
+    let chart = run(&scene, effort, &cancel, &mut |news| {
+        tell(&mut monitor, &news);
+    })
+    .map_err(refused)?;
+    monitor.finish();
     let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
     let page = page(&chart, &scene.title);
     let written = [
@@ -47,38 +66,66 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
 }
 
 fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
-    let sound = chart.reference.as_ref().is_some_and(|reference| reference.finest.is_complete());
+    let sound = chart
+        .reference
+        .as_ref()
+        .is_some_and(|reference| reference.finest.is_complete());
     if chart.cancelled {
-        warn(format_args!("interrupted; what was measured is in {}", out.display()));
+        warn(format_args!(
+            "interrupted; what was measured is in {}",
+            out.display()
+        ));
         return INTERRUPTED;
     }
     if !sound {
-        warn(format_args!("the reference did not close its loop: there are no errors in {}", out.display()));
+        warn(format_args!(
+            "the reference did not close its loop: there are no errors in {}",
+            out.display()
+        ));
         return NOT_CONVERGED;
     }
     DONE
 }
 
-fn tell(teller: &mut Teller, news: &News<'_>) {
+fn tell(monitor: &mut Monitor, news: &News<'_>) {
     match news {
-        News::Begun { what, reference: true } => teller.note(&format!("reference: {what}")),
-        News::Begun { what, reference: false } => teller.now(&what.to_string()),
-        News::Fraction(fraction) => teller.fraction(*fraction),
+        News::Begun {
+            what,
+            reference: true,
+        } => monitor.note(&format!("reference: {what}")),
+        News::Begun {
+            what,
+            reference: false,
+        } => monitor.now(&what.to_string()),
+        News::Fraction(fraction) => monitor.fraction(*fraction),
         News::Measured(row) => {
             let (error, seconds) = (row.errors.dissipated_energy, row.processor_seconds);
             let verdict = match &row.verdict {
                 Verdict::Failed { message, .. } => format!("FAILED: {message}"),
                 verdict => verdict.to_string(),
             };
-            teller.note(&format!("{}: error {error:.1e}, {} transforms, {seconds:.2} s: {verdict}", row.point, row.transforms));
+            monitor.note(&format!(
+                "{}: error {error:.1e}, {} transforms, {seconds:.2} s: {verdict}",
+                row.point, row.transforms
+            ));
         }
-        News::Skipped(skipped) => teller.note(&format!("{}: skipped, {skipped}", skipped.point)),
+        News::Skipped(skipped) => monitor.note(&format!("{}: skipped, {skipped}", skipped.point)),
     }
 }
 
 /// The one line on standard output.
 fn closing_words(arguments: &ChartArguments, chart: &Chart) -> String {
-    let failed = chart.rows.iter().filter(|row| matches!(row.verdict, Verdict::Failed { .. })).count();
-    let (points, skipped, out) = (chart.rows.len(), chart.skipped.len(), arguments.out.display());
-    format!("{points} points measured, {failed} of them failed in a way that is named, {skipped} skipped: written to {out}")
+    let failed = chart
+        .rows
+        .iter()
+        .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
+        .count();
+    let (points, skipped, out) = (
+        chart.rows.len(),
+        chart.skipped.len(),
+        arguments.out.display(),
+    );
+    format!(
+        "{points} points measured, {failed} of them failed in a way that is named, {skipped} skipped: written to {out}"
+    )
 }

@@ -1,9 +1,9 @@
 //! `tackscope figure` and `tackscope table`: the paper's figures and its table, computed anew.
 
-use super::progress::Teller;
+use super::progress::Monitor;
 use super::{
-    BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, say, told_replaced, unwritten,
-    warn,
+    BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal,
+    say, told_replaced, unwritten, warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
@@ -28,7 +28,12 @@ fn chosen(word: &str) -> Result<Vec<&'static Entry>, Failure> {
     let number = word.parse::<usize>().ok();
     match GALLERY.iter().find(|entry| Some(entry.number) == number) {
         Some(entry) => Ok(vec![entry]),
-        None => Err(unknown("figure", word, GALLERY.iter().map(|entry| entry.number), " or all")),
+        None => Err(unknown(
+            "figure",
+            word,
+            GALLERY.iter().map(|entry| entry.number),
+            " or all",
+        )),
     }
 }
 
@@ -44,7 +49,7 @@ fn unknown(what: &str, word: &str, numbers: impl Iterator<Item = usize>, more: &
 
 /// What came of the figures.
 #[derive(Default)]
-struct Harvest {
+struct Gathered {
     figures: Vec<(&'static Entry, Figure)>,
     missing: Vec<(usize, Stopped)>,
     unwritten: Vec<Failure>,
@@ -57,7 +62,11 @@ struct Harvest {
 pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     let entries = chosen(&arguments.figure)?;
     let out = &arguments.out;
-    let size = if arguments.quick { Size::Quick } else { Size::Full };
+    let size = if arguments.quick {
+        Size::Quick
+    } else {
+        Size::Full
+    };
     let cancel = cancel_on_signal();
     let folder = Folder::claim(out, &[], ROOM * entries.len() as u64)?;
     let earlier = folder.clear(&[], |name| {
@@ -65,28 +74,42 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
         summed_up || entries.iter().any(|entry| is_of(&stem(entry.number), name))
     })?;
     told_replaced(earlier, arguments.quiet, out);
-    let what = if entries.len() == 1 { "1 figure".to_owned() } else { format!("{} figures", entries.len()) };
-    let teller = Teller::new(arguments.quiet, &format!("{what} of the paper, computed anew into {}", out.display()));
-    let mut harvest = gather(&entries, size, &cancel, &teller, &folder);
-    teller.finish();
-    harvest.figures.sort_by_key(|(entry, _)| entry.number);
-    harvest.missing.sort_by_key(|(number, _)| *number);
+    let what = if entries.len() == 1 {
+        "1 figure".to_owned()
+    } else {
+        format!("{} figures", entries.len())
+    };
+    let monitor = Monitor::new(
+        arguments.quiet,
+        &format!("{what} of the paper, computed anew into {}", out.display()),
+    );
+    let mut gathered = gather(&entries, size, &cancel, &monitor, &folder);
+    monitor.finish();
+    gathered.figures.sort_by_key(|(entry, _)| entry.number);
+    gathered.missing.sort_by_key(|(number, _)| *number);
     if arguments.report {
-        let failures = report(&harvest, size, &cancel, &folder);
-        harvest.unwritten.extend(failures);
+        let failures = report(&gathered, size, &cancel, &folder);
+        gathered.unwritten.extend(failures);
     }
-    for (number, why) in harvest.missing.iter().filter(|(_, why)| *why != Stopped::Cancelled) {
+    for (number, why) in gathered
+        .missing
+        .iter()
+        .filter(|(_, why)| *why != Stopped::Cancelled)
+    {
         warn(format_args!("Fig. {number}: {why}"));
     }
-    let code = exit_code(&harvest.missing);
+    let code = exit_code(&gathered.missing);
     if code == INTERRUPTED {
-        warn(format_args!("interrupted; what was computed is in {}", out.display()));
+        warn(format_args!(
+            "interrupted; what was computed is in {}",
+            out.display()
+        ));
     }
-    if unwritten(&harvest.unwritten) {
+    if unwritten(&gathered.unwritten) {
         return Ok(BAD_INPUT);
     }
     if !arguments.quiet {
-        say(&closing_words(&harvest, out))?;
+        say(&closing_words(&gathered, out))?;
     }
     Ok(code)
 }
@@ -100,36 +123,54 @@ fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
 }
 
 /// Computes, and writes each figure as soon as it is there.
-fn gather(entries: &[&'static Entry], size: Size, cancel: &Cancel, teller: &Teller, out: &Folder) -> Harvest {
-    let mut harvest = Harvest::default();
+fn gather(
+    entries: &[&'static Entry],
+    size: Size,
+    cancel: &Cancel,
+    monitor: &Monitor,
+    out: &Folder,
+) -> Gathered {
+    let mut gathered = Gathered::default();
     let mut shares = vec![0.0; entries.len()];
     figures::compute(entries, size, cancel, &mut |progress| match progress {
         Progress::Working { index, done, what } => {
             shares[index] = done;
-            teller.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
-            teller.now(&format!("Fig. {}: {what}", entries[index].number));
+            monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
+            monitor.now(&format!("Fig. {}: {what}", entries[index].number));
         }
-        Progress::Done { index, figure, seconds } => {
+        Progress::Done {
+            index,
+            figure,
+            seconds,
+        } => {
             shares[index] = 1.0;
-            teller.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
+            monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
             let entry = entries[index];
             match figure {
                 Ok(figure) => {
                     let words = findings_in_words(&figure.findings);
-                    teller.note(&format!("Fig. {}: {} ({seconds:.1} s{words})", entry.number, entry.title));
-                    harvest.unwritten.extend(write_figure(out, &figure));
-                    harvest.figures.push((entry, figure));
+                    monitor.note(&format!(
+                        "Fig. {}: {} ({seconds:.1} s{words})",
+                        entry.number, entry.title
+                    ));
+                    gathered.unwritten.extend(write_figure(out, &figure));
+                    gathered.figures.push((entry, figure));
                 }
-                Err(why) => harvest.missing.push((entry.number, why)),
+                Err(why) => gathered.missing.push((entry.number, why)),
             }
         }
     });
-    harvest
+    gathered
 }
 
-/// Writes `report.html` and `findings.csv` about what there is, also after a request to stop; returns what could not be written.
-fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Folder) -> Vec<Failure> {
-    let mut missing: Vec<String> = harvest.missing.iter().map(|(number, why)| format!("Fig. {number}: {why}")).collect();
+/// Writes `report.html` and `findings.csv` about what there is, also after a request to stop;
+/// returns what could not be written.
+fn report(gathered: &Gathered, size: Size, cancel: &Cancel, out: &Folder) -> Vec<Failure> {
+    let mut missing: Vec<String> = gathered
+        .missing
+        .iter()
+        .map(|(number, why)| format!("Fig. {number}: {why}"))
+        .collect();
     let mut tables = Vec::new();
     for entry in TABLES {
         match (entry.compute)(&mut Task::new(size, cancel, &mut |_, _| {})) {
@@ -141,13 +182,32 @@ fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Folder) -> Vec<F
         missing.push(format!("errata: {why}"));
         Vec::new()
     });
-    let of_figures =
-        harvest.figures.iter().flat_map(|(_, f)| f.findings.iter().map(|finding| (format!("Fig. {}", f.number), finding)));
-    let of_tables = tables.iter().flat_map(|t| t.findings.iter().map(|finding| (format!("Table {}", t.number), finding)));
+    let of_figures = gathered.figures.iter().flat_map(|(_, f)| {
+        f.findings
+            .iter()
+            .map(|finding| (format!("Fig. {}", f.number), finding))
+    });
+    let of_tables = tables.iter().flat_map(|t| {
+        t.findings
+            .iter()
+            .map(|finding| (format!("Table {}", t.number), finding))
+    });
     let [findings, page] = SUMMED_UP.map(|name| out.join(name));
-    let figures = harvest.figures.iter().map(|(entry, figure)| (figure, entry.look_for)).collect();
-    let report = Report { figures, tables: tables.iter().collect(), errata: &errata, missing };
-    let written = [paint::write_findings_csv(&findings, of_figures.chain(of_tables)), write_report(&page, &report)];
+    let figures = gathered
+        .figures
+        .iter()
+        .map(|(entry, figure)| (figure, entry.look_for))
+        .collect();
+    let report = Report {
+        figures,
+        tables: tables.iter().collect(),
+        errata: &errata,
+        missing,
+    };
+    let written = [
+        paint::write_findings_csv(&findings, of_figures.chain(of_tables)),
+        write_report(&page, &report),
+    ];
     written.into_iter().filter_map(Result::err).collect()
 }
 
@@ -155,7 +215,11 @@ fn report(harvest: &Harvest, size: Size, cancel: &Cancel, out: &Folder) -> Vec<F
 fn findings_in_words(findings: &[Finding]) -> String {
     let judged: Vec<bool> = findings.iter().filter_map(Finding::agrees).collect();
     let agree = judged.iter().filter(|agrees| **agrees).count();
-    if judged.is_empty() { String::new() } else { format!(", {agree} of {} findings agree", judged.len()) }
+    if judged.is_empty() {
+        String::new()
+    } else {
+        format!(", {agree} of {} findings agree", judged.len())
+    }
 }
 
 /// What the files of a figure begin with.
@@ -165,7 +229,8 @@ fn stem(number: usize) -> String {
 
 /// True for `figure-02.csv`, `figure-02-map-a.csv` and the like.
 fn is_of(stem: &str, name: &str) -> bool {
-    name.strip_prefix(stem).is_some_and(|end| end.starts_with(['.', '-']))
+    name.strip_prefix(stem)
+        .is_some_and(|end| end.starts_with(['.', '-']))
 }
 
 /// Writes the files of a figure; returns those that could not be written.
@@ -180,12 +245,24 @@ fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
 }
 
 /// The one line on standard output.
-fn closing_words(harvest: &Harvest, out: &Path) -> String {
-    let findings: Vec<Finding> = harvest.figures.iter().flat_map(|(_, figure)| figure.findings.clone()).collect();
+fn closing_words(gathered: &Gathered, out: &Path) -> String {
+    let findings: Vec<Finding> = gathered
+        .figures
+        .iter()
+        .flat_map(|(_, figure)| figure.findings.clone())
+        .collect();
     let words = findings_in_words(&findings);
-    let missing = if harvest.missing.is_empty() { String::new() } else { format!(", {} missing", harvest.missing.len()) };
-    let count = harvest.figures.len();
-    format!("{count} figure{}{missing}{words}: written to {}", if count == 1 { "" } else { "s" }, out.display())
+    let missing = if gathered.missing.is_empty() {
+        String::new()
+    } else {
+        format!(", {} missing", gathered.missing.len())
+    };
+    let count = gathered.figures.len();
+    format!(
+        "{count} figure{}{missing}{words}: written to {}",
+        if count == 1 { "" } else { "s" },
+        out.display()
+    )
 }
 
 /// Computes a table, writes its files and returns the exit code.
@@ -195,11 +272,22 @@ fn closing_words(harvest: &Harvest, out: &Path) -> String {
 pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
     let number = arguments.table.parse::<usize>().ok();
     let entry = TABLES.iter().find(|entry| Some(entry.number) == number);
-    let entry = entry.ok_or_else(|| unknown("table", &arguments.table, TABLES.iter().map(|entry| entry.number), ""))?;
+    let entry = entry.ok_or_else(|| {
+        unknown(
+            "table",
+            &arguments.table,
+            TABLES.iter().map(|entry| entry.number),
+            "",
+        )
+    })?;
     let out = &arguments.out;
     let cancel = cancel_on_signal();
     let folder = Folder::claim(out, &[], ROOM)?;
-    told_replaced(folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?, arguments.quiet, out);
+    told_replaced(
+        folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?,
+        arguments.quiet,
+        out,
+    );
     match (entry.compute)(&mut Task::new(Size::Full, &cancel, &mut |_, _| {})) {
         Ok(table) => {
             if unwritten(&write_table(&folder, &table)) {
@@ -207,7 +295,12 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
             }
             if !arguments.quiet {
                 let findings = findings_in_words(&table.findings);
-                say(&format!("Table {}: {}{findings}: written to {}", entry.number, entry.title, out.display()))?;
+                say(&format!(
+                    "Table {}: {}{findings}: written to {}",
+                    entry.number,
+                    entry.title,
+                    out.display()
+                ))?;
             }
             Ok(DONE)
         }
@@ -236,7 +329,12 @@ mod tests {
     #[test]
     fn what_is_missing_decides_on_the_exit_code() {
         let failed = (5, Stopped::Failed("no convergence".to_owned()));
-        let codes = [vec![], vec![failed.clone()], vec![failed, (6, Stopped::Cancelled)]].map(|missing| exit_code(&missing));
+        let codes = [
+            vec![],
+            vec![failed.clone()],
+            vec![failed, (6, Stopped::Cancelled)],
+        ]
+        .map(|missing| exit_code(&missing));
         assert_eq!(codes, [0, 3, 130]);
     }
 }

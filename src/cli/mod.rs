@@ -1,8 +1,9 @@
 //! Floor 8: the command line (clap) and terminal progress. No physics formulas.
 //!
-//! Exit codes: 0 done, 2 bad input (nothing was computed) or something that could not be written, 3 not converged, 130 interrupted
-//! (Ctrl-C, SIGTERM, SIGHUP); after 3 and 130 everything computed so far is written, after 2 all of it that could be. Results go to
-//! files, one closing line to standard output, progress and refusals to standard error. May use every room below.
+//! Exit codes: 0 done, 2 bad input (nothing was computed) or something that could not be written, 3
+//! not converged, 130 interrupted (Ctrl-C, SIGTERM, SIGHUP); after 3 and 130 everything computed so
+//! far is written, after 2 all of it that could be. Results go to files, one closing line to
+//! standard output, progress and refusals to standard error. May use every room below.
 
 mod chart;
 mod figure;
@@ -37,9 +38,11 @@ const INTERRUPTED: u8 = 130;
 /// Longest time that a chart may be given.
 const SECONDS_MAX: f64 = 1e6;
 
-/// A desktop explorer of adhesive hysteresis: lower a soft body onto a sticky surface, pull it off, and watch where it jumps.
+/// A desktop explorer of adhesive hysteresis: lower a soft body onto a sticky surface, pull it off,
+/// and watch where it jumps.
 ///
-/// Without a command it opens the window; without a display it runs the scene fig2 into tackscope-out/.
+/// Without a command it opens the window; without a display it runs the scene fig2 into
+/// tackscope-out/.
 #[derive(Parser)]
 #[command(
     version,
@@ -56,18 +59,20 @@ struct CommandLine {
 enum Command {
     /// Compute a closed loop without a window
     ///
-    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png and at last summary.json into the folder, in place of those of an
-    /// earlier run, which are removed at the start. Until all is written summary.json says "running".
+    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png and at last summary.json into
+    /// the folder, in place of those of an earlier run, which are removed at the start. Until all
+    /// is written summary.json says "running".
     Run(RunArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
-    /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a finer mesh with half the step;
-    /// failures are rows of the table and marks in the picture. Exit code 0 if the chart is complete, whatever failed in it.
+    /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a
+    /// finer mesh with half the step; failures are rows of the table and marks in the picture. Exit
+    /// code 0 if the chart is complete, whatever failed in it.
     Chart(ChartArguments),
     /// Compute the paper's figures anew, beside their theory
     ///
-    /// Writes figure-NN.csv (data), figure-NN.svg and figure-NN.png into the folder. A figure that cannot be computed does not
-    /// keep the others: exit code 3.
+    /// Writes figure-NN.csv (data), figure-NN.svg and figure-NN.png into the folder. A figure that
+    /// cannot be computed does not keep the others: exit code 3.
     Figure(FigureArguments),
     /// Compute the paper's table anew
     ///
@@ -86,7 +91,8 @@ struct FigureArguments {
     /// The folder to write into; made if it is not there
     #[arg(long, value_name = "DIR", value_parser = folder())]
     out: PathBuf,
-    /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and findings.csv
+    /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and
+    /// findings.csv
     #[arg(long)]
     report: bool,
     /// Coarse meshes and few points: seconds in place of minutes
@@ -156,10 +162,12 @@ struct RunArguments {
     /// Largest step of u0 in place of the scene's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Afterwards run the paper's method on the same loop and write the ratio of processor time into summary.json
+    /// Afterwards run the paper's method on the same loop and write the ratio of processor time
+    /// into summary.json
     #[arg(long)]
     yardstick: bool,
-    /// Afterwards walk the same loop on the next finer mesh of the whole cell and write the measured error into summary.json
+    /// Afterwards walk the same loop on the next finer mesh of the whole cell and write the
+    /// measured error into summary.json
     #[arg(long)]
     verify: bool,
 }
@@ -170,7 +178,12 @@ struct Asked(Option<Road>);
 
 impl ValueEnum for Asked {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Asked(None), Asked(Some(Road::Atlas)), Asked(Some(Road::QUARTER)), Asked(Some(Road::WHOLE))]
+        &[
+            Asked(None),
+            Asked(Some(Road::Atlas)),
+            Asked(Some(Road::QUARTER)),
+            Asked(Some(Road::WHOLE)),
+        ]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
@@ -203,11 +216,14 @@ fn folder() -> impl TypedValueParser<Value = PathBuf> {
 fn seconds(word: &str) -> Result<f64, String> {
     match word.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= SECONDS_MAX => Ok(seconds),
-        _ => Err(format!("allowed is a number above 0, at most {SECONDS_MAX} (eleven days)")),
+        _ => Err(format!(
+            "allowed is a number above 0, at most {SECONDS_MAX} (eleven days)"
+        )),
     }
 }
 
-/// Runs the program and returns its exit code: 0 done, 2 bad input or a file not written, 3 not converged, 130 interrupted.
+/// Runs the program and returns its exit code: 0 done, 2 bad input or a file not written, 3 not
+/// converged, 130 interrupted.
 pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::try_parse() {
         Ok(arguments) => match arguments.command {
@@ -249,7 +265,10 @@ fn unwritten(failures: &[Failure]) -> bool {
 /// Says that results of an earlier run were in the way.
 fn told_replaced(count: usize, quiet: bool, folder: &std::path::Path) {
     if count > 0 && !quiet {
-        warn(format_args!("{} held an earlier run, which this one replaces", folder.display()));
+        warn(format_args!(
+            "{} held an earlier run, which this one replaces",
+            folder.display()
+        ));
     }
 }
 
@@ -258,11 +277,15 @@ fn window_or_default_scene() -> u8 {
     match window::open() {
         Ok(()) => DONE,
         Err(window::NoWindow::Broken(reason)) => {
-            warn(format_args!("the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"));
+            warn(format_args!(
+                "the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"
+            ));
             BAD_INPUT
         }
         Err(window::NoWindow::NoDisplay(reason)) => {
-            warn(format_args!("no window here ({reason}): running the scene fig2 into tackscope-out/ instead"));
+            warn(format_args!(
+                "no window here ({reason}): running the scene fig2 into tackscope-out/ instead"
+            ));
             code(run::run(&RunArguments {
                 scene: "fig2".to_owned(),
                 out: PathBuf::from("tackscope-out"),
@@ -279,9 +302,14 @@ fn window_or_default_scene() -> u8 {
     }
 }
 
-/// A token that the first request from outside raises; one that comes later than a moment after it ends the program at once.
+/// A token that the first request from outside raises; one that comes later than a moment after it
+/// ends the program at once.
 fn cancel_on_signal() -> Cancel {
-    signals::cancel_on_signal(process::ignored_signals(), files::at_rest, i32::from(INTERRUPTED))
+    signals::cancel_on_signal(
+        process::ignored_signals(),
+        files::at_rest,
+        i32::from(INTERRUPTED),
+    )
 }
 
 #[cfg(test)]
@@ -299,6 +327,9 @@ mod tests {
         for word in ["nan", "-5", "0", "inf", "1e7", "", "3 s"] {
             assert!(seconds(word).is_err(), "{word}");
         }
-        assert_eq!(["1e-9", "180", "1e6"].map(|word| seconds(word).unwrap()), [1e-9, 180.0, 1e6]);
+        assert_eq!(
+            ["1e-9", "180", "1e6"].map(|word| seconds(word).unwrap()),
+            [1e-9, 180.0, 1e6]
+        );
     }
 }

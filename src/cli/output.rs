@@ -1,4 +1,5 @@
-//! What the command line says: each line through one of two doors, which let no control character out and survive that nobody listens.
+//! What the command line says: each line through one of two doors, which let no control character
+//! out and survive that nobody listens.
 
 use crate::storage::{Failure, line};
 use std::io::{ErrorKind, Write, stderr, stdout};
@@ -13,7 +14,11 @@ pub(super) fn say(text: &str) -> Result<(), Failure> {
     match writeln!(out, "{}", line(text)).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             let remedy = "make room where it goes, or send it elsewhere";
-            Err(Failure::refused(Path::new("standard output"), &error.to_string(), remedy))
+            Err(Failure::refused(
+                Path::new("standard output"),
+                &error.to_string(),
+                remedy,
+            ))
         }
         _ => Ok(()),
     }

@@ -16,9 +16,19 @@ pub(super) fn list() -> Result<u8, Failure> {
 
 fn entry(preset: &presets::Preset) -> Result<[String; 4], Failure> {
     let scene = preset.scene()?;
-    let model = scene.model().map_err(|error| scene_file::refused(preset.name, error))?;
+    let model = scene
+        .model()
+        .map_err(|error| scene_file::refused(preset.name, error))?;
     let Grid { length, nx, ny } = model.grid;
-    let facts = format!("L = {length}, {nx} x {ny} points; mu_rho = {:.3}", model.mu_rho);
+    let facts = format!(
+        "L = {length}, {nx} x {ny} points; mu_rho = {:.3}",
+        model.mu_rho
+    );
     let below = |text: &str| format!("{:16}{text}", "");
-    Ok([format!("{:<14}  {}", preset.name, scene.title), below(&facts), below(&preset.hint()), String::new()])
+    Ok([
+        format!("{:<14}  {}", preset.name, scene.title),
+        below(&facts),
+        below(&preset.hint()),
+        String::new(),
+    ])
 }

@@ -1,4 +1,5 @@
-//! What a run says while it goes: a bar on a terminal, plain lines otherwise, both on standard error.
+//! What a run says while it goes: a bar on a terminal, plain lines otherwise, both on standard
+//! error.
 
 use super::tell;
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -12,7 +13,7 @@ use std::io::IsTerminal;
 const TICKS: u64 = 1000;
 
 /// Listens to a walk and tells the user.
-pub(super) enum Teller {
+pub(super) enum Monitor {
     /// `--quiet`.
     Silent,
     /// A terminal.
@@ -24,38 +25,44 @@ pub(super) enum Teller {
     },
 }
 
-impl Teller {
-    /// The fitting teller, which at once says what begins.
+impl Monitor {
+    /// The fitting monitor, which at once says what begins.
     pub(super) fn new(quiet: bool, heading: &str) -> Self {
         if quiet {
-            return Teller::Silent;
+            return Monitor::Silent;
         }
         if !std::io::stderr().is_terminal() {
             tell(heading);
-            return Teller::Lines { tenths: 0 };
+            return Monitor::Lines { tenths: 0 };
         }
-        let bar = ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(15));
-        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}, {eta} left  {msg}");
+        let bar =
+            ProgressBar::with_draw_target(Some(TICKS), ProgressDrawTarget::stderr_with_hz(15));
+        let style =
+            ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed}, {eta} left  {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.println(line(heading));
-        Teller::Bar(bar)
+        Monitor::Bar(bar)
     }
 
     /// Tells one piece of news, u0 to a hundredth of the drive's `step`.
     pub(super) fn tell(&mut self, news: &Report<'_>, step: f64) {
         match (self, news) {
-            (Teller::Silent, _) => {}
-            (Teller::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump, step)),
-            (Teller::Bar(bar), Report::State { record, fraction }) => {
+            (Monitor::Silent, _) => {}
+            (Monitor::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump, step)),
+            (Monitor::Bar(bar), Report::State { record, fraction }) => {
                 bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
                 bar.set_message(state_words(record, step));
             }
-            (Teller::Lines { .. }, Report::Jump(jump)) => tell(&jump_words(jump, step)),
-            (Teller::Lines { tenths }, Report::State { record, fraction }) => {
+            (Monitor::Lines { .. }, Report::Jump(jump)) => tell(&jump_words(jump, step)),
+            (Monitor::Lines { tenths }, Report::State { record, fraction }) => {
                 let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
                 if reached > *tenths {
                     *tenths = reached;
-                    tell(&format!("{:>3} %  {}", 10 * reached, state_words(record, step)));
+                    tell(&format!(
+                        "{:>3} %  {}",
+                        10 * reached,
+                        state_words(record, step)
+                    ));
                 }
             }
         }
@@ -63,14 +70,14 @@ impl Teller {
 
     /// Says what is being done, where there is a bar.
     pub(super) fn now(&self, words: &str) {
-        if let Teller::Bar(bar) = self {
+        if let Monitor::Bar(bar) = self {
             bar.set_message(line(words));
         }
     }
 
     /// Moves the bar, where there is one.
     pub(super) fn fraction(&self, fraction: f64) {
-        if let Teller::Bar(bar) = self {
+        if let Monitor::Bar(bar) = self {
             bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
         }
     }
@@ -78,22 +85,27 @@ impl Teller {
     /// Says something that stays.
     pub(super) fn note(&self, words: &str) {
         match self {
-            Teller::Silent => {}
-            Teller::Bar(bar) => bar.println(line(words)),
-            Teller::Lines { .. } => tell(words),
+            Monitor::Silent => {}
+            Monitor::Bar(bar) => bar.println(line(words)),
+            Monitor::Lines { .. } => tell(words),
         }
     }
 
     /// Takes the bar away.
     pub(super) fn finish(&self) {
-        if let Teller::Bar(bar) = self {
+        if let Monitor::Bar(bar) = self {
             bar.finish_and_clear();
         }
     }
 }
 
 fn state_words(state: &StateRecord, step: f64) -> String {
-    format!("{} at u0 = {}: {}", state.direction, digits(state.mean_displacement, 0.01 * step), state.pattern)
+    format!(
+        "{} at u0 = {}: {}",
+        state.direction,
+        digits(state.mean_displacement, 0.01 * step),
+        state.pattern
+    )
 }
 
 fn jump_words(jump: &JumpRecord, step: f64) -> String {

@@ -9,7 +9,9 @@ use crate::scene::part::Road;
 use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
-use crate::storage::summary::{Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick};
+use crate::storage::summary::{
+    Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick,
+};
 use crate::storage::{Failure, drawing, export, picture, scene_file};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, promise};
@@ -30,10 +32,24 @@ pub(super) fn stop_word(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// What stands in `summary.json` until all is computed and written, and so beside whatever a killed run has left.
-pub(super) fn begun(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str) -> Summary {
-    let run = LoopRun { outcome: Outcome::Cancelled, ..LoopRun::empty() };
-    let nothing = Timed { run, wall_seconds: f64::NAN, processor_seconds: f64::NAN };
+/// What stands in `summary.json` until all is computed and written, and so beside whatever a killed
+/// run has left.
+pub(super) fn begun(
+    given: &str,
+    scene: &Scene,
+    model: &Model,
+    plan: &Plan,
+    method: &'static str,
+) -> Summary {
+    let run = LoopRun {
+        outcome: Outcome::Cancelled,
+        ..LoopRun::empty()
+    };
+    let nothing = Timed {
+        run,
+        wall_seconds: f64::NAN,
+        processor_seconds: f64::NAN,
+    };
     Summary {
         stop: "running",
         stop_reason: Some("not finished: it is still running, or was killed".to_owned()),
@@ -43,12 +59,21 @@ pub(super) fn begun(given: &str, scene: &Scene, model: &Model, plan: &Plan, meth
 }
 
 /// Everything for `summary.json` but the yardstick.
-pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, method: &'static str, timed: &Timed) -> Summary {
+pub(super) fn summary(
+    given: &str,
+    scene: &Scene,
+    model: &Model,
+    plan: &Plan,
+    method: &'static str,
+    timed: &Timed,
+) -> Summary {
     let run = &timed.run;
     let states = &run.record.states;
     let ledger = run.ledger(model.law.surface_energy);
     let of = |number: fn(&Ledger) -> Option<f64>| Number::from(ledger.as_ref().and_then(number));
-    let largest = |value: fn(&StateRecord) -> f64| Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN));
+    let largest = |value: fn(&StateRecord) -> f64| {
+        Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN))
+    };
     Summary {
         tackscope: env!("CARGO_PKG_VERSION"),
         scene: SceneSummary {
@@ -65,8 +90,12 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
         stop: stop_word(&run.outcome),
         stop_reason: stop_reason(run),
         closed: ledger.as_ref().is_some_and(|ledger| ledger.open.is_none()),
-        open_reason: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.reason.clone())),
-        open_remedy: ledger.as_ref().and_then(|ledger| ledger.open.as_ref().map(|open| open.remedy.clone())),
+        open_reason: ledger
+            .as_ref()
+            .and_then(|ledger| ledger.open.as_ref().map(|open| open.reason.clone())),
+        open_remedy: ledger
+            .as_ref()
+            .and_then(|ledger| ledger.open.as_ref().map(|open| open.remedy.clone())),
         dissipated_energy: of(Ledger::dissipated_energy),
         stated_error: stated_error(model, plan, run).into(),
         released_energy_sum: Number(run.record.released_energy_sum()),
@@ -86,22 +115,50 @@ pub(super) fn summary(given: &str, scene: &Scene, model: &Model, plan: &Plan, me
 }
 
 fn warnings(scene: &Scene, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> Vec<String> {
-    let contested = run.record.jumps.iter().filter(|jump| !jump.landings.is_empty()).map(|jump| {
-        let losses: Vec<String> = run.rivals.iter().filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?))).collect();
-        let or = if losses.is_empty() { "is not known".to_owned() } else { format!("is {} gamma", losses.join(" or ")) };
-        format!("u0 = {}: {}; the loss of the other landing {or}", jump.mean_displacement, jump.cause_words())
-    });
-    let missed = run.error_bar.filter(|error| *error > scene.accuracy).map(|error| {
-        let points = reference(scene, model).cell.points;
-        let finer = match points {
-            Points::Line(n) => format!("[{n}, 1]"),
-            Points::Square(n) => n.to_string(),
-            Points::Auto => "\"auto\"".to_owned(),
-        };
-        let (bar, target) = (promise(Some(error)), scene.accuracy);
-        format!("accuracy.target = {target} is not met ({bar}); cell.points = {finer} comes closer")
-    });
-    model.warning().into_iter().chain(ledger.and_then(Ledger::warning)).chain(contested).chain(missed).collect()
+    let contested = run
+        .record
+        .jumps
+        .iter()
+        .filter(|jump| !jump.landings.is_empty())
+        .map(|jump| {
+            let losses: Vec<String> = run
+                .rivals
+                .iter()
+                .filter_map(|rival| Some(format!("{:.4}", rival.dissipated_energy?)))
+                .collect();
+            let or = if losses.is_empty() {
+                "is not known".to_owned()
+            } else {
+                format!("is {} gamma", losses.join(" or "))
+            };
+            format!(
+                "u0 = {}: {}; the loss of the other landing {or}",
+                jump.mean_displacement,
+                jump.cause_words()
+            )
+        });
+    let missed = run
+        .error_bar
+        .filter(|error| *error > scene.accuracy)
+        .map(|error| {
+            let points = reference(scene, model).cell.points;
+            let finer = match points {
+                Points::Line(n) => format!("[{n}, 1]"),
+                Points::Square(n) => n.to_string(),
+                Points::Auto => "\"auto\"".to_owned(),
+            };
+            let (bar, target) = (promise(Some(error)), scene.accuracy);
+            format!(
+                "accuracy.target = {target} is not met ({bar}); cell.points = {finer} comes closer"
+            )
+        });
+    model
+        .warning()
+        .into_iter()
+        .chain(ledger.and_then(Ledger::warning))
+        .chain(contested)
+        .chain(missed)
+        .collect()
 }
 
 fn contested(rival: &RivalLoop) -> Contested {
@@ -112,10 +169,15 @@ fn contested(rival: &RivalLoop) -> Contested {
     }
 }
 
-/// The relative error to be stated of the loss: what a finer mesh tells, or else what the plan expects; `None` where nothing is promised.
+/// The relative error to be stated of the loss: what a finer mesh tells, or else what the plan
+/// expects; `None` where nothing is promised.
 fn stated_error(model: &Model, plan: &Plan, run: &LoopRun) -> Option<f64> {
-    let expected = || run.ledger(model.law.surface_energy)?.stated_error(plan.predicted_error);
-    run.error_bar.map_or_else(expected, |error| Some(error).filter(|error| *error < 1.0))
+    let expected = || {
+        run.ledger(model.law.surface_energy)?
+            .stated_error(plan.predicted_error)
+    };
+    run.error_bar
+        .map_or_else(expected, |error| Some(error).filter(|error| *error < 1.0))
 }
 
 /// The larger one; NaN wins, so that it is not swallowed.
@@ -130,7 +192,10 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
             Road::Atlas => "atlas",
             Road::Walk(reduction) => reduction.word(),
         },
-        words: deviation.map_or_else(|| plan.words.clone(), |why| format!("{}; {why}", plan.words)),
+        words: deviation.map_or_else(
+            || plan.words.clone(),
+            |why| format!("{}; {why}", plan.words),
+        ),
         predicted_seconds: Number(plan.predicted_seconds),
         reason: model.reason.clone(),
         length: Number(model.grid.length),
@@ -146,7 +211,8 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
 
 fn counts(run: &LoopRun) -> CountSummary {
     let (counts, states, tally) = (run.counts, &run.record.states, run.record.tally());
-    let per_increment = (counts.patterned_increments > 0).then(|| counts.transforms as f64 / counts.patterned_increments as f64);
+    let per_increment = (counts.patterned_increments > 0)
+        .then(|| counts.transforms as f64 / counts.patterned_increments as f64);
     CountSummary {
         states: states.len(),
         states_not_stable: states.iter().filter(|s| s.stop != Stop::Stable).count(),
@@ -164,10 +230,18 @@ fn counts(run: &LoopRun) -> CountSummary {
 fn stop_reason(run: &LoopRun) -> Option<String> {
     match &run.outcome {
         Outcome::Completed => None,
-        Outcome::NotConverged { mean_displacement, reason } => Some(format!("u0 = {mean_displacement}: {reason}")),
+        Outcome::NotConverged {
+            mean_displacement,
+            reason,
+        } => Some(format!("u0 = {mean_displacement}: {reason}")),
         Outcome::Cancelled => {
-            let at =
-                run.record.states.last().map_or("before the first state".to_owned(), |s| format!("u0 = {}", s.mean_displacement));
+            let at = run
+                .record
+                .states
+                .last()
+                .map_or("before the first state".to_owned(), |s| {
+                    format!("u0 = {}", s.mean_displacement)
+                });
             Some(format!("{at}: interrupted"))
         }
     }
@@ -180,12 +254,18 @@ pub(super) fn yardstick(model: &Model, main: &Timed, other: &Timed) -> Yardstick
         method: "gfmd",
         completed: other.run.outcome == Outcome::Completed,
         stop: stop_word(&other.run.outcome),
-        dissipated_energy: other.run.ledger(model.law.surface_energy).and_then(|ledger| ledger.dissipated_energy()).into(),
+        dissipated_energy: other
+            .run
+            .ledger(model.law.surface_energy)
+            .and_then(|ledger| ledger.dissipated_energy())
+            .into(),
         jumps: other.run.record.tally().jumps,
         transforms: other.run.counts.transforms,
         wall_seconds: Number(other.wall_seconds),
         processor_seconds: Number(other.processor_seconds),
-        processor_time_ratio: both.then(|| other.processor_seconds / main.processor_seconds).into(),
+        processor_time_ratio: both
+            .then(|| other.processor_seconds / main.processor_seconds)
+            .into(),
     }
 }
 
@@ -200,7 +280,9 @@ const FILES: [&str; 4] = ["loop.csv", "events.csv", "loop.svg", "loop.png"];
 
 /// True for a file (as in `gaps/1-approach-bulge.png`) that a run writes.
 pub(super) fn is_result(name: &str) -> bool {
-    let gap = name.strip_prefix(GAPS).and_then(|name| name.strip_prefix('/'));
+    let gap = name
+        .strip_prefix(GAPS)
+        .and_then(|name| name.strip_prefix('/'));
     name == SUMMARY || FILES.contains(&name) || gap.is_some_and(is_gap_picture)
 }
 
@@ -211,14 +293,24 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
     /// More states than this are not reckoned with.
     const STATES_MAX: f64 = 1e6;
     let drive = &scene.drive;
-    let turn = if let Turn::At(turn) = drive.turn { turn } else { drive.start - scene.cell.length };
+    let turn = if let Turn::At(turn) = drive.turn {
+        turn
+    } else {
+        drive.start - scene.cell.length
+    };
     let states = (2.0 * (drive.start - turn) / drive.step).clamp(0.0, STATES_MAX);
     let points = (model.grid.nx * model.grid.ny) as f64;
     (SIZES[0] * states + SIZES[1] + SIZES[2] * points) as u64
 }
 
 /// Writes tables and pictures of a walk; returns what could not be written.
-pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan: &Plan, run: &LoopRun) -> Vec<Failure> {
+pub(super) fn write_results(
+    folder: &Folder,
+    scene: &Scene,
+    model: &Model,
+    plan: &Plan,
+    run: &LoopRun,
+) -> Vec<Failure> {
     let error = stated_error(model, plan, run);
     let page = loop_panel::page(&run.record, model, &scene.title, error);
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
@@ -239,13 +331,22 @@ pub(super) fn write_results(folder: &Folder, scene: &Scene, model: &Model, plan:
 
 /// `1-approach-bulge.png` for the first landing, and so on.
 fn gap_picture(index: usize, landing: &Landing) -> String {
-    format!("{}-{}-{}.png", index + 1, landing.direction, landing.pattern)
+    format!(
+        "{}-{}-{}.png",
+        index + 1,
+        landing.direction,
+        landing.pattern
+    )
 }
 
 /// True for a name that [`gap_picture`] can give.
 fn is_gap_picture(name: &str) -> bool {
     use Pattern::{Bulge, Contact, Dimple, Flat, Other, Ridge};
-    let parts: Vec<_> = name.strip_suffix(".png").unwrap_or_default().split('-').collect();
+    let parts: Vec<_> = name
+        .strip_suffix(".png")
+        .unwrap_or_default()
+        .split('-')
+        .collect();
     matches!(parts.as_slice(), [number, "approach" | "retraction", pattern]
         if number.parse::<usize>().is_ok() && [Flat, Bulge, Ridge, Dimple, Contact, Other].iter().any(|p| p.word() == *pattern))
 }
@@ -257,12 +358,21 @@ mod tests {
     #[test]
     fn only_our_own_gap_pictures_are_recognised() {
         assert!(is_gap_picture("1-approach-bulge.png") && is_gap_picture("12-retraction-flat.png"));
-        assert!(!is_gap_picture("holiday.png") && !is_gap_picture("1-approach-cat.png") && !is_gap_picture("x-approach-flat.png"));
+        assert!(
+            !is_gap_picture("holiday.png")
+                && !is_gap_picture("1-approach-cat.png")
+                && !is_gap_picture("x-approach-flat.png")
+        );
     }
 
     #[test]
     fn nan_is_never_swallowed_by_a_maximum() {
-        assert!([1.0, f64::NAN, 2.0].into_iter().reduce(nan_max).is_some_and(f64::is_nan));
+        assert!(
+            [1.0, f64::NAN, 2.0]
+                .into_iter()
+                .reduce(nan_max)
+                .is_some_and(f64::is_nan)
+        );
         assert_eq!([1.0, 3.0, 2.0].into_iter().reduce(nan_max), Some(3.0));
     }
 }

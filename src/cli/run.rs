@@ -1,8 +1,11 @@
 //! `tackscope run`: a closed loop without a window.
 
-use super::progress::Teller;
+use super::progress::Monitor;
 use super::report::{self, Timed};
-use super::{BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say, told_replaced, unwritten, warn};
+use super::{
+    BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say,
+    told_replaced, unwritten, warn,
+};
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
@@ -21,7 +24,8 @@ use std::time::Instant;
 /// Computes the loop, writes its files and returns the exit code.
 ///
 /// # Errors
-/// A scene or an option that is refused, a folder that cannot be written, or a standard output that cannot.
+/// A scene or an option that is refused, a folder that cannot be written, or a standard output that
+/// cannot.
 pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     check_options(arguments)?;
     let (scene, place) = scene(arguments)?;
@@ -32,29 +36,44 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
             file: place.clone(),
             key: "--model".to_owned(),
             value: Road::Atlas.word().to_owned(),
-            allowed: format!("this scene has no atlas, since {reason}; leave --model out, or take whole"),
+            allowed: format!(
+                "this scene has no atlas, since {reason}; leave --model out, or take whole"
+            ),
         });
     }
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
-    let asked = if newton { arguments.model.0 } else { arguments.model.0.or(Some(Road::WHOLE)) };
+    let asked = if newton {
+        arguments.model.0
+    } else {
+        arguments.model.0.or(Some(Road::WHOLE))
+    };
     let plan = plan_of(&scene, &model, asked);
 
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(&arguments.out, &[report::GAPS], report::room(&scene, &model))?;
+    let folder = Folder::claim(
+        &arguments.out,
+        &[report::GAPS],
+        report::room(&scene, &model),
+    )?;
     let earlier = folder.clear(&[report::GAPS], report::is_result)?;
     told_replaced(earlier, arguments.quiet, &arguments.out);
     let summary_path = folder.join(report::SUMMARY);
     let method = arguments.method.word();
-    write_summary(&summary_path, &report::begun(&arguments.scene, &scene, &model, &plan, method))?;
+    write_summary(
+        &summary_path,
+        &report::begun(&arguments.scene, &scene, &model, &plan, method),
+    )?;
 
-    let main = timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
+    let main =
+        timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
     let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);
     if main.run.outcome == Outcome::Completed && (arguments.yardstick || arguments.verify) {
-        let compared = compare(arguments, &scene, &model, &main, &cancel, &mut told).map_err(refused)?;
+        let compared =
+            compare(arguments, &scene, &model, &main, &cancel, &mut told).map_err(refused)?;
         failures.extend(write_summary(&summary_path, &told).err());
         code = compared;
     }
@@ -62,7 +81,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         told.warnings.iter().for_each(warn);
     }
     if let Some(reason) = &told.stop_reason {
-        warn(format_args!("{} at {reason}; what was computed is in {}", told.stop, arguments.out.display()));
+        warn(format_args!(
+            "{} at {reason}; what was computed is in {}",
+            told.stop,
+            arguments.out.display()
+        ));
     }
     if let (Some(reason), Some(remedy)) = (&told.open_reason, &told.open_remedy) {
         warn(format_args!("loop not closed: {reason}; {remedy}"));
@@ -79,7 +102,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
 /// Refuses options that contradict each other.
 fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
     let refuse = |key: &str, value: String, allowed: &str| {
-        Err(Failure::Value { file: "command line".to_owned(), key: key.to_owned(), value, allowed: allowed.to_owned() })
+        Err(Failure::Value {
+            file: "command line".to_owned(),
+            key: key.to_owned(),
+            value,
+            allowed: allowed.to_owned(),
+        })
     };
     if arguments.yardstick && arguments.method == MethodKind::Gfmd {
         let allowed = "the yardstick is gfmd itself; leave one of the two out";
@@ -87,12 +115,17 @@ fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
     }
     if arguments.model.0 == Some(Road::Atlas) && arguments.method != MethodKind::NewtonKrylov {
         let value = format!("atlas with --method {}", arguments.method.word());
-        return refuse("--model", value, "only newton follows the branches of an atlas; leave one of the two out");
+        return refuse(
+            "--model",
+            value,
+            "only newton follows the branches of an atlas; leave one of the two out",
+        );
     }
     Ok(())
 }
 
-/// Computes what was asked for beside the loop, and puts it into the summary; returns the exit code.
+/// Computes what was asked for beside the loop, and puts it into the summary; returns the exit
+/// code.
 fn compare(
     arguments: &RunArguments,
     scene: &Scene,
@@ -115,17 +148,36 @@ fn compare(
         let finer = reference(scene, model);
         let finer_model = finer.model()?;
         let whole = plan_of(&finer, &finer_model, Some(Road::WHOLE));
-        let better = timed(arguments, &finer, &finer_model, &whole, MethodKind::NewtonKrylov, cancel)?;
+        let better = timed(
+            arguments,
+            &finer,
+            &finer_model,
+            &whole,
+            MethodKind::NewtonKrylov,
+            cancel,
+        )?;
         match &better.run.outcome {
-            Outcome::Completed if [&main.run, &better.run].into_iter().any(|run| is_open(run, model)) => {
+            Outcome::Completed
+                if [&main.run, &better.run]
+                    .into_iter()
+                    .any(|run| is_open(run, model)) =>
+            {
                 warn("nothing to verify: a loop that is not closed has no loss");
             }
-            Outcome::Completed => told.measured_error = Number(measured_error(&main.run.record.jumps, &better.run.record.jumps)),
+            Outcome::Completed => {
+                told.measured_error = Number(measured_error(
+                    &main.run.record.jumps,
+                    &better.run.record.jumps,
+                ));
+            }
             Outcome::Cancelled => {
                 code = INTERRUPTED;
                 warn("interrupted before the verification was done; the loop itself is complete");
             }
-            Outcome::NotConverged { mean_displacement, reason } => {
+            Outcome::NotConverged {
+                mean_displacement,
+                reason,
+            } => {
                 code = NOT_CONVERGED;
                 warn(format_args!(
                     "the verification did not converge at u0 = {mean_displacement}: {reason}: the error is not known"
@@ -137,7 +189,8 @@ fn compare(
 }
 
 fn is_open(run: &LoopRun, model: &Model) -> bool {
-    run.ledger(model.law.surface_energy).is_none_or(|ledger| ledger.open.is_some())
+    run.ledger(model.law.surface_energy)
+        .is_none_or(|ledger| ledger.open.is_some())
 }
 
 /// The scene with what the command line replaces in it, and how to name both in a refusal.
@@ -146,7 +199,11 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
     let mut place = arguments.scene.clone();
     if let Some(n) = arguments.points {
         place.push_str(&format!(" with --points {n}"));
-        scene.cell.points = if matches!(scene.cell.points, Points::Line(_)) { Points::Line(n) } else { Points::Square(n) };
+        scene.cell.points = if matches!(scene.cell.points, Points::Line(_)) {
+            Points::Line(n)
+        } else {
+            Points::Square(n)
+        };
     }
     if let Some(step) = arguments.step {
         place.push_str(&format!(" with --step {step}"));
@@ -167,14 +224,27 @@ fn timed(
     method: MethodKind,
     cancel: &Cancel,
 ) -> Result<Timed, Refusal> {
-    let heading = format!("{}: {} ({}), mu_rho = {:.3}, {}", scene.title, plan.words, model.reason, model.mu_rho, method.title());
-    let mut teller = Teller::new(arguments.quiet, &heading);
+    let heading = format!(
+        "{}: {} ({}), mu_rho = {:.3}, {}",
+        scene.title,
+        plan.words,
+        model.reason,
+        model.mu_rho,
+        method.title()
+    );
+    let mut monitor = Monitor::new(arguments.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
-    let run = run_planned(scene, method, plan, cancel, &mut |news| teller.tell(&news, scene.drive.step))?;
+    let run = run_planned(scene, method, plan, cancel, &mut |news| {
+        monitor.tell(&news, scene.drive.step);
+    })?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());
     let processor_seconds = processor.map_or(f64::NAN, |spent| spent.as_secs_f64());
-    teller.finish();
-    Ok(Timed { run, wall_seconds: wall.elapsed().as_secs_f64(), processor_seconds })
+    monitor.finish();
+    Ok(Timed {
+        run,
+        wall_seconds: wall.elapsed().as_secs_f64(),
+        processor_seconds,
+    })
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {
@@ -193,17 +263,26 @@ fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> Str
         (None, false) => "loop not closed".to_owned(),
         (None, true) => {
             let accuracy = promise(Some(told.stated_error.0));
-            format!("dissipated energy {:.4} gamma, {accuracy}", if loss.abs() < 5e-5 { 0.0 } else { loss })
+            format!(
+                "dissipated energy {:.4} gamma, {accuracy}",
+                if loss.abs() < 5e-5 { 0.0 } else { loss }
+            )
         }
     };
     let ratio = match &told.yardstick {
         Some(yardstick) if yardstick.processor_time_ratio.0.is_finite() => {
-            format!(", {:.1} times less processor time than gfmd", yardstick.processor_time_ratio.0)
+            format!(
+                ", {:.1} times less processor time than gfmd",
+                yardstick.processor_time_ratio.0
+            )
         }
         _ => String::new(),
     };
     let (states, tally) = (run.record.states.len(), run.record.tally());
-    format!("{loss}, {tally}, {states} states{ratio}: written to {}", arguments.out.display())
+    format!(
+        "{loss}, {tally}, {states} states{ratio}: written to {}",
+        arguments.out.display()
+    )
 }
 
 #[cfg(test)]
@@ -213,7 +292,13 @@ mod tests {
 
     #[test]
     fn each_outcome_has_its_exit_code() {
-        let stuck = Outcome::NotConverged { mean_displacement: 1.0, reason: Stuck::NotFinite };
-        assert_eq!([Outcome::Completed, stuck, Outcome::Cancelled].map(|outcome| exit_code(&outcome)), [0, 3, 130]);
+        let stuck = Outcome::NotConverged {
+            mean_displacement: 1.0,
+            reason: Stuck::NotFinite,
+        };
+        assert_eq!(
+            [Outcome::Completed, stuck, Outcome::Cancelled].map(|outcome| exit_code(&outcome)),
+            [0, 3, 130]
+        );
     }
 }

@@ -1,9 +1,10 @@
 //! The atlas of branches: on flat ground a loop is a handful of branches, each followed once.
 //!
-//! Flat states are a closed form, ridges a line problem, bulges and dimples live on the symmetric part of a quarter cell. Every
-//! branch is traced by long tangent steps to its two ends, which are located directly (a fold where du0 turns, a breaking of
-//! symmetry where an eigenvalue vanishes), and where the surface lands is learnt from a release. A loop of any
-//! drive, or the state under the slider, is then read off. The walk is the reference, and a test holds the two together.
+//! Flat states are a closed form, ridges a line problem, bulges and dimples live on the symmetric
+//! part of a quarter cell. Every branch is traced by long tangent steps to its two ends, which are
+//! located directly (a fold where du0 turns, a breaking of symmetry where an eigenvalue vanishes),
+//! and where the surface lands is learnt from a release. A loop of any drive, or the state under
+//! the slider, is then read off. The walk is the reference, and a test holds the two together.
 
 mod adapt;
 mod curve;
@@ -12,7 +13,7 @@ mod explorer;
 mod trace;
 
 pub use curve::{Branch, Point};
-pub(super) use cycle::Journey;
+pub(super) use cycle::Traversal;
 pub use cycle::{Cycle, Leg, Place};
 pub(super) use explorer::{Explorer, Rest};
 pub use trace::End;
@@ -26,7 +27,7 @@ use crate::physics::theory::flat;
 use crate::scene::mesh::next_fast;
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
-use crate::solver::sector::{NODE, Node, Sector};
+use crate::solver::sector::{NODE, Node, Sector, Side};
 use std::fmt;
 use trace::trace;
 
@@ -46,12 +47,18 @@ pub struct Meshes {
 impl Meshes {
     /// For a law in a square cell of side `length` on `n` points along it.
     pub fn new(law: &Law, length: f64, n: usize) -> Self {
-        Self { length, law: *law, square: n, line: next_fast(n + n / 3) }
+        Self {
+            length,
+            law: *law,
+            square: n,
+            line: next_fast(n + n / 3),
+        }
     }
 }
 
-/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges). Right at the edge it lands where it would;
-/// further on it falls also from where the edge is not known so well, but may miss what lives only next to it.
+/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges). Right at
+/// the edge it lands where it would; further on it falls also from where the edge is not known so
+/// well, but may miss what lives only next to it.
 const ATTEMPTS: [f64; 4] = [0.0, 0.002, 0.02, 0.1];
 
 /// Why an atlas cannot answer: the walk can.
@@ -66,12 +73,18 @@ pub struct Unmapped {
 impl Unmapped {
     /// What is not held anywhere.
     pub(crate) fn anywhere(what: impl Into<String>) -> Self {
-        Self { what: what.into(), at: None }
+        Self {
+            what: what.into(),
+            at: None,
+        }
     }
 
     /// What is not held at `u0`.
     pub(super) fn at(u0: f64, what: impl Into<String>) -> Self {
-        Self { what: what.into(), at: Some(u0) }
+        Self {
+            what: what.into(),
+            at: Some(u0),
+        }
     }
 }
 
@@ -96,7 +109,8 @@ pub struct Atlas {
     flat_limits: Option<(f64, f64)>,
     cancel: Cancel,
     pub(super) branches: Vec<Branch>,
-    /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end of each branch.
+    /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end
+    /// of each branch.
     landings: Vec<[Option<Place>; 2]>,
     /// Where it may land from the lower and the upper limit of the flat state, most often first.
     from_limits: [Vec<(Share, Rest)>; 2],
@@ -105,7 +119,12 @@ pub struct Atlas {
 impl Atlas {
     /// An atlas without branches; they are found as a loop asks for them.
     pub fn new(meshes: Meshes) -> Self {
-        let Meshes { length, law, square, line } = meshes;
+        let Meshes {
+            length,
+            law,
+            square,
+            line,
+        } = meshes;
         Self {
             meshes,
             ridge: Sector::ridge(length, line, law),
@@ -140,7 +159,12 @@ impl Atlas {
 
     /// Transforms spent so far: on the line, on the quarter cell, and there on releases.
     pub fn transforms(&self) -> [usize; 3] {
-        [&self.ridge.mechanics, &self.square.mechanics, &self.explorer.mechanics].map(Mechanics::transforms)
+        [
+            &self.ridge.mechanics,
+            &self.square.mechanics,
+            &self.explorer.mechanics,
+        ]
+        .map(Mechanics::transforms)
     }
 
     /// Lower and upper limit of the flat state (length); `None` where it is always stable.
@@ -152,30 +176,34 @@ impl Atlas {
     ///
     /// # Errors
     /// A landing or a branch that no sector holds.
-    fn landing(&mut self, place: Place, up: bool) -> Result<Place, Unmapped> {
-        let (row, side) = (place.row(), usize::from(up));
-        if let Some(known) = self.landings[row][side] {
+    fn landing(&mut self, place: Place, side: Side) -> Result<Place, Unmapped> {
+        let (row, end) = (place.row(), side.index());
+        if let Some(known) = self.landings[row][end] {
             return Ok(known);
         }
-        let (u0, energy) = self.end_point(place, up);
-        let onwards = if up { 1.0 } else { -1.0 } * self.meshes.law.range;
+        let (u0, energy) = self.end_point(place, side);
+        let onwards = side.sign() * self.meshes.law.range;
         let mut refusal = Unmapped::at(u0, "the surface falls nowhere");
         // The limits of the flat state are known exactly.
-        let attempts = if place == Place::Flat { &ATTEMPTS[..1] } else { &ATTEMPTS[..] };
+        let attempts = if place == Place::Flat {
+            &ATTEMPTS[..1]
+        } else {
+            &ATTEMPTS[..]
+        };
         for beyond in attempts {
             if self.cancel.requested() {
                 break;
             }
             let rest = match place {
-                Place::Flat => self.off_flat(up, u0 + beyond * onwards),
+                Place::Flat => self.off_flat(side, u0 + beyond * onwards),
                 Place::On(i) => {
-                    let (z, mode) = self.kick(i, up)?;
+                    let (z, mode) = self.kick(i, side)?;
                     self.explorer.release(&z, &mode, u0 + beyond * onwards)
                 }
             };
             match self.settle(u0, energy, rest) {
                 Ok(next) if next != place => {
-                    self.landings[row][side] = Some(next);
+                    self.landings[row][end] = Some(next);
                     return Ok(next);
                 }
                 Ok(_) => {}
@@ -186,50 +214,58 @@ impl Atlas {
     }
 
     /// u0 and energy where `place` ends.
-    fn end_point(&self, place: Place, up: bool) -> (f64, f64) {
+    fn end_point(&self, place: Place, side: Side) -> (f64, f64) {
         match place {
             Place::Flat => {
                 let (low, high) = self.flat_limits.expect("an end was asked for");
                 // The upper limit ends the way down, the lower the way up.
-                let u0 = if up { low } else { high };
+                let u0 = if side == Side::Upper { low } else { high };
                 (u0, self.meshes.law.at(u0).energy)
             }
             Place::On(i) => {
-                let node = self.branches[i].end(up);
+                let node = self.branches[i].end(side);
                 (node.state.mean_displacement, node.state.energy)
             }
         }
     }
 
-    /// Where most mixtures of the soft modes lead from a limit of the flat state; all are remembered.
-    fn off_flat(&mut self, up: bool, u0: f64) -> Rest {
+    /// Where most mixtures of the soft modes lead from a limit of the flat state; all are
+    /// remembered.
+    fn off_flat(&mut self, side: Side, u0: f64) -> Rest {
         let rests = self.explorer.off_flat(u0);
         let shares = shares(&rests.iter().map(Rest::pattern).collect::<Vec<_>>());
         let first = |share: Share| {
-            let rest = rests.iter().find(|rest| rest.pattern() == share.pattern).cloned().expect("it was counted");
+            let rest = rests
+                .iter()
+                .find(|rest| rest.pattern() == share.pattern)
+                .cloned()
+                .expect("it was counted");
             (share, rest)
         };
         let found: Vec<_> = shares.into_iter().map(first).collect();
         let most = found[0].1.clone();
-        self.from_limits[usize::from(up)] = found;
+        self.from_limits[side.index()] = found;
         most
     }
 
-    /// The loops from `start` to `turn` and back for each landing of each contested limit of the flat state, and the share of that
-    /// landing; none where no limit that was passed is contested.
-    pub fn contested_cycles(&mut self, start: f64, turn: f64) -> Vec<(Share, Result<Cycle, Unmapped>)> {
+    /// The loops from `start` to `turn` and back for each landing of each contested limit of the
+    /// flat state, and the share of that landing; none where no limit that was passed is contested.
+    pub fn contested_cycles(
+        &mut self,
+        start: f64,
+        turn: f64,
+    ) -> Vec<(Share, Result<Cycle, Unmapped>)> {
         let mut cycles = Vec::new();
-        for up in [false, true] {
-            let side = usize::from(up);
-            let all = self.from_limits[side].clone();
+        for side in Side::BOTH {
+            let all = self.from_limits[side.index()].clone();
             for (share, rest) in if all.len() > 1 { all } else { Vec::new() } {
-                let usual = self.landings[0][usize::from(up)];
-                let (u0, energy) = self.end_point(Place::Flat, up);
+                let usual = self.landings[0][side.index()];
+                let (u0, energy) = self.end_point(Place::Flat, side);
                 let cycle = self.settle(u0, energy, rest).and_then(|place| {
-                    self.landings[0][usize::from(up)] = Some(place);
+                    self.landings[0][side.index()] = Some(place);
                     self.cycle(start, turn)
                 });
-                self.landings[0][usize::from(up)] = usual;
+                self.landings[0][side.index()] = usual;
                 cycles.push((share, cycle));
             }
         }
@@ -237,27 +273,42 @@ impl Atlas {
     }
 
     /// Where a limit of the flat state leads, if that is contested.
-    fn contested(&self, place: Place, up: bool) -> Vec<Share> {
-        let all = &self.from_limits[usize::from(up)];
-        if place == Place::Flat && all.len() > 1 { all.iter().map(|(share, _)| *share).collect() } else { Vec::new() }
+    fn contested(&self, place: Place, side: Side) -> Vec<Share> {
+        let all = &self.from_limits[side.index()];
+        if place == Place::Flat && all.len() > 1 {
+            all.iter().map(|(share, _)| *share).collect()
+        } else {
+            Vec::new()
+        }
     }
 
-    /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for releases.
-    fn kick(&self, i: usize, up: bool) -> Result<(Vec<f64>, Vec<f64>), Unmapped> {
+    /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for
+    /// releases.
+    fn kick(&self, i: usize, side: Side) -> Result<(Vec<f64>, Vec<f64>), Unmapped> {
         let explorer = &self.explorer;
         let branch = &self.branches[i];
-        let node = branch.end(up);
-        let sector = if branch.is_ridge { &self.ridge } else { &self.square };
+        let node = branch.end(side);
+        let sector = if branch.is_ridge {
+            &self.ridge
+        } else {
+            &self.square
+        };
         let own = sector.system();
-        let mode = match branch.ends[usize::from(up)] {
+        let mode = match branch.ends[side.index()] {
             End::Fold => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
                 let u0 = node.state.mean_displacement;
-                return Err(Unmapped::at(u0, "the ridge meanders, which only the whole cell holds"));
+                return Err(Unmapped::at(
+                    u0,
+                    "the ridge meanders, which only the whole cell holds",
+                ));
             }
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
-        Ok((carried(&node.state.amplitudes, own, explorer.system()), mode))
+        Ok((
+            carried(&node.state.amplitudes, own, explorer.system()),
+            mode,
+        ))
     }
 
     /// The place of a state at rest: a known branch, or a new one traced from it both ways.
@@ -266,51 +317,84 @@ impl Atlas {
         let (is_ridge, pattern, landed) = match rest {
             Rest::Flat => {
                 let stable = flat::stiffness_min(&self.meshes.law, self.meshes.length, u0) > 0.0;
-                return if stable { Ok(Place::Flat) } else { Err(Unmapped::at(u0, "no rest was found")) };
+                return if stable {
+                    Ok(Place::Flat)
+                } else {
+                    Err(Unmapped::at(u0, "no rest was found"))
+                };
             }
             Rest::Ridge(line) => (true, Pattern::Ridge, line),
             Rest::Square(pattern, z) => (false, pattern, z),
             Rest::Other => {
-                return Err(Unmapped::at(u0, "the surface comes to rest without the symmetry of a known pattern"));
+                return Err(Unmapped::at(
+                    u0,
+                    "the surface comes to rest without the symmetry of a known pattern",
+                ));
             }
         };
         let known = (0..self.branches.len()).find(|&i| {
             let b = &self.branches[i];
-            b.is_ridge == is_ridge && b.pattern == pattern && b.covers(u0) && b.at(u0).energy <= energy_before + 1e-6 * gamma
+            b.is_ridge == is_ridge
+                && b.pattern == pattern
+                && b.covers(u0)
+                && b.at(u0).energy <= energy_before + 1e-6 * gamma
         });
         if let Some(i) = known {
             // Where Newton fails from so good a guess, the interpolated energy stands.
             let _ = self.pin(i, u0);
             return Ok(Place::On(i));
         }
-        let sector = if is_ridge { &mut self.ridge } else { &mut self.square };
+        let sector = if is_ridge {
+            &mut self.ridge
+        } else {
+            &mut self.square
+        };
         let z = carried(&landed, self.explorer.system(), sector.system());
-        let lost = |error: Lost| Unmapped::at(u0, format!("the {pattern} could not be followed ({error:?})"));
+        let lost = |error: Lost| {
+            Unmapped::at(
+                u0,
+                format!("the {pattern} could not be followed ({error:?})"),
+            )
+        };
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
-        let (mut first, fields) = settled.and_then(|z| sector.node(u0, z, None, NODE)).map_err(lost)?;
+        let (mut first, fields) = settled
+            .and_then(|z| sector.node(u0, z, None, NODE))
+            .map_err(lost)?;
         if !(first.state.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
-            return Err(Unmapped::at(u0, format!("the {pattern} is not what the release found")));
+            return Err(Unmapped::at(
+                u0,
+                format!("the {pattern} is not what the release found"),
+            ));
         }
         sector.sharpen(&mut first, &fields);
         if first.breaking < 0.0 {
             return Err(Unmapped::at(u0, format!("the {pattern} is unstable")));
         }
         let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
-        let ((mut nodes, below), (after, above)) = match trace(sector, &first, None, false) {
+        let ((mut nodes, below), (after, above)) = match trace(sector, &first, None, Side::Lower) {
             Ok(down) => {
-                let up = trace(sector, &first, regular(&down.0).as_ref(), true).map_err(lost)?;
+                let up =
+                    trace(sector, &first, regular(&down.0).as_ref(), Side::Upper).map_err(lost)?;
                 (down, up)
             }
             // Right above a fold only the way up is open, and tells where the fold is.
             Err(_) => {
-                let up = trace(sector, &first, None, true).map_err(lost)?;
-                (trace(sector, &first, regular(&up.0).as_ref(), false).map_err(lost)?, up)
+                let up = trace(sector, &first, None, Side::Upper).map_err(lost)?;
+                (
+                    trace(sector, &first, regular(&up.0).as_ref(), Side::Lower).map_err(lost)?,
+                    up,
+                )
             }
         };
         nodes.reverse();
         nodes.push(first);
         nodes.extend(after);
-        self.branches.push(Branch { pattern, is_ridge, nodes, ends: [below, above] });
+        self.branches.push(Branch {
+            pattern,
+            is_ridge,
+            nodes,
+            ends: [below, above],
+        });
         self.landings.push([None; 2]);
         Ok(Place::On(self.branches.len() - 1))
     }
@@ -319,29 +403,49 @@ impl Atlas {
     fn pin(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
         let near = 1e-3 * self.meshes.law.range;
         let branch = &self.branches[i];
-        if !branch.covers(u0) || branch.nodes.iter().any(|n| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near) {
+        if !branch.covers(u0)
+            || branch
+                .nodes
+                .iter()
+                .any(|n| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near)
+        {
             return Ok(());
         }
         let guess = branch.guess(u0);
-        let sector = if branch.is_ridge { &mut self.ridge } else { &mut self.square };
+        let sector = if branch.is_ridge {
+            &mut self.ridge
+        } else {
+            &mut self.square
+        };
         let (node, _) = sector.node(u0, guess, None, NODE)?;
         self.branches[i].insert(node);
         Ok(())
     }
 
-    /// The pattern of `place` at `u0`, by its topology on the mesh for releases: a dimple that grows ends as a bulge.
+    /// The pattern of `place` at `u0`, by its topology on the mesh for releases: a dimple that
+    /// grows ends as a bulge.
     fn pattern_at(&mut self, place: Place, u0: f64) -> Pattern {
-        let Place::On(i) = place else { return Pattern::Flat };
+        let Place::On(i) = place else {
+            return Pattern::Flat;
+        };
         let branch = &self.branches[i];
         if branch.is_ridge {
             return Pattern::Ridge;
         }
-        let z = carried(&branch.guess(u0), self.square.system(), self.explorer.system());
+        let z = carried(
+            &branch.guess(u0),
+            self.square.system(),
+            self.explorer.system(),
+        );
         self.explorer.pattern(&z, u0)
     }
 
     fn sector_of(&self, branch: &Branch) -> &Sector {
-        if branch.is_ridge { &self.ridge } else { &self.square }
+        if branch.is_ridge {
+            &self.ridge
+        } else {
+            &self.square
+        }
     }
 
     /// The mechanics of branch `i`.

@@ -1,18 +1,23 @@
-//! Where a surface lands is not always one place: at the limit of the flat state two waves go soft together, and their mixture decides.
+//! Where a surface lands is not always one place: at the limit of the flat state two waves go soft
+//! together, and their mixture decides.
 //!
-//! The first waves along x and along y may come in any mixture, and what the flat state jumps to can depend on it. All mixtures are
-//! tried; the one that most of them lead to is what the loop follows, whatever its seed, and the others are said.
+//! The first waves along x and along y may come in any mixture, and what the flat state jumps to
+//! can depend on it. All mixtures are tried; the one that most of them lead to is what the loop
+//! follows, whatever its seed, and the others are said.
 
 use crate::physics::pattern::Pattern;
 use std::f64::consts::FRAC_PI_4;
 
-/// How many mixtures are tried: the angle from one wave alone to both alike, in equal parts. Whatever less than a part leads to is not
-/// seen.
+/// How many mixtures are tried: the angle from one wave alone to both alike, in equal parts.
+/// Whatever less than a part leads to is not seen.
 pub const MIXTURES: usize = 7;
 
-/// Root mean square kick at a limit of the flat state, in ranges. While amplitudes are small nearly all mixtures turn into the same: of
-/// two laws that were contested with a tenth of a range none is with this.
-pub const KICK: f64 = 0.03;
+/// Root mean square kick at a limit of the flat state, in ranges. While amplitudes are small nearly
+/// all mixtures turn into the same: of two laws that were contested with a tenth of a range none is
+/// with this.
+pub const FLAT_KICK: f64 = 0.03;
+/// The same at the end of any other branch, along the mode that gives way: far enough from the saddle next to it.
+pub const KICK: f64 = 0.1;
 
 /// A pattern and the share of the mixtures that lead to it, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +28,8 @@ pub struct Share {
     pub share: f64,
 }
 
-/// The angle of a mixture: amplitudes cos and sin of it. x and y may be exchanged, so that an eighth of a turn is all.
+/// The angle of a mixture: amplitudes cos and sin of it. x and y may be exchanged, so that an
+/// eighth of a turn is all.
 pub fn angle(mixture: usize) -> f64 {
     FRAC_PI_4 * (mixture as f64 + 0.5) / MIXTURES as f64
 }
@@ -35,8 +41,8 @@ pub fn mixture(x: f64, y: f64) -> usize {
     (part as usize).min(MIXTURES - 1)
 }
 
-/// What all mixtures lead to, each looked at by `one`. Where the purest, the evenest and one in between lead to the `same`, so do those
-/// between them.
+/// What all mixtures lead to, each looked at by `one`. Where the purest, the evenest and one in
+/// between lead to the `same`, so do those between them.
 pub fn tried<T: Clone>(mut one: impl FnMut(usize) -> T, same: impl Fn(&T, &T) -> bool) -> Vec<T> {
     const MIDDLE: usize = MIXTURES / 2;
     let seen = [0, MIDDLE, MIXTURES - 1].map(&mut one);
@@ -52,14 +58,18 @@ pub fn tried<T: Clone>(mut one: impl FnMut(usize) -> T, same: impl Fn(&T, &T) ->
         .collect()
 }
 
-/// The shares of what each mixture leads to, the largest first; of equal ones that of the purer wave.
+/// The shares of what each mixture leads to, the largest first; of equal ones that of the purer
+/// wave.
 pub fn shares(landings: &[Pattern]) -> Vec<Share> {
     let mut shares: Vec<Share> = Vec::new();
     for &pattern in landings {
         let one = 1.0 / landings.len() as f64;
         match shares.iter_mut().find(|share| share.pattern == pattern) {
             Some(known) => known.share += one,
-            None => shares.push(Share { pattern, share: one }),
+            None => shares.push(Share {
+                pattern,
+                share: one,
+            }),
         }
     }
     shares.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -85,6 +95,18 @@ mod tests {
     fn shares_add_up_and_the_largest_is_first() {
         use Pattern::{Bulge, Ridge};
         let found = shares(&[Ridge, Bulge, Bulge, Bulge]);
-        assert_eq!(found, [Share { pattern: Bulge, share: 0.75 }, Share { pattern: Ridge, share: 0.25 }]);
+        assert_eq!(
+            found,
+            [
+                Share {
+                    pattern: Bulge,
+                    share: 0.75
+                },
+                Share {
+                    pattern: Ridge,
+                    share: 0.25
+                }
+            ]
+        );
     }
 }

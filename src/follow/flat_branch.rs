@@ -18,13 +18,21 @@ pub struct FlatBranch {
 impl FlatBranch {
     /// The branch.
     pub fn new(law: Law, length: f64) -> Self {
-        Self { law, length, unstable: limits(&law, length) }
+        Self {
+            law,
+            length,
+            unstable: limits(&law, length),
+        }
     }
 
     /// The flat state of a `system` of this law and cell at gap `u0`, exact.
     pub fn state(&self, system: &System, u0: f64) -> Equilibrium {
         let value = stiffness_min(&self.law, self.length, u0) / self.length;
-        let stop = if self.is_finite(u0, value) { Stop::Stable } else { Stop::NotConverged };
+        let stop = if self.is_finite(u0, value) {
+            Stop::Stable
+        } else {
+            Stop::NotConverged
+        };
         let mut flat = Equilibrium::unmeasured(system.uniform(u0), 0.0, stop, Cost::default());
         flat.measured(Stiffness { value, error: 0.0 }, Vec::new());
         flat
@@ -41,13 +49,17 @@ impl FlatBranch {
         stiffness.is_finite() && self.law.at(u0).energy.is_finite()
     }
 
-    /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and the first unstable double found
-    /// by bisection; `None` if it is not lost.
+    /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
+    /// the first unstable double found by bisection; `None` if it is not lost.
     pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let stable = |u: f64| stiffness_min(&self.law, self.length, u) >= 0.0;
         let (lower, upper) = self.unstable?;
-        // The unstable gaps are one interval: the gap of the way that lies nearest to its middle tells whether it is met.
-        let (mut a, mut b) = (from, (0.5 * (lower + upper)).clamp(from.min(to), from.max(to)));
+        // The unstable gaps are one interval: the gap of the way that lies nearest to its middle
+        // tells whether it is met.
+        let (mut a, mut b) = (
+            from,
+            (0.5 * (lower + upper)).clamp(from.min(to), from.max(to)),
+        );
         if stable(b) {
             return None;
         }
@@ -79,7 +91,11 @@ mod tests {
             Just(Shape::Cosine(Cosine { smooth: true })),
             (0.1..0.99_f64).prop_map(|ratio| Shape::DoubleExponential(DoubleExponential { ratio })),
         ];
-        (shape, -3.0..3.0_f64).prop_map(|(shape, decade)| Law { shape, surface_energy: 0.15, range: 10f64.powf(decade) })
+        (shape, -3.0..3.0_f64).prop_map(|(shape, decade)| Law {
+            shape,
+            surface_energy: 0.15,
+            range: 10f64.powf(decade),
+        })
     }
 
     proptest! {
@@ -100,7 +116,8 @@ mod tests {
                 (Some((last, first)), scanned) => {
                     prop_assert!(stable(last) && !stable(first) && (last - first).abs() <= 1e-9 * law.range);
                     let step = (to - from).abs() / 20_000.0;
-                    // An interval thinner than the scan's step may be missed by it, never by the branch.
+                    // An interval thinner than the scan's step may be missed by it, never by the
+                    // branch.
                     let met = scanned.map_or(step, |u| (u - first).abs());
                     prop_assert!(met <= step * (1.0 + 1e-9) || scanned.is_none(), "{first} {scanned:?}");
                 }
@@ -111,12 +128,21 @@ mod tests {
 
     #[test]
     fn a_way_of_any_length_is_searched_in_no_time() {
-        let law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 0.1 };
+        let law = Law {
+            shape: Shape::Morse(Morse),
+            surface_energy: 0.15,
+            range: 0.1,
+        };
         let branch = FlatBranch::new(law, 64.0);
         for far in [1e7, 1e60, 1e300] {
-            let (last, first) = branch.limit_between(far, 0.0).expect("the limit lies on the way");
+            let (last, first) = branch
+                .limit_between(far, 0.0)
+                .expect("the limit lies on the way");
             let (_, upper) = limits(&law, 64.0).expect("unstable");
-            assert!((last - upper).abs() <= 1e-9 && (first - upper).abs() <= 1e-9, "{last} {first} {upper}");
+            assert!(
+                (last - upper).abs() <= 1e-9 && (first - upper).abs() <= 1e-9,
+                "{last} {first} {upper}"
+            );
             assert_eq!(branch.limit_between(far, 0.5 * far), None);
         }
     }

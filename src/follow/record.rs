@@ -6,6 +6,10 @@ use crate::scene::part::Part;
 use crate::solver::Stop;
 use std::fmt;
 
+/// How closely, in ranges, the u0 of the end of a branch is found: ten times more closely than two runs
+/// of any step or seed may differ.
+pub(super) const LOCATED: f64 = 1e-5;
+
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
@@ -67,11 +71,17 @@ impl StateRecord {
             Stop::NotConverged => "did not converge".to_owned(),
             Stop::Cancelled => "was not reached before the stop".to_owned(),
             _ if !finite => "has no finite stress and energy".to_owned(),
-            Stop::Unstable => format!("is unstable (stiffness_min = {:.3} E*/L)", self.stiffness_min),
+            Stop::Unstable => format!(
+                "is unstable (stiffness_min = {:.3} E*/L)",
+                self.stiffness_min
+            ),
             Stop::Stable | Stop::ReadOff => return None,
         };
         let remedy = "raise drive.start, to where the surface is at rest far from the ground";
-        Some((format!("the first state {what}, and no loop begins with it"), remedy.to_owned()))
+        Some((
+            format!("the first state {what}, and no loop begins with it"),
+            remedy.to_owned(),
+        ))
     }
 
     /// A record to stand in until the first state is measured.
@@ -105,9 +115,11 @@ pub enum Cause {
     Fold,
     /// An eigenvalue went through zero on a branch that goes on, unstable.
     SymmetryBreaking,
-    /// The edge of the contact moved on by a spacing of the mesh: it vanishes with refinement, and is none of the physics.
+    /// The edge of the contact moved on by a spacing of the mesh: it vanishes with refinement, and
+    /// is none of the physics.
     Mesh,
-    /// No jump: the branch goes over into another one without a release, as at a supercritical bifurcation.
+    /// No jump: the branch goes over into another one without a release, as at a supercritical
+    /// bifurcation.
     Transition,
     /// Seen as a change of pattern between two increments of a method that locates nothing.
     PatternChange,
@@ -152,9 +164,13 @@ pub struct JumpRecord {
 }
 
 impl JumpRecord {
-    /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 % / bulge 43 %".
+    /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 % /
+    /// bulge 43 %".
     pub fn cause_words(&self) -> String {
-        self.contested_words().map_or_else(|| self.cause.to_string(), |words| format!("{}; {words}", self.cause))
+        self.contested_words().map_or_else(
+            || self.cause.to_string(),
+            |words| format!("{}; {words}", self.cause),
+        )
     }
 
     /// Where it may land, if that is contested: "contested: ridge 57 % / bulge 43 %".
@@ -179,7 +195,11 @@ impl LoopRecord {
     pub fn tally(&self) -> Tally {
         let of = |cause: Cause| self.jumps.iter().filter(|jump| jump.cause == cause).count();
         let (of_the_mesh, transitions) = (of(Cause::Mesh), of(Cause::Transition));
-        Tally { jumps: self.jumps.len() - of_the_mesh - transitions, of_the_mesh, transitions }
+        Tally {
+            jumps: self.jumps.len() - of_the_mesh - transitions,
+            of_the_mesh,
+            transitions,
+        }
     }
 }
 

@@ -24,7 +24,8 @@ pub struct LoopRun {
     pub landings: Vec<Landing>,
     /// Why it was not computed as it was meant to be, in words, if it was not.
     pub deviation: Option<String>,
-    /// Relative error of loss and jumps as a finer mesh tells it ([`crate::study::error_bar`]); `None` unless it was asked.
+    /// Relative error of loss and jumps as a finer mesh tells it ([`crate::study::error_bar`]);
+    /// `None` unless it was asked.
     pub error_bar: Option<f64>,
     /// The loops of other landings, if it is contested where the surface lands.
     pub rivals: Vec<RivalLoop>,
@@ -108,8 +109,8 @@ pub(crate) fn walked_after_all(reason: &str) -> String {
     format!("walked on the whole cell after all: {reason}")
 }
 
-/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back. On a part of the cell that proves too small
-/// it goes on on the whole of it.
+/// Runs the closed loop of `scene`: from the start of its drive to the turning point and back. On a
+/// part of the cell that proves too small it goes on on the whole of it.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed. Failures on the way are an [`Outcome`].
@@ -126,7 +127,10 @@ pub fn run_loop(
     }
     if let Some((what, remedy)) = drive.walk.record().fault() {
         let reason = Stuck::NoStart { what, remedy };
-        drive.run.outcome = Outcome::NotConverged { mean_displacement: scene.drive.start, reason };
+        drive.run.outcome = Outcome::NotConverged {
+            mean_displacement: scene.drive.start,
+            reason,
+        };
         return Ok(drive.run);
     }
     while let Some(target) = drive.itinerary.target() {
@@ -144,7 +148,10 @@ pub fn run_loop(
                 Some(widened) => drive.go_on_with(widened, &reason),
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;
-                    drive.run.outcome = Outcome::NotConverged { mean_displacement, reason };
+                    drive.run.outcome = Outcome::NotConverged {
+                        mean_displacement,
+                        reason,
+                    };
                     break;
                 }
             },
@@ -170,12 +177,26 @@ impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
         let (start, mut run) = (scene.drive.start, LoopRun::empty());
         run.record.states.push(walk.record().clone());
-        Self { scene, walk, run, itinerary: Itinerary::closed(scene), landed: true, lowest: start }
+        Self {
+            scene,
+            walk,
+            run,
+            itinerary: Itinerary::closed(scene),
+            landed: true,
+            lowest: start,
+        }
     }
 
     /// One step of the walk, told and recorded.
     fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
-        let Self { scene, walk, run, itinerary, landed, lowest } = self;
+        let Self {
+            scene,
+            walk,
+            run,
+            itinerary,
+            landed,
+            lowest,
+        } = self;
         let start = scene.drive.start;
         let depth = match scene.drive.turn {
             Turn::At(turn) => start - turn,
@@ -198,15 +219,24 @@ impl<'s> Drive<'s> {
                 } else {
                     (start - state.mean_displacement) / depth
                 };
-                observe(Report::State { record: &state, fraction: 0.5 * gone.clamp(0.0, 2.0) });
+                observe(Report::State {
+                    record: &state,
+                    fraction: 0.5 * gone.clamp(0.0, 2.0),
+                });
                 run.record.states.push(state);
             }
         });
         if fresh && std::mem::take(landed) {
             let gap = walk.gap();
             let record = walk.record();
-            let (direction, mean_displacement, pattern) = (record.direction, record.mean_displacement, record.pattern);
-            run.landings.push(Landing { direction, mean_displacement, pattern, gap });
+            let (direction, mean_displacement, pattern) =
+                (record.direction, record.mean_displacement, record.pattern);
+            run.landings.push(Landing {
+                direction,
+                mean_displacement,
+                pattern,
+                gap,
+            });
         }
         let record = walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {

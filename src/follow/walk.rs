@@ -1,7 +1,9 @@
-//! The walk along u0: follow the branch in bounded steps, locate where it ends, release, land on what is stable.
+//! The walk along u0: follow the branch in bounded steps, locate where it ends, release, land on
+//! what is stable.
 //!
-//! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment, or a slice of a release) and hands
-//! out what happened. It works on any scene and is the reference for every faster road.
+//! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment,
+//! or a slice of a release) and hands out what happened. It works on any scene and is the reference
+//! for every faster road.
 
 mod advance;
 mod landing;
@@ -65,15 +67,18 @@ pub struct WalkOptions {
     pub part: Part,
     /// With which numbers.
     pub precision: Precision,
-    /// For a mesh that traps the edge of a contact: jumps of a few points are gone downhill, and located within so many ranges. `None`
-    /// brackets every jump.
+    /// For a mesh that traps the edge of a contact: jumps of a few points are gone downhill, and
+    /// located within so many ranges. `None` brackets every jump.
     pub trapped_within: Option<f64>,
 }
 
 impl From<MethodKind> for WalkOptions {
     /// This method on the whole cell.
     fn from(method: MethodKind) -> Self {
-        Self { method, ..Self::default() }
+        Self {
+            method,
+            ..Self::default()
+        }
     }
 }
 
@@ -157,7 +162,8 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// A walk at rest at the start of the scene's drive. Where `cancel` ends the search for the first state the walk stands on none.
+    /// A walk at rest at the start of the scene's drive. Where `cancel` ends the search for the
+    /// first state the walk stands on none.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
@@ -169,10 +175,19 @@ impl Walk {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn start_by(method: Box<dyn Method>, scene: &Scene, options: WalkOptions, cancel: &Cancel) -> Result<Self, Refusal> {
+    pub fn start_by(
+        method: Box<dyn Method>,
+        scene: &Scene,
+        options: WalkOptions,
+        cancel: &Cancel,
+    ) -> Result<Self, Refusal> {
         let (model, part) = (scene.model()?, options.part);
         if part.is_even() && !model.grid.nx.is_multiple_of(4) {
-            return Err(Refusal::new("cell.points", model.grid.nx, "a multiple of 4 for a quarter of the cell"));
+            return Err(Refusal::new(
+                "cell.points",
+                model.grid.nx,
+                "a multiple of 4 for a quarter of the cell",
+            ));
         }
         if part.is_even() && !model.indenter.ground().is_even() {
             return Err(Refusal::new(
@@ -181,15 +196,27 @@ impl Walk {
                 "even ground for a quarter of the cell; rough ground needs the whole",
             ));
         }
-        let make = if part.is_even() { System::even } else { System::new };
+        let make = if part.is_even() {
+            System::even
+        } else {
+            System::new
+        };
         let system = make(model.grid, model.law, &model.indenter).with_precision(options.precision);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let watched = part.is_even() && part != Part::Mirrored;
         let guard = watched.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
-        let mut mechanics = Mechanics::new(system, if part.is_even() { Slides::Never } else { slides });
+        let mut mechanics = Mechanics::new(
+            system,
+            if part.is_even() {
+                Slides::Never
+            } else {
+                slides
+            },
+        );
         mechanics.cancel = cancel.clone();
-        let flat = (mechanics.system.is_flat() && method.locates()).then(|| FlatBranch::new(model.law, model.grid.length));
+        let flat = (mechanics.system.is_flat() && method.locates())
+            .then(|| FlatBranch::new(model.law, model.grid.length));
         let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
         let start = scene.drive.start;
         let here = match flat {
@@ -209,7 +236,11 @@ impl Walk {
             guard,
             tracker,
             rng: Pcg64::seed_from_u64(scene.seed),
-            behind: Behind { history: History::starting(&here.state), before: None, short: None },
+            behind: Behind {
+                history: History::starting(&here.state),
+                before: None,
+                short: None,
+            },
             record: StateRecord::placeholder(start),
             here,
             phase: Phase::Following,
@@ -229,11 +260,19 @@ impl Walk {
         Ok(walk)
     }
 
-    /// The same walk on another state of its scene, on which an earlier walk on the same part of the cell stood.
+    /// The same walk on another state of its scene, on which an earlier walk on the same part of
+    /// the cell stood.
     pub fn standing_on(mut self, mut state: Equilibrium, record: StateRecord) -> Self {
-        let State { mean_displacement, amplitudes, .. } = state.state.clone();
+        let State {
+            mean_displacement,
+            amplitudes,
+            ..
+        } = state.state.clone();
         // It may come from another mesh, or have been moved.
-        state.fields = self.mechanics.uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement)).fields;
+        state.fields = self
+            .mechanics
+            .uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement))
+            .fields;
         self.target = mean_displacement;
         self.direction = record.direction;
         self.behind.history = History::starting(&state.state);
@@ -273,8 +312,13 @@ impl Walk {
 
     /// What was spent so far.
     pub fn counts(&self) -> Counts {
-        let proofs = self.tracker.proof_transforms() + self.guard.as_ref().map_or(0, Guard::proof_transforms);
-        Counts { transforms: self.transforms(), proof_transforms: proofs, ..self.spent.counts }
+        let proofs = self.tracker.proof_transforms()
+            + self.guard.as_ref().map_or(0, Guard::proof_transforms);
+        Counts {
+            transforms: self.transforms(),
+            proof_transforms: proofs,
+            ..self.spent.counts
+        }
     }
 
     fn transforms(&self) -> usize {
@@ -330,7 +374,11 @@ impl Walk {
         if self.cancelled() {
             return Progress::Cancelled;
         }
-        let direction = if self.target < here { Direction::Approach } else { Direction::Retraction };
+        let direction = if self.target < here {
+            Direction::Approach
+        } else {
+            Direction::Retraction
+        };
         if direction != self.direction {
             self.direction = direction;
             self.phase = Phase::Following;
@@ -348,9 +396,13 @@ impl Walk {
     }
 }
 
-/// The equilibrium at `u0` that Newton's method finds from the amplitudes `z`, measured, or as far as it came.
+/// The equilibrium at `u0` that Newton's method finds from the amplitudes `z`, measured, or as far
+/// as it came.
 fn solved(mechanics: &mut Mechanics, tracker: &mut Tracker, z: Vec<f64>, u0: f64) -> Equilibrium {
-    let limits = NewtonLimits { steps: 40, ..NewtonLimits::of(&mechanics.system) };
+    let limits = NewtonLimits {
+        steps: 40,
+        ..NewtonLimits::of(&mechanics.system)
+    };
     let found = solve(mechanics, z, u0, limits);
     let stop = match found.end {
         NewtonEnd::Converged => Stop::Stable,

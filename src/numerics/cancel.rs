@@ -11,9 +11,13 @@ pub struct Cancel {
 }
 
 impl Cancel {
-    /// A token for a part of the work: it hears a request to this one, and its own stops only the part.
+    /// A token for a part of the work: it hears a request to this one, and its own stops only the
+    /// part.
     pub fn part(&self) -> Self {
-        Self { flag: Arc::default(), above: Some(Box::new(self.clone())) }
+        Self {
+            flag: Arc::default(),
+            above: Some(Box::new(self.clone())),
+        }
     }
 
     /// Asks every holder of this token to stop at its next check.
@@ -23,7 +27,8 @@ impl Cancel {
 
     /// True once a stop was requested.
     pub fn requested(&self) -> bool {
-        self.flag.load(Ordering::Relaxed) || self.above.as_ref().is_some_and(|above| above.requested())
+        self.flag.load(Ordering::Relaxed)
+            || self.above.as_ref().is_some_and(|above| above.requested())
     }
 
     /// Takes the request back, so that the token can serve the next piece of work.

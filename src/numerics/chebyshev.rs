@@ -11,15 +11,26 @@ pub struct Chebyshev {
 }
 
 impl Chebyshev {
-    /// The polynomial of `points` terms that agrees with `f` at as many points between `low` and `high`.
+    /// The polynomial of `points` terms that agrees with `f` at as many points between `low` and
+    /// `high`.
     pub fn interpolate(low: f64, high: f64, points: usize, f: impl Fn(f64) -> f64) -> Self {
         let angle = |i: usize| PI * (i as f64 + 0.5) / points as f64;
-        let values: Vec<f64> = (0..points).map(|i| f(low + (high - low) * 0.5 * (1.0 + angle(i).cos()))).collect();
+        let values: Vec<f64> = (0..points)
+            .map(|i| f(low + (high - low) * 0.5 * (1.0 + angle(i).cos())))
+            .collect();
         let coefficient = |k: usize| {
-            let sum: f64 = values.iter().enumerate().map(|(i, v)| v * (k as f64 * angle(i)).cos()).sum();
+            let sum: f64 = values
+                .iter()
+                .enumerate()
+                .map(|(i, v)| v * (k as f64 * angle(i)).cos())
+                .sum();
             sum * if k == 0 { 1.0 } else { 2.0 } / points as f64
         };
-        Self { low, high, coefficients: (0..points).map(coefficient).collect() }
+        Self {
+            low,
+            high,
+            coefficients: (0..points).map(coefficient).collect(),
+        }
     }
 
     /// Its derivative.
@@ -28,12 +39,18 @@ impl Chebyshev {
         // c'_{k-1} = c'_{k+1} + 2 k c_k.
         let mut slope = vec![0.0; n + 1];
         for k in (1..n).rev() {
-            slope[k - 1] = slope.get(k + 1).copied().unwrap_or(0.0) + 2.0 * k as f64 * self.coefficients[k];
+            slope[k - 1] =
+                slope.get(k + 1).copied().unwrap_or(0.0) + 2.0 * k as f64 * self.coefficients[k];
         }
         slope[0] *= 0.5;
         slope.truncate(n.saturating_sub(1).max(1));
-        slope.iter_mut().for_each(|c| *c *= 2.0 / (self.high - self.low));
-        Self { coefficients: slope, ..*self }
+        slope
+            .iter_mut()
+            .for_each(|c| *c *= 2.0 / (self.high - self.low));
+        Self {
+            coefficients: slope,
+            ..*self
+        }
     }
 
     /// Its value at `x`, by Clenshaw's recurrence.

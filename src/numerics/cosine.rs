@@ -1,8 +1,10 @@
-//! Cosine transform of even fields: one quarter of a periodic cell, mirror-symmetric about x = 0 and y = 0.
+//! Cosine transform of even fields: one quarter of a periodic cell, mirror-symmetric about x = 0
+//! and y = 0.
 //!
-//! Points sit half a spacing off the mirror, x_j = (j + 1/2) da, so that a quarter of an n x n cell has n/2 x n/2 points and
-//! u = sum a_kl cos(pi k (i + 1/2)/m) cos(pi l (j + 1/2)/m) with m = n/2. By J. Makhoul (IEEE Trans. ASSP 28, 27 (1980)) it is the
-//! Fourier transform of the field in another order, even points first and odd points backwards, followed by a rotation.
+//! Points sit half a spacing off the mirror, x_j = (j + 1/2) da, so that a quarter of an n x n cell
+//! has n/2 x n/2 points and u = sum a_kl cos(pi k (i + 1/2)/m) cos(pi l (j + 1/2)/m) with m = n/2.
+//! By J. Makhoul (IEEE Trans. ASSP 28, 27 (1980)) it is the Fourier transform of the field in
+//! another order, even points first and odd points backwards, followed by a rotation.
 
 use super::fourier::{Fourier, Scratch};
 use super::real::Real;
@@ -35,9 +37,21 @@ pub struct CosineScratch<T: Real = f64> {
 impl<T: Real> Cosine<T> {
     /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1.
     pub fn new(ny: usize, nx: usize) -> Self {
-        let turns = |m: usize| (0..=m / 2).map(|k| rounded(Complex::cis(-PI * k as f64 / (2 * m) as f64))).collect();
+        let turns = |m: usize| {
+            (0..=m / 2)
+                .map(|k| rounded(Complex::cis(-PI * k as f64 / (2 * m) as f64)))
+                .collect()
+        };
         let order = |m: usize| (0..m).step_by(2).chain((1..m).step_by(2).rev()).collect();
-        Self { nx, ny, fourier: Fourier::new(ny, nx), turn_x: turns(nx), turn_y: turns(ny), from_x: order(nx), from_y: order(ny) }
+        Self {
+            nx,
+            ny,
+            fourier: Fourier::new(ny, nx),
+            turn_x: turns(nx),
+            turn_y: turns(ny),
+            from_x: order(nx),
+            from_y: order(ny),
+        }
     }
 
     /// Shape (ny, nx) of a field.
@@ -54,8 +68,8 @@ impl<T: Real> Cosine<T> {
         }
     }
 
-    /// Orthonormal amplitudes z of `field` (ny rows): z.z = mean(field^2). Entry k ny + l belongs to wave numbers k along x and l
-    /// along y, in units of half a turn per quarter cell.
+    /// Orthonormal amplitudes z of `field` (ny rows): z.z = mean(field^2). Entry k ny + l belongs
+    /// to wave numbers k along x and l along y, in units of half a turn per quarter cell.
     pub fn analyse(&self, field: &[T], z: &mut [f64], scratch: &mut CosineScratch<T>) {
         let (nx, ny) = (self.nx, self.ny);
         let ordered = scratch.field.as_slice_mut().expect("standard layout");
@@ -65,13 +79,23 @@ impl<T: Real> Cosine<T> {
                 *t = from[i];
             }
         }
-        self.fourier.forward(&scratch.field, &mut scratch.spectrum, &mut scratch.fourier);
+        self.fourier
+            .forward(&scratch.field, &mut scratch.spectrum, &mut scratch.fourier);
         let spectrum = scratch.spectrum.as_slice().expect("standard layout");
         let (low, high) = z.split_at_mut((nx / 2 + 1) * ny);
-        for (k, (v, z)) in spectrum.chunks_exact(ny).zip(low.chunks_exact_mut(ny)).enumerate() {
-            // Both halves of the wave numbers along x come from one row of the spectrum: k, and nx - k where it is another.
+        for (k, (v, z)) in spectrum
+            .chunks_exact(ny)
+            .zip(low.chunks_exact_mut(ny))
+            .enumerate()
+        {
+            // Both halves of the wave numbers along x come from one row of the spectrum: k, and
+            // nx - k where it is another.
             let turn = self.turn_x[k] * T::rounded(if k == 0 { 1.0 } else { SQRT_2 });
-            let mirror = if k == 0 || 2 * k == nx { None } else { Some(nx / 2 - 1 - k) };
+            let mirror = if k == 0 || 2 * k == nx {
+                None
+            } else {
+                Some(nx / 2 - 1 - k)
+            };
             let mut spare = [];
             let other = mirror.map_or(&mut spare[..], |m| &mut high[m * ny..(m + 1) * ny]);
             self.turn_row(v, turn, z, other);
@@ -110,15 +134,27 @@ impl<T: Real> Cosine<T> {
         }
     }
 
-    /// The field of orthonormal amplitudes `z`, whose first entry is ignored in favour of `mean`; inverse of [`Cosine::analyse`].
-    pub fn synthesise(&self, z: &[f64], mean: f64, field: &mut [T], scratch: &mut CosineScratch<T>) {
+    /// The field of orthonormal amplitudes `z`, whose first entry is ignored in favour of `mean`;
+    /// inverse of [`Cosine::analyse`].
+    pub fn synthesise(
+        &self,
+        z: &[f64],
+        mean: f64,
+        field: &mut [T],
+        scratch: &mut CosineScratch<T>,
+    ) {
         let (nx, ny) = (self.nx, self.ny);
         let spectrum = scratch.spectrum.as_slice_mut().expect("standard layout");
         let half_root = T::rounded(FRAC_1_SQRT_2);
         for (k, v) in spectrum.chunks_exact_mut(ny).enumerate() {
             let mirror = (nx - k) % nx;
             let turn = self.turn_x[k].conj() * if k == 0 { T::one() } else { half_root };
-            let get = |l: usize| turn * rounded(Complex::new(z[k * ny + l], if k == 0 { 0.0 } else { -z[mirror * ny + l] }));
+            let get = |l: usize| {
+                turn * rounded(Complex::new(
+                    z[k * ny + l],
+                    if k == 0 { 0.0 } else { -z[mirror * ny + l] },
+                ))
+            };
             v[0] = get(0);
             for l in 1..=ny / 2 {
                 let (y, m) = (get(l) * half_root, get(ny - l) * half_root);
@@ -128,7 +164,11 @@ impl<T: Real> Cosine<T> {
             }
         }
         spectrum[0].re = spectrum[0].re + T::rounded(mean - z[0]);
-        self.fourier.inverse(&mut scratch.spectrum, &mut scratch.field, &mut scratch.fourier);
+        self.fourier.inverse(
+            &mut scratch.spectrum,
+            &mut scratch.field,
+            &mut scratch.fourier,
+        );
         let ordered = scratch.field.as_slice().expect("standard layout");
         for (from, &j) in ordered.chunks_exact(nx).zip(&self.from_y) {
             let to = &mut field[j * nx..(j + 1) * nx];
@@ -149,7 +189,9 @@ mod tests {
     use super::*;
 
     fn field(ny: usize, nx: usize) -> Vec<f64> {
-        (0..nx * ny).map(|i| ((i * 7919 % 1009) as f64 / 504.5 - 1.0) + 0.3).collect()
+        (0..nx * ny)
+            .map(|i| ((i * 7919 % 1009) as f64 / 504.5 - 1.0) + 0.3)
+            .collect()
     }
 
     #[test]
@@ -160,10 +202,17 @@ mod tests {
             cosine.analyse(&f, &mut z, &mut cosine.scratch());
             for k in 0..nx {
                 for l in 0..ny {
-                    let wave = |k: usize, i: usize, m: usize| (PI * k as f64 * (i as f64 + 0.5) / m as f64).cos();
-                    let sum: f64 = (0..nx * ny).map(|p| f[p] * wave(k, p % nx, nx) * wave(l, p / nx, ny)).sum();
+                    let wave = |k: usize, i: usize, m: usize| {
+                        (PI * k as f64 * (i as f64 + 0.5) / m as f64).cos()
+                    };
+                    let sum: f64 = (0..nx * ny)
+                        .map(|p| f[p] * wave(k, p % nx, nx) * wave(l, p / nx, ny))
+                        .sum();
                     let norm = SQRT_2.powi(i32::from(k > 0) + i32::from(l > 0)) / (nx * ny) as f64;
-                    assert!((z[k * ny + l] - sum * norm).abs() < 1e-14, "{ny} x {nx}: {k}, {l}");
+                    assert!(
+                        (z[k * ny + l] - sum * norm).abs() < 1e-14,
+                        "{ny} x {nx}: {k}, {l}"
+                    );
                 }
             }
         }
@@ -173,10 +222,15 @@ mod tests {
     fn synthesis_inverts_analysis_and_keeps_the_mean_square() {
         for (ny, nx) in [(1, 96), (24, 24), (50, 50), (128, 128)] {
             let (cosine, f) = (Cosine::new(ny, nx), field(ny, nx));
-            let (mut z, mut back, mut scratch) = (vec![0.0; nx * ny], vec![0.0; nx * ny], cosine.scratch());
+            let (mut z, mut back, mut scratch) =
+                (vec![0.0; nx * ny], vec![0.0; nx * ny], cosine.scratch());
             cosine.analyse(&f, &mut z, &mut scratch);
             cosine.synthesise(&z, z[0], &mut back, &mut scratch);
-            let worst = f.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let worst = f
+                .iter()
+                .zip(&back)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
             assert!(worst < 1e-13, "{ny} x {nx}: {worst:e}");
             let mean_square = f.iter().map(|f| f * f).sum::<f64>() / (nx * ny) as f64;
             assert!((z.iter().map(|z| z * z).sum::<f64>() / mean_square - 1.0).abs() < 1e-13);

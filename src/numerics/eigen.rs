@@ -1,4 +1,5 @@
-//! Smallest eigenpairs of a symmetric operator: block LOBPCG, and Jacobi rotations for the small dense problem inside.
+//! Smallest eigenpairs of a symmetric operator: block LOBPCG, and Jacobi rotations for the small
+//! dense problem inside.
 
 use super::cancel::Cancel;
 use super::vector::{add, add_all, norm, orthonormalise, products, project_out, scale};
@@ -19,11 +20,13 @@ pub struct EigenPairs {
 /// Budget of one call of [`smallest`].
 #[derive(Clone, Copy, Debug)]
 pub struct EigenLimits {
-    /// Pairs wanted; only their residuals are iterated on. Further start vectors only widen the first subspace.
+    /// Pairs wanted; only their residuals are iterated on. Further start vectors only widen the
+    /// first subspace.
     pub pairs: usize,
     /// Iterations that are always done (unless the residual vanishes).
     pub least: usize,
-    /// Iterations that are done while the first residual is above `relative` x |value|, or above `absolute`.
+    /// Iterations that are done while the first residual is above `relative` x |value|, or above
+    /// `absolute`.
     pub most: usize,
     /// Goal for residual over |value|.
     pub relative: f64,
@@ -33,8 +36,9 @@ pub struct EigenLimits {
 
 /// Block LOBPCG from the vectors `start`, orthogonal to the orthonormal vectors `removed`.
 ///
-/// A. V. Knyazev, SIAM J. Sci. Comput. 23, 517 (2001), with an orthonormalised basis (robust against nearly dependent vectors).
-/// `precondition` is an approximate inverse, symmetric positive definite.
+/// A. V. Knyazev, SIAM J. Sci. Comput. 23, 517 (2001), with an orthonormalised basis (robust
+/// against nearly dependent vectors). `precondition` is an approximate inverse, symmetric positive
+/// definite.
 pub fn smallest(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     start: Vec<Vec<f64>>,
@@ -63,7 +67,8 @@ pub fn smallest(
     let pairs = limits.pairs.min(basis.len());
     let mut x = combine(&basis, &rotation, pairs);
     let mut ax = combine(&images, &rotation, pairs);
-    // The subspace of the last iteration, from which the conjugate directions come, and how the vectors were made of it.
+    // The subspace of the last iteration, from which the conjugate directions come, and how the
+    // vectors were made of it.
     let mut last: Option<(Subspace, Vec<Vec<f64>>)> = None;
     let mut residual = f64::INFINITY;
     for iteration in 0..=limits.most {
@@ -76,7 +81,8 @@ pub fn smallest(
         };
         let first = (!x.is_empty()).then(|| error(0));
         residual = first.as_ref().map_or(residual, |r| norm(r));
-        let good = residual <= (limits.relative * values.first().map_or(0.0, |v| v.abs())).max(limits.absolute);
+        let good = residual
+            <= (limits.relative * values.first().map_or(0.0, |v| v.abs())).max(limits.absolute);
         if cancel.requested() || iteration == limits.most || (good && iteration >= limits.least) {
             break;
         }
@@ -90,8 +96,14 @@ pub fn smallest(
             })
             .collect();
         let width = x.len();
-        let conjugate = last.take().map(|(space, rotation)| space.conjugate(&rotation, width)).unwrap_or_default();
-        let mut space = Subspace { basis: x, images: ax };
+        let conjugate = last
+            .take()
+            .map(|(space, rotation)| space.conjugate(&rotation, width))
+            .unwrap_or_default();
+        let mut space = Subspace {
+            basis: x,
+            images: ax,
+        };
         for v in steps {
             space.add(v, None, &mut image);
         }
@@ -105,7 +117,12 @@ pub fn smallest(
         last = Some((space, rotation));
     }
     values.truncate(x.len());
-    EigenPairs { values, vectors: x, residual, products }
+    EigenPairs {
+        values,
+        vectors: x,
+        residual,
+        products,
+    }
 }
 
 /// An orthonormal basis with its images under the operator.
@@ -115,7 +132,8 @@ struct Subspace {
 }
 
 impl Subspace {
-    /// What the first `width` Ritz vectors owe to the part outside the first `width` vectors, with its image.
+    /// What the first `width` Ritz vectors owe to the part outside the first `width` vectors, with
+    /// its image.
     fn conjugate(&self, rotation: &[Vec<f64>], width: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
         if self.basis.len() == width {
             return Vec::new();
@@ -124,15 +142,27 @@ impl Subspace {
             let rotation: Vec<_> = rotation.iter().map(|c| c[width..].to_vec()).collect();
             combine(&vectors[width..], &rotation, width)
         };
-        outside(&self.basis).into_iter().zip(outside(&self.images)).collect()
+        outside(&self.basis)
+            .into_iter()
+            .zip(outside(&self.images))
+            .collect()
     }
 
-    /// Adds the part of `v` that is new, unless it is nearly nothing. A known image is carried along, which saves a product.
-    fn add(&mut self, mut v: Vec<f64>, known: Option<Vec<f64>>, image: &mut impl FnMut(&Vec<f64>) -> Vec<f64>) {
+    /// Adds the part of `v` that is new, unless it is nearly nothing. A known image is carried
+    /// along, which saves a product.
+    fn add(
+        &mut self,
+        mut v: Vec<f64>,
+        known: Option<Vec<f64>>,
+        image: &mut impl FnMut(&Vec<f64>) -> Vec<f64>,
+    ) {
         let before = norm(&v);
         let mut carried = known;
         for _twice in 0..2 {
-            let along: Vec<f64> = products(&self.basis, std::slice::from_ref(&v)).iter().map(|c| -c[0]).collect();
+            let along: Vec<f64> = products(&self.basis, std::slice::from_ref(&v))
+                .iter()
+                .map(|c| -c[0])
+                .collect();
             add_all(&mut v, &along, &self.basis);
             if let Some(av) = &mut carried {
                 add_all(av, &along, &self.images);
@@ -157,11 +187,16 @@ impl Subspace {
     }
 }
 
-/// Eigen-decomposition of the operator in the span of an orthonormal basis: values ascending, and one coefficient column each.
+/// Eigen-decomposition of the operator in the span of an orthonormal basis: values ascending, and
+/// one coefficient column each.
 fn rayleigh_ritz(basis: &[Vec<f64>], images: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
     let a = products(basis, images);
     let symmetric = |i: usize, j: usize| 0.5 * (a[i][j] + a[j][i]);
-    symmetric_eigen((0..a.len()).map(|i| (0..a.len()).map(|j| symmetric(i, j)).collect()).collect())
+    symmetric_eigen(
+        (0..a.len())
+            .map(|i| (0..a.len()).map(|j| symmetric(i, j)).collect())
+            .collect(),
+    )
 }
 
 fn combine(vectors: &[Vec<f64>], rotation: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
@@ -176,12 +211,18 @@ fn combine(vectors: &[Vec<f64>], rotation: &[Vec<f64>], count: usize) -> Vec<Vec
         .collect()
 }
 
-/// All eigenpairs of a small dense symmetric matrix by cyclic Jacobi rotations: values ascending, `vectors[k]` belonging to `values[k]`.
+/// All eigenpairs of a small dense symmetric matrix by cyclic Jacobi rotations: values ascending,
+/// `vectors[k]` belonging to `values[k]`.
 pub fn symmetric_eigen(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = a.len();
-    let mut v: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+    let mut v: Vec<Vec<f64>> = (0..n)
+        .map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect())
+        .collect();
     for _sweep in 0..60 {
-        let off: f64 = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j] * a[i][j]).sum();
+        let off: f64 = (0..n)
+            .flat_map(|i| (0..i).map(move |j| (i, j)))
+            .map(|(i, j)| a[i][j] * a[i][j])
+            .sum();
         let diagonal: f64 = (0..n).map(|i| a[i][i] * a[i][i]).sum();
         if !(off > 1e-32 * diagonal) {
             break;
@@ -194,10 +235,14 @@ pub fn symmetric_eigen(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
     }
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&i, &j| a[i][i].total_cmp(&a[j][j]));
-    (order.iter().map(|&k| a[k][k]).collect(), order.iter().map(|&k| v[k].clone()).collect())
+    (
+        order.iter().map(|&k| a[k][k]).collect(),
+        order.iter().map(|&k| v[k].clone()).collect(),
+    )
 }
 
-/// One Jacobi rotation that annihilates a[i][j]; row k of `v` is the k-th eigenvector in the making.
+/// One Jacobi rotation that annihilates a[i][j]; row k of `v` is the k-th eigenvector in the
+/// making.
 fn rotate(a: &mut [Vec<f64>], v: &mut [Vec<f64>], i: usize, j: usize) {
     if a[i][j] == 0.0 {
         return;

@@ -1,4 +1,5 @@
-//! A vectorisable exponential, and the dispatch that lets it use the widest vectors of the processor.
+//! A vectorisable exponential, and the dispatch that lets it use the widest vectors of the
+//! processor.
 
 use pulp::Arch;
 use std::sync::OnceLock;
@@ -7,16 +8,18 @@ use std::sync::OnceLock;
 const LANES: usize = 8;
 
 const LOG2_E: f64 = std::f64::consts::LOG2_E;
-/// ln 2 in two parts (Cody and Waite): the first has zeros in its low bits, so that its products with small integers are exact.
+/// ln 2 in two parts (Cody and Waite): the first has zeros in its low bits, so that its products
+/// with small integers are exact.
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-/// Adding and subtracting 1.5 x 2^52 rounds to the nearest integer, and leaves that integer in the low bits.
+/// Adding and subtracting 1.5 x 2^52 rounds to the nearest integer, and leaves that integer in the
+/// low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// e^x without branches or table, so that loops over it vectorise; relative error below 4e-16.
 ///
-/// Arguments are clamped to [-708, 709]: the result stays finite and above zero (inputs that need more overflow in their products,
-/// and NaN stays NaN).
+/// Arguments are clamped to [-708, 709]: the result stays finite and above zero (inputs that need
+/// more overflow in their products, and NaN stays NaN).
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
     let x = if x > 709.0 { 709.0 } else { x };
@@ -47,26 +50,39 @@ pub fn exp(x: f64) -> f64 {
     s * f64::from_bits((shifted.to_bits().wrapping_add(1023)) << 52)
 }
 
-/// Runs `work` compiled for the processor at hand. `work` must be `#[inline(always)]` all the way down to gain from it.
+/// Runs `work` compiled for the processor at hand. `work` must be `#[inline(always)]` all the way
+/// down to gain from it.
 fn dispatch<R>(work: impl FnOnce() -> R) -> R {
     static ARCH: OnceLock<Arch> = OnceLock::new();
     ARCH.get_or_init(Arch::new).dispatch(work)
 }
 
-/// Numbers of one block of [`map_sum`]: long enough for the loop vectoriser, short enough for the first cache.
+/// Numbers of one block of [`map_sum`]: long enough for the loop vectoriser, short enough for the
+/// first cache.
 const BLOCK: usize = 64;
 
-/// Applies `f`, which returns a summand and two outputs, to every input; returns the sum. One pass, compiled for the processor at
-/// hand if `f` is `#[inline(always)]`.
-pub fn map_sum(input: &[f64], first: &mut [f64], second: &mut [f64], f: impl Fn(f64) -> [f64; 3] + Copy) -> f64 {
+/// Applies `f`, which returns a summand and two outputs, to every input; returns the sum. One pass,
+/// compiled for the processor at hand if `f` is `#[inline(always)]`.
+pub fn map_sum(
+    input: &[f64],
+    first: &mut [f64],
+    second: &mut [f64],
+    f: impl Fn(f64) -> [f64; 3] + Copy,
+) -> f64 {
     dispatch(
         #[inline(always)]
         || {
-            let (mut xs, mut ys, mut zs) = (input.chunks(BLOCK), first.chunks_mut(BLOCK), second.chunks_mut(BLOCK));
+            let (mut xs, mut ys, mut zs) = (
+                input.chunks(BLOCK),
+                first.chunks_mut(BLOCK),
+                second.chunks_mut(BLOCK),
+            );
             let mut lanes = [0.0; LANES];
             while let (Some(x), Some(y), Some(z)) = (xs.next(), ys.next(), zs.next()) {
-                // Fixed-size copies: loops of known length without bounds checks are what the vectoriser takes.
-                let (mut input, mut sums, mut one, mut two) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+                // Fixed-size copies: loops of known length without bounds checks are what the
+                // vectoriser takes.
+                let (mut input, mut sums, mut one, mut two) =
+                    ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
                 input[..x.len()].copy_from_slice(x);
                 for i in 0..BLOCK {
                     [sums[i], one[i], two[i]] = f(input[i]);
@@ -101,7 +117,14 @@ mod tests {
 
     #[test]
     fn is_finite_and_positive_at_the_ends_and_keeps_nan() {
-        for x in [-1e300, -745.0, 709.5, 1e300, f64::INFINITY, f64::NEG_INFINITY] {
+        for x in [
+            -1e300,
+            -745.0,
+            709.5,
+            1e300,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+        ] {
             assert!(exp(x).is_finite() && exp(x) > 0.0, "{x}");
         }
         assert!(exp(f64::NAN).is_nan());

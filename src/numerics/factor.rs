@@ -2,10 +2,12 @@
 
 use super::vector::dot;
 
-/// The factors of a symmetric matrix, pivots in the order of its rows; empty until [`Factor::factorise`].
+/// The factors of a symmetric matrix, pivots in the order of its rows; empty until
+/// [`Factor::factorise`].
 ///
-/// Negative pivots, as many as the matrix has negative eigenvalues (Sylvester's law of inertia), are kept as they are, so that the factors
-/// serve two ends: the matrix itself, and |matrix| = L |D| L^T, which is positive and so a preconditioner.
+/// Negative pivots, as many as the matrix has negative eigenvalues (Sylvester's law of inertia),
+/// are kept as they are, so that the factors serve two ends: the matrix itself, and |matrix| = L
+/// |D| L^T, which is positive and so a preconditioner.
 #[derive(Clone, Debug, Default)]
 pub struct Factor {
     /// L below the diagonal, D on it; row by row, 1 + 2 + ... + n entries.
@@ -15,8 +17,9 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// Factorises the matrix of `size` whose lower triangle is `lower`, row by row. Pivots smaller than `floor` are taken for `floor`, which
-    /// bounds the inverse along a vector that the matrix nearly annihilates.
+    /// Factorises the matrix of `size` whose lower triangle is `lower`, row by row. Pivots smaller
+    /// than `floor` are taken for `floor`, which bounds the inverse along a vector that the matrix
+    /// nearly annihilates.
     pub fn factorise(&mut self, lower: &[f64], size: usize, floor: f64) {
         assert_eq!(lower.len(), start(size));
         (self.size, self.negative) = (size, 0);
@@ -121,7 +124,9 @@ mod tests {
     use super::*;
 
     fn lower(n: usize, entry: impl Fn(usize, usize) -> f64 + Copy) -> Vec<f64> {
-        (0..n).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect()
+        (0..n)
+            .flat_map(|i| (0..=i).map(move |j| entry(i, j)))
+            .collect()
     }
 
     fn of(n: usize, entry: impl Fn(usize, usize) -> f64 + Copy) -> Factor {
@@ -135,7 +140,9 @@ mod tests {
         let n = 5;
         let entry = |i: usize, j: usize| 1.0 / (i + j + 1) as f64;
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
-        let mut b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect();
+        let mut b: Vec<f64> = (0..n)
+            .map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum())
+            .collect();
         let factor = of(n, entry);
         factor.solve(&mut b);
         assert_eq!(factor.negative(), 0);
@@ -150,14 +157,20 @@ mod tests {
         assert_eq!(factor.negative(), 1);
         let mut x = [5.0, 4.0];
         factor.solve(&mut x);
-        assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14, "{x:?}");
+        assert!(
+            (x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14,
+            "{x:?}"
+        );
         // F F^T is the inverse with the pivots made positive.
         let (mut once, mut twice) = ([0.3, -0.7], [0.3, -0.7]);
         factor.solve_positive(&mut once);
         factor.gather(&mut twice);
         assert!(dot(&twice, &twice) > 0.0);
         factor.spread(&mut twice);
-        assert!(once.iter().zip(twice).all(|(a, b)| (a - b).abs() < 1e-14), "{once:?} {twice:?}");
+        assert!(
+            once.iter().zip(twice).all(|(a, b)| (a - b).abs() < 1e-14),
+            "{once:?} {twice:?}"
+        );
     }
 
     #[test]

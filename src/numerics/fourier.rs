@@ -1,7 +1,8 @@
-//! Two-dimensional transform of real fields: realfft along rows, rustfft along columns, plans made once, scratch owned by the caller.
+//! Two-dimensional transform of real fields: realfft along rows, rustfft along columns, plans made
+//! once, scratch owned by the caller.
 //!
-//! Large fields are shared among threads, by rows and by columns; each row is transformed by the same plan as without, so that the
-//! result does not depend on it by a single bit.
+//! Large fields are shared among threads, by rows and by columns; each row is transformed by the
+//! same plan as without, so that the result does not depend on it by a single bit.
 
 use super::real::Real;
 use super::threads::{each, lanes};
@@ -11,14 +12,16 @@ use rustfft::Fft;
 use rustfft::num_complex::Complex;
 use std::sync::Arc;
 
-/// Lines that are gathered and transformed together: 8 complex numbers side by side fill whole cache lines.
+/// Lines that are gathered and transformed together: 8 complex numbers side by side fill whole
+/// cache lines.
 const BAND: usize = 8;
 
 /// Plans for fields of one shape (ny, nx).
 ///
-/// A spectrum has shape (nx/2 + 1, ny): **wave numbers along x are rows**, those along y columns, so that the second pass of the
-/// transform runs over contiguous memory. Row k holds k_x = 2 pi k / L_x; column l holds k_y = 2 pi l / L_y for l <= ny/2 and
-/// 2 pi (l - ny) / L_y beyond. The missing half follows from u(-k) = conj u(k).
+/// A spectrum has shape (nx/2 + 1, ny): **wave numbers along x are rows**, those along y columns,
+/// so that the second pass of the transform runs over contiguous memory. Row k holds k_x = 2 pi k /
+/// L_x; column l holds k_y = 2 pi l / L_y for l <= ny/2 and 2 pi (l - ny) / L_y beyond. The missing
+/// half follows from u(-k) = conj u(k).
 #[derive(Clone)]
 pub struct Fourier<T: Real = f64> {
     nx: usize,
@@ -51,7 +54,8 @@ struct Lane<T> {
 }
 
 impl<T: Real> Fourier<T> {
-    /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1. Large fields are shared among threads.
+    /// Plans for fields with `ny` rows and `nx` columns; `nx` even, `ny` even or 1. Large fields
+    /// are shared among threads.
     pub fn new(ny: usize, nx: usize) -> Self {
         Self::with_lanes(ny, nx, lanes(ny * nx))
     }
@@ -60,8 +64,17 @@ impl<T: Real> Fourier<T> {
     pub fn with_lanes(ny: usize, nx: usize, lanes: usize) -> Self {
         assert!(nx >= 2 && nx.is_multiple_of(2), "nx must be even");
         assert!(ny == 1 || ny.is_multiple_of(2), "ny must be even or 1");
-        let ((row_forward, row_inverse), (column_forward, column_inverse)) = (T::row_plans(nx), T::column_plans(ny));
-        Self { nx, ny, lanes: lanes.max(1), row_forward, row_inverse, column_forward, column_inverse }
+        let ((row_forward, row_inverse), (column_forward, column_inverse)) =
+            (T::row_plans(nx), T::column_plans(ny));
+        Self {
+            nx,
+            ny,
+            lanes: lanes.max(1),
+            row_forward,
+            row_inverse,
+            column_forward,
+            column_inverse,
+        }
     }
 
     /// Shape (ny, nx) of a field.
@@ -89,8 +102,14 @@ impl<T: Real> Fourier<T> {
             self.column_inverse.get_inplace_scratch_len(),
         ];
         let longest = longest.into_iter().max().unwrap_or(0);
-        let lane = Lane { line: vec![T::default(); self.nx], fft: vec![Complex::default(); longest] };
-        Scratch { rows: vec![Complex::default(); m * ny], lanes: vec![lane; self.lanes] }
+        let lane = Lane {
+            line: vec![T::default(); self.nx],
+            fft: vec![Complex::default(); longest],
+        };
+        Scratch {
+            rows: vec![Complex::default(); m * ny],
+            lanes: vec![lane; self.lanes],
+        }
     }
 
     /// Lines of each lane, of `lines` in all: whole bands.
@@ -102,7 +121,12 @@ impl<T: Real> Fourier<T> {
     ///
     /// # Panics
     /// If shapes differ from the plans' or an array is not in standard layout.
-    pub fn forward(&self, field: &Array2<T>, spectrum: &mut Array2<Complex<T>>, scratch: &mut Scratch<T>) {
+    pub fn forward(
+        &self,
+        field: &Array2<T>,
+        spectrum: &mut Array2<Complex<T>>,
+        scratch: &mut Scratch<T>,
+    ) {
         let (nx, (m, ny)) = (self.nx, self.spectrum_shape());
         assert_eq!(field.dim(), (ny, nx));
         assert_eq!(spectrum.dim(), (m, ny));
@@ -111,30 +135,47 @@ impl<T: Real> Fourier<T> {
         let Scratch { rows, lanes } = scratch;
         let scale = T::rounded(1.0 / (nx * ny) as f64);
         let share = self.share(ny);
-        each(field.chunks(share * nx).zip(rows.chunks_mut(share * m)).zip(&mut *lanes), |((field, rows), lane)| {
-            for (input, output) in field.chunks_exact(nx).zip(rows.chunks_exact_mut(m)) {
-                for (to, from) in lane.line.iter_mut().zip(input) {
-                    *to = *from * scale;
+        each(
+            field
+                .chunks(share * nx)
+                .zip(rows.chunks_mut(share * m))
+                .zip(&mut *lanes),
+            |((field, rows), lane)| {
+                for (input, output) in field.chunks_exact(nx).zip(rows.chunks_exact_mut(m)) {
+                    for (to, from) in lane.line.iter_mut().zip(input) {
+                        *to = *from * scale;
+                    }
+                    self.row_forward
+                        .process_with_scratch(&mut lane.line, output, &mut lane.fft)
+                        .expect("lengths fit the plan");
                 }
-                self.row_forward.process_with_scratch(&mut lane.line, output, &mut lane.fft).expect("lengths fit the plan");
-            }
-        });
+            },
+        );
         let share = self.share(m);
-        each(spectrum.chunks_mut(share * ny).enumerate().zip(lanes), |((i, columns), lane)| {
-            for (band, columns) in columns.chunks_mut(BAND * ny).enumerate() {
-                gather(rows, m, i * share + band * BAND, columns, ny);
-                if ny > 1 {
-                    self.column_forward.process_with_scratch(columns, &mut lane.fft);
+        each(
+            spectrum.chunks_mut(share * ny).enumerate().zip(lanes),
+            |((i, columns), lane)| {
+                for (band, columns) in columns.chunks_mut(BAND * ny).enumerate() {
+                    gather(rows, m, i * share + band * BAND, columns, ny);
+                    if ny > 1 {
+                        self.column_forward
+                            .process_with_scratch(columns, &mut lane.fft);
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// The field of a `spectrum`, which is overwritten.
     ///
     /// # Panics
     /// If shapes differ from the plans' or an array is not in standard layout.
-    pub fn inverse(&self, spectrum: &mut Array2<Complex<T>>, field: &mut Array2<T>, scratch: &mut Scratch<T>) {
+    pub fn inverse(
+        &self,
+        spectrum: &mut Array2<Complex<T>>,
+        field: &mut Array2<T>,
+        scratch: &mut Scratch<T>,
+    ) {
         let (nx, (m, ny)) = (self.nx, self.spectrum_shape());
         assert_eq!(field.dim(), (ny, nx));
         assert_eq!(spectrum.dim(), (m, ny));
@@ -142,28 +183,43 @@ impl<T: Real> Fourier<T> {
         let spectrum = spectrum.as_slice_mut().expect("standard layout");
         let Scratch { rows, lanes } = scratch;
         if ny > 1 {
-            each(spectrum.chunks_mut(self.share(m) * ny).zip(&mut *lanes), |(columns, lane)| {
-                self.column_inverse.process_with_scratch(columns, &mut lane.fft);
-            });
+            each(
+                spectrum.chunks_mut(self.share(m) * ny).zip(&mut *lanes),
+                |(columns, lane)| {
+                    self.column_inverse
+                        .process_with_scratch(columns, &mut lane.fft);
+                },
+            );
         }
         let share = self.share(ny);
-        let tasks = field.chunks_mut(share * nx).zip(rows.chunks_mut(share * m)).enumerate().zip(lanes);
+        let tasks = field
+            .chunks_mut(share * nx)
+            .zip(rows.chunks_mut(share * m))
+            .enumerate()
+            .zip(lanes);
         each(tasks, |((i, (field, rows)), lane)| {
-            for (band, (field, rows)) in field.chunks_mut(BAND * nx).zip(rows.chunks_mut(BAND * m)).enumerate() {
+            for (band, (field, rows)) in field
+                .chunks_mut(BAND * nx)
+                .zip(rows.chunks_mut(BAND * m))
+                .enumerate()
+            {
                 gather(spectrum, ny, i * share + band * BAND, rows, m);
                 for (input, output) in rows.chunks_exact_mut(m).zip(field.chunks_exact_mut(nx)) {
-                    // A real row has real end amplitudes; round-off of the columns must not reach realfft's check.
+                    // A real row has real end amplitudes; round-off of the columns must not reach
+                    // realfft's check.
                     input[0].im = T::default();
                     input[m - 1].im = T::default();
-                    self.row_inverse.process_with_scratch(input, output, &mut lane.fft).expect("lengths fit the plan");
+                    self.row_inverse
+                        .process_with_scratch(input, output, &mut lane.fft)
+                        .expect("lengths fit the plan");
                 }
             }
         });
     }
 }
 
-/// Copies columns of the matrix `from`, whose rows have `width` entries, beginning with column `first`, into the lines of `to`, each
-/// of `length` entries.
+/// Copies columns of the matrix `from`, whose rows have `width` entries, beginning with column
+/// `first`, into the lines of `to`, each of `length` entries.
 fn gather<T: Copy>(from: &[T], width: usize, first: usize, to: &mut [T], length: usize) {
     let lines = to.len() / length;
     for top in (0..length).step_by(BAND) {

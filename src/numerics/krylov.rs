@@ -21,7 +21,8 @@ pub enum CgEnd {
 pub struct CgSolution {
     /// The solution, or as far as it came.
     pub x: Vec<f64>,
-    /// The last search direction; after [`CgEnd::NegativeCurvature`] the one of negative curvature, downhill from `x`.
+    /// The last search direction; after [`CgEnd::NegativeCurvature`] the one of negative curvature,
+    /// downhill from `x`.
     pub direction: Vec<f64>,
     /// Why it ended.
     pub end: CgEnd,
@@ -36,8 +37,9 @@ pub struct CgLimits {
     pub products: usize,
 }
 
-/// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the approximate inverse `precondition` (symmetric
-/// positive definite) and in the complement of the orthonormal `removed` directions.
+/// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the approximate inverse
+/// `precondition` (symmetric positive definite) and in the complement of the orthonormal `removed`
+/// directions.
 ///
 /// At negative curvature the solution so far is kept (it is a descent direction, or zero).
 pub fn conjugate_gradients(
@@ -61,20 +63,32 @@ pub fn conjugate_gradients(
     let goal = limits.tolerance * norm(&r);
     for _ in 0..limits.products {
         if cancel.requested() {
-            return CgSolution { x, direction: p, end: CgEnd::Cancelled };
+            return CgSolution {
+                x,
+                direction: p,
+                end: CgEnd::Cancelled,
+            };
         }
         apply(&p, &mut ap);
         project_out(&mut ap, removed);
         let curvature = dot(&p, &ap);
         // NaN must not pass as positive.
         if !(curvature > 0.0) {
-            return CgSolution { x, direction: p, end: CgEnd::NegativeCurvature };
+            return CgSolution {
+                x,
+                direction: p,
+                end: CgEnd::NegativeCurvature,
+            };
         }
         let alpha = rz / curvature;
         add(&mut x, alpha, &p);
         add(&mut r, -alpha, &ap);
         if norm(&r) <= goal {
-            return CgSolution { x, direction: p, end: CgEnd::Converged };
+            return CgSolution {
+                x,
+                direction: p,
+                end: CgEnd::Converged,
+            };
         }
         precondition(&r, &mut z);
         project_out(&mut z, removed);
@@ -85,5 +99,9 @@ pub fn conjugate_gradients(
             *p = z + beta * *p;
         }
     }
-    CgSolution { x, direction: p, end: CgEnd::Budget }
+    CgSolution {
+        x,
+        direction: p,
+        end: CgEnd::Budget,
+    }
 }

@@ -1,14 +1,17 @@
 //! A lower bound of the smallest eigenvalue from one random vector, with a stated chance of error.
 //!
-//! The Lanczos vectors of a symmetric operator B are q_j = p_j(B) q_0 with polynomials p_j that the three-term recurrence gives:
-//! beta_j p_{j+1}(t) = (t - alpha_j) p_j(t) - beta_{j-1} p_{j-1}(t). Let v be a unit eigenvector with eigenvalue t and c = v.q_0. Then
-//! v.q_j = c p_j(t), and as unit vectors have no product above 1, |c| <= 1/|p_j(t)|. Below all Ritz values the |p_j(t)| grow without
-//! bound as j grows and as t falls, so that an eigenvalue far below the Ritz values needs a start that all but misses its vector. A
-//! start drawn evenly from the sphere in d dimensions has |c| < e with a chance below e sqrt(2 d/pi). This turns a chance of error
-//! into a bound, from what was computed alone: no spectrum is assumed, and eigenvalues may be as degenerate as they like.
+//! The Lanczos vectors of a symmetric operator B are q_j = p_j(B) q_0 with polynomials p_j that the
+//! three-term recurrence gives: beta_j p_{j+1}(t) = (t - alpha_j) p_j(t) - beta_{j-1} p_{j-1}(t).
+//! Let v be a unit eigenvector with eigenvalue t and c = v.q_0. Then v.q_j = c p_j(t), and as unit
+//! vectors have no product above 1, |c| <= 1/|p_j(t)|. Below all Ritz values the |p_j(t)| grow
+//! without bound as j grows and as t falls, so that an eigenvalue far below the Ritz values needs a
+//! start that all but misses its vector. A start drawn evenly from the sphere in d dimensions has
+//! |c| < e with a chance below e sqrt(2 d/pi). This turns a chance of error into a bound, from what
+//! was computed alone: no spectrum is assumed, and eigenvalues may be as degenerate as they like.
 //!
-//! (The bound before the fact is that of J. Kuczynski and H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13, 1094 (1992).) Lanczos vectors
-//! lose their orthogonality to rounding; the argument asks for none. It does ask that c be well above rounding.
+//! (The bound before the fact is that of J. Kuczynski and H. Wozniakowski, SIAM J. Matrix Anal.
+//! Appl. 13, 1094 (1992).) Lanczos vectors lose their orthogonality to rounding; the argument asks
+//! for none. It does ask that c be well above rounding.
 
 use super::cancel::Cancel;
 use super::vector::{add, dot, norm, scale};
@@ -27,8 +30,9 @@ pub struct Bound {
     ritz: Vec<f64>,
 }
 
-/// Runs from `start`, drawn evenly from all directions, until `enough(lower, upper)` or `most` products. `chance` is the chance that
-/// an eigenvalue lies below the bound all the same; far above 1e-13, where rounding begins to matter.
+/// Runs from `start`, drawn evenly from all directions, until `enough(lower, upper)` or `most`
+/// products. `chance` is the chance that an eigenvalue lies below the bound all the same; far above
+/// 1e-13, where rounding begins to matter.
 pub fn lowest(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     start: &[f64],
@@ -39,12 +43,21 @@ pub fn lowest(
 ) -> Bound {
     let least = chance * (PI / (2.0 * start.len() as f64)).sqrt();
     let mut chain = Chain::new(start);
-    let mut bound = Bound { lower: f64::NEG_INFINITY, upper: f64::INFINITY, products: 0, ritz: Vec::new() };
+    let mut bound = Bound {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        products: 0,
+        ritz: Vec::new(),
+    };
     while bound.products < most && !cancel.requested() {
         let ended = !chain.step(&mut apply);
         bound.products += 1;
         bound.upper = chain.smallest_ritz();
-        bound.lower = if ended { bound.upper } else { chain.lower(bound.upper, least.recip()) };
+        bound.lower = if ended {
+            bound.upper
+        } else {
+            chain.lower(bound.upper, least.recip())
+        };
         if ended || enough(bound.lower, bound.upper) {
             break;
         }
@@ -54,7 +67,8 @@ pub fn lowest(
 }
 
 impl Bound {
-    /// The vector of the smallest Ritz value, of norm 1, by going the same way from `start` once more.
+    /// The vector of the smallest Ritz value, of norm 1, by going the same way from `start` once
+    /// more.
     pub fn vector(&self, mut apply: impl FnMut(&[f64], &mut [f64]), start: &[f64]) -> Vec<f64> {
         let mut chain = Chain::new(start);
         let mut sum = vec![0.0; start.len()];
@@ -80,7 +94,12 @@ impl Chain {
     fn new(start: &[f64]) -> Self {
         let mut vector = start.to_vec();
         scale(&mut vector, norm(start).recip());
-        Self { before: vec![0.0; start.len()], vector, alpha: Vec::new(), beta: Vec::new() }
+        Self {
+            before: vec![0.0; start.len()],
+            vector,
+            alpha: Vec::new(),
+            beta: Vec::new(),
+        }
     }
 
     /// One product; false if the vectors span an invariant space.
@@ -89,20 +108,32 @@ impl Chain {
         apply(&self.vector, &mut next);
         let alpha = dot(&self.vector, &next);
         add(&mut next, -alpha, &self.vector);
-        add(&mut next, -self.beta.last().copied().unwrap_or(0.0), &self.before);
+        add(
+            &mut next,
+            -self.beta.last().copied().unwrap_or(0.0),
+            &self.before,
+        );
         let beta = norm(&next);
         self.alpha.push(alpha);
         self.beta.push(beta);
         scale(&mut next, beta.recip());
         self.before = std::mem::replace(&mut self.vector, next);
-        beta > 1e-13 * self.alpha.iter().fold(0.0, |most: f64, a| most.max(a.abs()))
+        beta > 1e-13
+            * self
+                .alpha
+                .iter()
+                .fold(0.0, |most: f64, a| most.max(a.abs()))
     }
 
     /// Number of eigenvalues of the tridiagonal matrix below `t` (Sturm).
     fn below(&self, t: f64) -> usize {
         let (mut count, mut pivot) = (0, 1.0);
         for (i, a) in self.alpha.iter().enumerate() {
-            let coupling = if i == 0 { 0.0 } else { self.beta[i - 1] * self.beta[i - 1] };
+            let coupling = if i == 0 {
+                0.0
+            } else {
+                self.beta[i - 1] * self.beta[i - 1]
+            };
             pivot = a - t - coupling / pivot;
             if pivot == 0.0 {
                 pivot = f64::MIN_POSITIVE;
@@ -117,11 +148,18 @@ impl Chain {
         let reach = |i: usize| self.beta[i] + if i == 0 { 0.0 } else { self.beta[i - 1] };
         let discs = self.alpha.iter().enumerate();
         let mut low = discs.fold(f64::INFINITY, |low: f64, (i, a)| low.min(a - reach(i)));
-        let mut high = self.alpha.iter().fold(f64::INFINITY, |high: f64, a| high.min(*a));
+        let mut high = self
+            .alpha
+            .iter()
+            .fold(f64::INFINITY, |high: f64, a| high.min(*a));
         // To rounding of the discs' reach.
         for _ in 0..54 {
             let middle = 0.5 * (low + high);
-            if self.below(middle) > 0 { high = middle } else { low = middle }
+            if self.below(middle) > 0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
         }
         high
     }
@@ -139,7 +177,10 @@ impl Chain {
 
     /// The largest t below `ritz` at which some |p_j| reaches `wanted`: it grows as t falls.
     fn lower(&self, ritz: f64, wanted: f64) -> f64 {
-        let width = self.beta.iter().fold(f64::MIN_POSITIVE, |most: f64, b| most.max(*b));
+        let width = self
+            .beta
+            .iter()
+            .fold(f64::MIN_POSITIVE, |most: f64, b| most.max(*b));
         let mut step = 1e-6 * width;
         while self.growth(ritz - step) < wanted {
             step *= 2.0;
@@ -148,19 +189,32 @@ impl Chain {
         // To a thousandth of the distance that there is at most.
         for _ in 0..10 {
             let middle = 0.5 * (low + high);
-            if self.growth(middle) < wanted { high = middle } else { low = middle }
+            if self.growth(middle) < wanted {
+                high = middle;
+            } else {
+                low = middle;
+            }
         }
         low
     }
 
-    /// Components of the vector of the smallest Ritz value along the Lanczos vectors, by inverse iteration from just below it, where
-    /// the matrix is positive definite.
+    /// Components of the vector of the smallest Ritz value along the Lanczos vectors, by inverse
+    /// iteration from just below it, where the matrix is positive definite.
     fn ritz(&self, smallest: f64) -> Vec<f64> {
         let n = self.alpha.len();
-        let shift = smallest - 1e-9 * self.alpha.iter().fold(smallest.abs(), |most: f64, a| most.max(a.abs()));
+        let shift = smallest
+            - 1e-9
+                * self
+                    .alpha
+                    .iter()
+                    .fold(smallest.abs(), |most: f64, a| most.max(a.abs()));
         let mut pivots = Vec::with_capacity(n);
         for (i, a) in self.alpha.iter().enumerate() {
-            let coupling = if i == 0 { 0.0 } else { self.beta[i - 1] * self.beta[i - 1] / pivots[i - 1] };
+            let coupling = if i == 0 {
+                0.0
+            } else {
+                self.beta[i - 1] * self.beta[i - 1] / pivots[i - 1]
+            };
             pivots.push(a - shift - coupling);
         }
         let mut x = vec![1.0; n];
@@ -169,7 +223,11 @@ impl Chain {
                 x[i] -= self.beta[i - 1] / pivots[i - 1] * x[i - 1];
             }
             for i in (0..n).rev() {
-                let known = if i + 1 < n { self.beta[i] * x[i + 1] } else { 0.0 };
+                let known = if i + 1 < n {
+                    self.beta[i] * x[i + 1]
+                } else {
+                    0.0
+                };
                 x[i] = (x[i] - known) / pivots[i];
             }
             let length = norm(&x);
@@ -206,7 +264,9 @@ mod tests {
             };
             out.copy_from_slice(v);
             reflect(out);
-            out.iter_mut().zip(&values).for_each(|(o, value)| *o *= value);
+            out.iter_mut()
+                .zip(&values)
+                .for_each(|(o, value)| *o *= value);
             reflect(out);
         }
     }
@@ -238,12 +298,25 @@ mod tests {
 
     #[test]
     fn a_chance_of_a_tenth_is_missed_in_less_than_a_tenth_of_the_runs_and_not_by_far() {
-        let values: Vec<f64> = (0..200).map(|i| 1.0 + 0.02 * f64::from(i)).chain([0.7]).collect();
+        let values: Vec<f64> = (0..200)
+            .map(|i| 1.0 + 0.02 * f64::from(i))
+            .chain([0.7])
+            .collect();
         let missed = |products: usize| {
-            let run = |seed| lowest(turned(&values, 3), &random(201, seed), 0.1, products, |_, _| false, &Cancel::default());
+            let run = |seed| {
+                lowest(
+                    turned(&values, 3),
+                    &random(201, seed),
+                    0.1,
+                    products,
+                    |_, _| false,
+                    &Cancel::default(),
+                )
+            };
             (0..2000).filter(|&seed| run(seed).lower > 0.7).count()
         };
-        // The bound asks for |v.q_j| <= 1 alone; the vector is spread over several q_j, so that fewer are missed than allowed.
+        // The bound asks for |v.q_j| <= 1 alone; the vector is spread over several q_j, so that
+        // fewer are missed than allowed.
         let counts = [4, 6, 8, 10].map(missed);
         assert!(counts.iter().all(|&missed| missed < 200), "{counts:?}");
         assert!(counts.iter().any(|&missed| missed > 2), "{counts:?}");
@@ -251,8 +324,17 @@ mod tests {
 
     #[test]
     fn a_start_without_the_softest_vector_is_what_the_chance_is_about() {
-        // Forbidden to any honest caller: the run cannot know that 0 is an eigenvalue, until its rounding tells.
-        let values: Vec<f64> = (0..50).map(|i| if i == 0 { 0.0 } else { 1.0 + 0.02 * f64::from(i) }).collect();
+        // Forbidden to any honest caller: the run cannot know that 0 is an eigenvalue, until its
+        // rounding tells.
+        let values: Vec<f64> = (0..50)
+            .map(|i| {
+                if i == 0 {
+                    0.0
+                } else {
+                    1.0 + 0.02 * f64::from(i)
+                }
+            })
+            .collect();
         let apply = turned(&values, 1);
         let mut softest = vec![0.0; 50];
         let mut axis = random(50, !1);
@@ -263,7 +345,14 @@ mod tests {
         add(&mut softest, -2.0 * along, &axis);
         let mut start = random(50, 9);
         project_out(&mut start, &[softest]);
-        let bound = lowest(&apply, &start, 1e-10, 40, |lower, _| lower > 0.5, &Cancel::default());
+        let bound = lowest(
+            &apply,
+            &start,
+            1e-10,
+            40,
+            |lower, _| lower > 0.5,
+            &Cancel::default(),
+        );
         assert!(bound.lower > 0.5, "{bound:?}");
     }
 }

@@ -1,7 +1,9 @@
-//! Floor 0: two-dimensional real Fourier transforms, vector kernels, iterative linear algebra, the cancel token.
+//! Floor 0: two-dimensional real Fourier transforms, vector kernels, iterative linear algebra, the
+//! cancel token.
 //!
-//! Nothing here knows a physical word. Fields are `ndarray` arrays in standard layout, row = y, column = x. The forward transform
-//! carries the factor 1/N, so that an amplitude is in the unit of its field.
+//! Nothing here knows a physical word. Fields are `ndarray` arrays in standard layout, row = y,
+//! column = x. The forward transform carries the factor 1/N, so that an amplitude is in the unit of
+//! its field.
 
 pub mod basis;
 pub mod cancel;

@@ -12,9 +12,11 @@ pub enum Precision {
     /// 64 bits.
     #[default]
     Double,
-    /// Products with the Hessian by transforms of 32 bits, all else 64: what is solved is the same, only the way to it is rougher.
+    /// Products with the Hessian by transforms of 32 bits, all else 64: what is solved is the same,
+    /// only the way to it is rougher.
     Mixed,
-    /// Every transform and field of 32 bits, vectors that add them up of 64. No residual can be brought below a few millionths.
+    /// Every transform and field of 32 bits, vectors that add them up of 64. No residual can be
+    /// brought below a few millionths.
     Single,
 }
 
@@ -33,21 +35,35 @@ impl Precision {
 
     /// The residual to ask for, well above the one that rounding leaves.
     pub fn tolerance(self) -> f64 {
-        if self == Precision::Single { 1e-4 } else { 1e-6 }
+        if self == Precision::Single {
+            1e-4
+        } else {
+            1e-6
+        }
     }
 
-    /// A residual below this may be all rounding: whoever asks for less must be ready not to get it.
+    /// A residual below this may be all rounding: whoever asks for less must be ready not to get
+    /// it.
     pub fn floor(self) -> f64 {
-        if self == Precision::Single { 1e-5 } else { 1e-13 }
+        if self == Precision::Single {
+            1e-5
+        } else {
+            1e-13
+        }
     }
 
     /// Mean energies that differ by less than this share of their scale may be the same.
     pub fn rounding(self) -> f64 {
-        if self == Precision::Single { 1e-7 } else { 1e-13 }
+        if self == Precision::Single {
+            1e-7
+        } else {
+            1e-13
+        }
     }
 }
 
-/// The transforms between amplitudes and fields in one precision. Vectors and fields are handed over as doubles in any.
+/// The transforms between amplitudes and fields in one precision. Vectors and fields are handed
+/// over as doubles in any.
 #[derive(Clone, Debug)]
 pub struct Transforms {
     precision: Precision,
@@ -66,13 +82,21 @@ impl Transforms {
     /// Doubles.
     pub fn new(basis: Basis) -> Self {
         keep_freed();
-        Self { precision: Precision::Double, double: basis, single: None }
+        Self {
+            precision: Precision::Double,
+            double: basis,
+            single: None,
+        }
     }
 
     /// The same in another precision.
     pub fn with_precision(self, precision: Precision) -> Self {
         let single = (precision != Precision::Double).then(|| self.double.in_single());
-        Self { precision, single, ..self }
+        Self {
+            precision,
+            single,
+            ..self
+        }
     }
 
     /// Of which numbers.
@@ -87,12 +111,24 @@ impl Transforms {
 
     /// Scratch that fits fields of `shape`.
     pub fn scratch(&self, shape: (usize, usize)) -> TransformScratch {
-        let single = self.single.as_ref().map(|basis| (Array2::zeros(shape), basis.scratch()));
-        TransformScratch { double: self.double.scratch(), single }
+        let single = self
+            .single
+            .as_ref()
+            .map(|basis| (Array2::zeros(shape), basis.scratch()));
+        TransformScratch {
+            double: self.double.scratch(),
+            single,
+        }
     }
 
     /// As [`Basis::synthesise`].
-    pub fn synthesise(&self, z: &[f64], mean: f64, field: &mut Array2<f64>, scratch: &mut TransformScratch) {
+    pub fn synthesise(
+        &self,
+        z: &[f64],
+        mean: f64,
+        field: &mut Array2<f64>,
+        scratch: &mut TransformScratch,
+    ) {
         match (self.precision, &self.single, &mut scratch.single) {
             (Precision::Single, Some(basis), Some((single, scratch))) => {
                 basis.synthesise(z, mean, single, scratch);
@@ -103,7 +139,12 @@ impl Transforms {
     }
 
     /// As [`Basis::analyse`].
-    pub fn analyse(&self, field: &Array2<f64>, z: &mut [f64], scratch: &mut TransformScratch) -> f64 {
+    pub fn analyse(
+        &self,
+        field: &Array2<f64>,
+        z: &mut [f64],
+        scratch: &mut TransformScratch,
+    ) -> f64 {
         match (self.precision, &self.single, &mut scratch.single) {
             (Precision::Single, Some(basis), Some((single, scratch))) => {
                 copied(field.as_slice().expect("standard layout"), flat(single));
@@ -113,7 +154,8 @@ impl Transforms {
         }
     }
 
-    /// Amplitudes `out` of `factor` times the field of amplitudes `v` (without means); `field` is working memory. Two transforms.
+    /// Amplitudes `out` of `factor` times the field of amplitudes `v` (without means); `field` is
+    /// working memory. Two transforms.
     pub fn multiply(
         &self,
         v: &[f64],
@@ -123,7 +165,9 @@ impl Transforms {
         scratch: &mut TransformScratch,
     ) {
         match (&self.single, &mut scratch.single) {
-            (Some(basis), Some((single, scratch))) => multiply(basis, v, factor, out, single, scratch),
+            (Some(basis), Some((single, scratch))) => {
+                multiply(basis, v, factor, out, single, scratch);
+            }
             _ => multiply(&self.double, v, factor, out, field, &mut scratch.double),
         }
     }
@@ -140,18 +184,29 @@ fn multiply<T: Real>(
     basis.synthesise(v, 0.0, field, scratch);
     let (values, factor) = (flat(field), factor.as_slice().expect("standard layout"));
     let piece = piece(values.len());
-    each(values.chunks_mut(piece).zip(factor.chunks(piece)), |(values, factor)| {
-        values.iter_mut().zip(factor).for_each(|(value, f)| *value = *value * T::rounded(*f));
-    });
+    each(
+        values.chunks_mut(piece).zip(factor.chunks(piece)),
+        |(values, factor)| {
+            values
+                .iter_mut()
+                .zip(factor)
+                .for_each(|(value, f)| *value = *value * T::rounded(*f));
+        },
+    );
     basis.analyse(field, out, scratch);
 }
 
 /// Copies a field into one of other numbers.
 fn copied<A: Real, B: Real>(from: &[A], to: &mut [B]) {
     let piece = piece(from.len());
-    each(from.chunks(piece).zip(to.chunks_mut(piece)), |(from, to)| {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = B::rounded(from.widened()));
-    });
+    each(
+        from.chunks(piece).zip(to.chunks_mut(piece)),
+        |(from, to)| {
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, from)| *to = B::rounded(from.widened()));
+        },
+    );
 }
 
 fn flat<T>(array: &mut Array2<T>) -> &mut [T] {

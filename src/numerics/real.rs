@@ -15,7 +15,8 @@ pub trait Real: FftNum + Default {
     /// The same value with 64 bits.
     fn widened(self) -> f64;
 
-    /// Plans for rows of `n` numbers. Not generic, so that the transforms are compiled once, here, and not for every crate that asks.
+    /// Plans for rows of `n` numbers. Not generic, so that the transforms are compiled once, here,
+    /// and not for every crate that asks.
     fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>>;
 
     /// Plans for columns of `n` complex numbers.

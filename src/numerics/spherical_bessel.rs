@@ -2,13 +2,15 @@
 
 /// Fills `out` with j_0(x), j_1(x), ... for x >= 0.
 ///
-/// Upwards from j_0 and j_1 while orders stay below x, where that loses nothing; else downwards (J. C. P. Miller) from an order so
-/// high that what it leaves out is below rounding.
+/// Upwards from j_0 and j_1 while orders stay below x, where that loses nothing; else downwards (J.
+/// C. P. Miller) from an order so high that what it leaves out is below rounding.
 pub fn fill(x: f64, out: &mut [f64]) {
     let orders = out.len();
     if x < 1e-8 {
         // 1, x/3, and powers of x that are below the rounding of 1.
-        out.iter_mut().zip([1.0, x / 3.0].into_iter().chain(std::iter::repeat(0.0))).for_each(|(j, small)| *j = small);
+        out.iter_mut()
+            .zip([1.0, x / 3.0].into_iter().chain(std::iter::repeat(0.0)))
+            .for_each(|(j, small)| *j = small);
         return;
     }
     let (sin, cos) = x.sin_cos();
@@ -39,7 +41,11 @@ pub fn fill(x: f64, out: &mut [f64]) {
         }
     }
     // Scaled by the larger of the two, which is not near one of its zeros.
-    let scale = if first[0].abs() > first[1].abs() { first[0] / found[0] } else { first[1] / found[1] };
+    let scale = if first[0].abs() > first[1].abs() {
+        first[0] / found[0]
+    } else {
+        first[1] / found[1]
+    };
     out.iter_mut().for_each(|j| *j *= scale);
 }
 
@@ -61,7 +67,10 @@ mod tests {
                 fill(x, &mut j);
                 // The closed forms cancel for small x.
                 let digits = 2e-16 * (1.0 + 15.0 / x.powi(4));
-                assert!((j[2] - two).abs() < digits && (j[3] - three).abs() < digits, "{x} {orders}: {j:?}");
+                assert!(
+                    (j[2] - two).abs() < digits && (j[3] - three).abs() < digits,
+                    "{x} {orders}: {j:?}"
+                );
             }
         }
     }
@@ -72,7 +81,11 @@ mod tests {
         for x in [0.0, 1e-9, 1e-3, 0.7, 6.3, 25.0, 80.0, 500.0] {
             let mut j = vec![0.0; 600];
             fill(x, &mut j);
-            let sum: f64 = j.iter().enumerate().map(|(n, j)| (2 * n + 1) as f64 * j * j).sum();
+            let sum: f64 = j
+                .iter()
+                .enumerate()
+                .map(|(n, j)| (2 * n + 1) as f64 * j * j)
+                .sum();
             assert!((sum - 1.0).abs() < 1e-13, "{x}: {sum}");
         }
     }
@@ -85,7 +98,10 @@ mod tests {
         let mut expected = 1.0;
         for (n, j) in j.iter().enumerate() {
             expected *= if n == 0 { 1.0 } else { x / (2 * n + 1) as f64 };
-            assert!((j / expected - 1.0).abs() < 2e-7, "{n}: {j:e} for {expected:e}");
+            assert!(
+                (j / expected - 1.0).abs() < 2e-7,
+                "{n}: {j:e} for {expected:e}"
+            );
         }
     }
 }

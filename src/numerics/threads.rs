@@ -1,4 +1,5 @@
-//! Work shared among the threads of the processor: large fields piece by piece, and whole computations side by side.
+//! Work shared among the threads of the processor: large fields piece by piece, and whole
+//! computations side by side.
 //!
 //! Small fields stay on the caller's thread: waking another takes longer than their transform.
 
@@ -7,19 +8,28 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fewest points of a field whose work is shared.
 pub const POINTS_MIN: usize = 256 * 256;
-/// Points of one piece of a shared field. Fixed, so that a sum over pieces does not depend on how many threads there are.
+/// Points of one piece of a shared field. Fixed, so that a sum over pieces does not depend on how
+/// many threads there are.
 const PIECE: usize = 1 << 14;
 
 /// Length of the pieces of a field of `points`: all of it where sharing does not pay.
 pub fn piece(points: usize) -> usize {
-    if points < POINTS_MIN { points.max(1) } else { PIECE }
+    if points < POINTS_MIN {
+        points.max(1)
+    } else {
+        PIECE
+    }
 }
 
-/// How many sets of working memory the transform of a field of `points` needs. Several per thread: one that is held up by other
-/// programs leaves its share to the rest.
+/// How many sets of working memory the transform of a field of `points` needs. Several per thread:
+/// one that is held up by other programs leaves its share to the rest.
 pub fn lanes(points: usize) -> usize {
     // In this order: asking for the number of threads starts them.
-    if points < POINTS_MIN || rayon::current_num_threads() == 1 { 1 } else { 4 * rayon::current_num_threads() }
+    if points < POINTS_MIN || rayon::current_num_threads() == 1 {
+        1
+    } else {
+        4 * rayon::current_num_threads()
+    }
 }
 
 /// Does `work` on every task: side by side if there are several, and threads to do them.
@@ -35,16 +45,25 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
     });
 }
 
-/// Does `work` on 0 to `count`, begun in this order, as many at a time as there are threads. They are threads of their own: what takes
-/// seconds must not stand before the transforms of somebody else.
+/// Does `work` on 0 to `count`, begun in this order, as many at a time as there are threads. They
+/// are threads of their own: what takes seconds must not stand before the transforms of somebody
+/// else.
 pub fn side_by_side(count: usize, work: impl Fn(usize) + Sync) {
     let crew = count.min(rayon::current_num_threads());
-    let Some(pool) = (crew > 1).then(|| ThreadPoolBuilder::new().num_threads(crew).build().ok()).flatten() else {
+    let Some(pool) = (crew > 1)
+        .then(|| ThreadPoolBuilder::new().num_threads(crew).build().ok())
+        .flatten()
+    else {
         return (0..count).for_each(work);
     };
-    // No more tasks than threads: a thread that waits for a transform would begin any that is left over, and finish it first.
+    // No more tasks than threads: a thread that waits for a transform would begin any that is left
+    // over, and finish it first.
     let next = AtomicUsize::new(0);
-    let run = || std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed)).take_while(|i| *i < count).for_each(&work);
+    let run = || {
+        std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed))
+            .take_while(|i| *i < count)
+            .for_each(&work);
+    };
     pool.in_place_scope(|scope| (0..crew).for_each(|_| scope.spawn(|_| run())));
 }
 
@@ -59,7 +78,10 @@ mod tests {
             side_by_side(count, |i| {
                 done[i].fetch_add(1, Ordering::Relaxed);
             });
-            assert!(done.iter().all(|times| times.load(Ordering::Relaxed) == 1), "of {count}");
+            assert!(
+                done.iter().all(|times| times.load(Ordering::Relaxed) == 1),
+                "of {count}"
+            );
         }
     }
 }

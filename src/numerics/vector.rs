@@ -1,9 +1,11 @@
-//! Dense vectors as slices: inner products and updates, written so that the compiler vectorises them.
+//! Dense vectors as slices: inner products and updates, written so that the compiler vectorises
+//! them.
 
 /// Independent partial sums: enough to hide the latency of an addition in every vector width.
 const LANES: usize = 8;
 
-/// Entries of each vector that are worked on together where there are many vectors: a dozen such blocks fit the first cache.
+/// Entries of each vector that are worked on together where there are many vectors: a dozen such
+/// blocks fit the first cache.
 const BLOCK: usize = 256;
 
 /// Inner product.
@@ -24,8 +26,8 @@ fn accumulate(lanes: &mut [f64; LANES], a: &[f64], b: &[f64]) {
     }
 }
 
-/// All inner products of the vectors `a` (rows) with the vectors `b` (columns): the same as by [`dot`] to the last bit, in one pass
-/// over memory.
+/// All inner products of the vectors `a` (rows) with the vectors `b` (columns): the same as by
+/// [`dot`] to the last bit, in one pass over memory.
 pub fn products<A: AsRef<[f64]>, B: AsRef<[f64]>>(a: &[A], b: &[B]) -> Vec<Vec<f64>> {
     let length = a.first().map_or(0, |a| a.as_ref().len());
     let whole = length - length % LANES;
@@ -34,14 +36,29 @@ pub fn products<A: AsRef<[f64]>, B: AsRef<[f64]>>(a: &[A], b: &[B]) -> Vec<Vec<f
         let range = start..(start + BLOCK).min(whole);
         for (a, lanes) in a.iter().zip(&mut lanes) {
             for (b, lanes) in b.iter().zip(lanes) {
-                accumulate(lanes, &a.as_ref()[range.clone()], &b.as_ref()[range.clone()]);
+                accumulate(
+                    lanes,
+                    &a.as_ref()[range.clone()],
+                    &b.as_ref()[range.clone()],
+                );
             }
         }
     }
-    let rest = |a: &[f64], b: &[f64]| a[whole..].iter().zip(&b[whole..]).map(|(x, y)| x * y).sum::<f64>();
+    let rest = |a: &[f64], b: &[f64]| {
+        a[whole..]
+            .iter()
+            .zip(&b[whole..])
+            .map(|(x, y)| x * y)
+            .sum::<f64>()
+    };
     let rows = a.iter().zip(&lanes);
-    rows.map(|(a, lanes)| b.iter().zip(lanes).map(|(b, lanes)| lanes.iter().sum::<f64>() + rest(a.as_ref(), b.as_ref())).collect())
-        .collect()
+    rows.map(|(a, lanes)| {
+        b.iter()
+            .zip(lanes)
+            .map(|(b, lanes)| lanes.iter().sum::<f64>() + rest(a.as_ref(), b.as_ref()))
+            .collect()
+    })
+    .collect()
 }
 
 /// y += sum of `coefficients` x `vectors`, in one pass over memory.
@@ -78,7 +95,8 @@ pub fn project_out(x: &mut [f64], basis: &[Vec<f64>]) {
     }
 }
 
-/// Orthonormalises `vectors` in order (twice-applied Gram-Schmidt), dropping those that add less than `tiny` of their length.
+/// Orthonormalises `vectors` in order (twice-applied Gram-Schmidt), dropping those that add less
+/// than `tiny` of their length.
 pub fn orthonormalise(vectors: Vec<Vec<f64>>, tiny: f64) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(vectors.len());
     for mut v in vectors {

@@ -1,7 +1,8 @@
-//! What the print of the paper got wrong: where, what it says, what is right, and numbers that decide between the two.
+//! What the print of the paper got wrong: where, what it says, what is right, and numbers that
+//! decide between the two.
 //!
-//! The numbers are computed on the spot and from neither formula: by finding a root, by integrating, by measuring a law or a mesh, by
-//! running a loop.
+//! The numbers are computed on the spot and from neither formula: by finding a root, by
+//! integrating, by measuring a law or a mesh, by running a loop.
 
 mod circles;
 mod meshes;
@@ -35,14 +36,17 @@ pub struct Evidence {
     pub printed: f64,
     /// By what is right.
     pub right: f64,
-    /// How near to `right` the found number must be to support it: what the way of finding leaves open.
+    /// How near to `right` the found number must be to support it: what the way of finding leaves
+    /// open.
     pub tolerance: f64,
 }
 
 impl Evidence {
-    /// The found number agrees with what is right, and lies far from the print: by five tolerances or more.
+    /// The found number agrees with what is right, and lies far from the print: by five tolerances
+    /// or more.
     pub fn decides(&self) -> bool {
-        (self.found - self.right).abs() <= self.tolerance && (self.found - self.printed).abs() >= 5.0 * self.tolerance
+        (self.found - self.right).abs() <= self.tolerance
+            && (self.found - self.printed).abs() >= 5.0 * self.tolerance
     }
 }
 
@@ -52,12 +56,26 @@ impl Evidence {
 /// [`Stopped`] if somebody asked to stop, or a computation behind the evidence has failed.
 pub fn errata(task: &mut Task<'_>) -> Result<Vec<Erratum>, Stopped> {
     task.tell(0.0, "errata: meshes and laws")?;
-    let mut list =
-        vec![meshes::equation_9(), ridges::equation_22(), ridges::equation_24(), ridges::equation_25(), ridges::equation_27()];
+    let mut list = vec![
+        meshes::equation_9(),
+        ridges::equation_22(),
+        ridges::equation_24(),
+        ridges::equation_25(),
+        ridges::equation_27(),
+    ];
     task.tell(0.2, "errata: circular patterns")?;
-    list.extend([circles::equation_28(), circles::equation_29(), circles::after_equation_29()]);
+    list.extend([
+        circles::equation_28(),
+        circles::equation_29(),
+        circles::after_equation_29(),
+    ]);
     task.tell(0.6, "errata: a loop of a line cell")?;
-    list.extend([ridges::equation_30c(), ridges::text_at_equation_30(task)?, meshes::equation_31(), meshes::equation_33()]);
+    list.extend([
+        ridges::equation_30c(),
+        ridges::text_at_equation_30(task)?,
+        meshes::equation_31(),
+        meshes::equation_33(),
+    ]);
     list.extend([circles::section_4(), notation()]);
     Ok(list)
 }
@@ -81,18 +99,36 @@ mod tests {
 
     #[test]
     fn all_evidence_supports_what_is_right_and_contradicts_the_print() {
-        let list = errata(&mut Task::new(Size::Quick, &Cancel::default(), &mut |_, _| {})).expect("errata");
+        let list = errata(&mut Task::new(
+            Size::Quick,
+            &Cancel::default(),
+            &mut |_, _| {},
+        ))
+        .expect("errata");
         assert_eq!(list.len(), 14);
         assert!(list.iter().all(|erratum| !erratum.evidence.is_empty()));
-        let all = list.iter().flat_map(|erratum| erratum.evidence.iter().map(move |evidence| (erratum.place, evidence)));
+        let all = list.iter().flat_map(|erratum| {
+            erratum
+                .evidence
+                .iter()
+                .map(move |evidence| (erratum.place, evidence))
+        });
         let idle: Vec<_> = all.filter(|(_, evidence)| !evidence.decides()).collect();
         assert!(idle.is_empty(), "{idle:#?}");
     }
 
     #[test]
     fn evidence_decides_only_near_the_right_and_far_from_the_print() {
-        let evidence = |found| Evidence { quantity: "", found, printed: 2.0, right: 1.0, tolerance: 0.1 };
+        let evidence = |found| Evidence {
+            quantity: "",
+            found,
+            printed: 2.0,
+            right: 1.0,
+            tolerance: 0.1,
+        };
         assert!(evidence(1.05).decides());
-        assert!(!evidence(1.2).decides() && !evidence(1.95).decides() && !evidence(f64::NAN).decides());
+        assert!(
+            !evidence(1.2).decides() && !evidence(1.95).decides() && !evidence(f64::NAN).decides()
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! What the paper shows as values: its figures, made of diagrams, its table, and numbers held against numbers from elsewhere.
+//! What the paper shows as values: its figures, made of diagrams, its table, and numbers held
+//! against numbers from elsewhere.
 
 use crate::plot::panel::{Page, Panel};
 
@@ -20,7 +21,11 @@ pub struct Figure {
 impl Figure {
     /// What its picture shows.
     pub fn page(&self) -> Page<'_> {
-        Page::new(&format!("Fig. {}: {}", self.number, self.title), Vec::new(), self.panels.as_slice())
+        Page::new(
+            &format!("Fig. {}: {}", self.number, self.title),
+            Vec::new(),
+            self.panels.as_slice(),
+        )
     }
 }
 
@@ -35,19 +40,33 @@ pub struct Finding {
     pub expected: f64,
     /// Where the other comes from ("Eq. 8", "exact ridge", "printed in Eq. 24").
     pub source: String,
-    /// Largest deviation that agreement allows, in the quantity's own unit; `None` for a number that is stated, not judged.
+    /// Largest deviation that agreement allows, in the quantity's own unit; `None` for a number
+    /// that is stated, not judged.
     pub tolerance: Option<f64>,
 }
 
 impl Finding {
     /// A number beside the same from `source`; see the fields.
-    pub fn new(quantity: &str, found: f64, expected: f64, source: &str, tolerance: Option<f64>) -> Self {
-        Self { quantity: quantity.to_owned(), found, expected, source: source.to_owned(), tolerance }
+    pub fn new(
+        quantity: &str,
+        found: f64,
+        expected: f64,
+        source: &str,
+        tolerance: Option<f64>,
+    ) -> Self {
+        Self {
+            quantity: quantity.to_owned(),
+            found,
+            expected,
+            source: source.to_owned(),
+            tolerance,
+        }
     }
 
     /// Whether the two agree; `None` where nothing was promised.
     pub fn agrees(&self) -> Option<bool> {
-        self.tolerance.map(|tolerance| (self.found - self.expected).abs() <= tolerance)
+        self.tolerance
+            .map(|tolerance| (self.found - self.expected).abs() <= tolerance)
     }
 }
 

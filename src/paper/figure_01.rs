@@ -29,11 +29,22 @@ struct Profile {
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let scene = scenes::figure_1();
     let (grid, profile) = strongest_pull(task)?;
-    let Some(height) = scene.indenter.height(&grid) else { return Err(Stopped::Failed("the ground is flat".to_owned())) };
+    let Some(height) = scene.indenter.height(&grid) else {
+        return Err(Stopped::Failed("the ground is flat".to_owned()));
+    };
     let place = |i: usize| i as f64 * grid.spacing() - 0.5 * grid.length;
-    let mut rows: Vec<_> = profile.gap.iter().zip(&height).enumerate().map(|(i, (g, h))| [place(i), *h, h + g]).collect();
+    let mut rows: Vec<_> = profile
+        .gap
+        .iter()
+        .zip(&height)
+        .enumerate()
+        .map(|(i, (g, h))| [place(i), *h, h + g])
+        .collect();
     let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-    let law = scene.model().map_err(|error| Stopped::Failed(error.to_string()))?.law;
+    let law = scene
+        .model()
+        .map_err(|error| Stopped::Failed(error.to_string()))?
+        .law;
     let traction = profile.gap.iter().map(|g| law.at(*g).traction).sum::<f64>() / rows.len() as f64;
     // The cell closes on itself.
     rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
@@ -60,7 +71,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         law.surface_energy / radius(&scene.indenter),
         law.range / radius(&scene.indenter),
     );
-    Ok(Figure { number: 1, title: ENTRY.title.to_owned(), panels: vec![panel(&rows, mean)], words, findings })
+    Ok(Figure {
+        number: 1,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel(&rows, mean)],
+        words,
+        findings,
+    })
 }
 
 fn radius(indenter: &Indenter) -> f64 {
@@ -73,15 +90,20 @@ fn radius(indenter: &Indenter) -> f64 {
 /// The state of largest mean stress on retraction.
 fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Profile), Stopped> {
     let scene = scenes::figure_1();
-    let mut walk =
-        Walk::start(&scene, MethodKind::NewtonKrylov.into(), task.cancel).map_err(|error| Stopped::Failed(error.to_string()))?;
+    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), task.cancel)
+        .map_err(|error| Stopped::Failed(error.to_string()))?;
     let mut best = Profile::default();
     for target in [super::scenes::turn(&scene), scene.drive.start] {
         walk.set_target(target);
         loop {
-            task.tell(0.5 * f64::from(u8::from(target > 0.0)), "a cylinder under tension")?;
+            task.tell(
+                0.5 * f64::from(u8::from(target > 0.0)),
+                "a cylinder under tension",
+            )?;
             let mut fresh = false;
-            match walk.step(task.cancel, &mut |observed| fresh |= matches!(observed, Observed::State(_))) {
+            match walk.step(task.cancel, &mut |observed| {
+                fresh |= matches!(observed, Observed::State(_));
+            }) {
                 Progress::Working => {}
                 Progress::Resting => break,
                 Progress::Cancelled => return Err(Stopped::Cancelled),
@@ -99,7 +121,12 @@ fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Pr
 
 /// `rows`: x, height of the indenter, height of the elastomer's surface.
 fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
-    let extent = |k: usize| rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| (a.min(row[k]), b.max(row[k])));
+    let extent = |k: usize| {
+        rows.iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| {
+                (a.min(row[k]), b.max(row[k]))
+            })
+    };
     let ((left, right), (low, _), (_, high)) = (extent(0), extent(1), extent(2));
     let (bottom, top) = (low - 0.6, high + 1.2);
     let line = |k: usize| Series {
@@ -108,8 +135,12 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
         points: rows.iter().map(|row| [row[0], row[k]]).collect(),
         ..Series::default()
     };
-    let guide =
-        |y: f64| Series { role: Role::Guide, colour: Colour::Grey, points: vec![[left, y], [right, y]], ..Series::default() };
+    let guide = |y: f64| Series {
+        role: Role::Guide,
+        colour: Colour::Grey,
+        points: vec![[left, y], [right, y]],
+        ..Series::default()
+    };
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
@@ -127,17 +158,36 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
         colour: Colour::Ink,
         direction: Direction::Approach,
     };
-    let label = |x: f64, y: f64, text: &str| Label { at: [x, y], text: text.to_owned(), ..Label::default() };
-    let area = |colour, spans| Area { name: String::new(), colour, spans };
+    let label = |x: f64, y: f64, text: &str| Label {
+        at: [x, y],
+        text: text.to_owned(),
+        ..Label::default()
+    };
+    let area = |colour, spans| Area {
+        name: String::new(),
+        colour,
+        spans,
+    };
     Panel {
         x: Axis::linear("x").from_to(left, right),
         y: Axis::linear("height above the crest").from_to(bottom, top),
         areas: vec![
-            area(Colour::Blue, rows.iter().map(|row| [row[0], row[2], top]).collect()),
-            area(Colour::Grey, rows.iter().map(|row| [row[0], bottom, row[1]]).collect()),
+            area(
+                Colour::Blue,
+                rows.iter().map(|row| [row[0], row[2], top]).collect(),
+            ),
+            area(
+                Colour::Grey,
+                rows.iter().map(|row| [row[0], bottom, row[1]]).collect(),
+            ),
         ],
         series: vec![line(1), line(2), guide(mean), guide(0.0)],
-        arrows: vec![arrow(middle, at[1]), arrow(middle, at[2]), left_arrow(0.0, mean), left_arrow(mean, 0.0)],
+        arrows: vec![
+            arrow(middle, at[1]),
+            arrow(middle, at[2]),
+            left_arrow(0.0, mean),
+            left_arrow(mean, 0.0),
+        ],
         labels: vec![
             label(0.0, high + 0.6, "elastomer"),
             label(0.0, 0.5 * low - 0.3, "rigid indenter"),

@@ -28,5 +28,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         run.record.released_energy_sum(),
     );
     let panels = vec![flat_loop::panel(&run, &model.law)];
-    Ok(Figure { number: 2, title: ENTRY.title.to_owned(), panels, words, findings })
+    Ok(Figure {
+        number: 2,
+        title: ENTRY.title.to_owned(),
+        panels,
+        words,
+        findings,
+    })
 }

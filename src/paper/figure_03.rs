@@ -27,8 +27,16 @@ fn scene(size: Size) -> Scene {
 }
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
-    let (small, _) = flat_loop::run(&scenes::figure_2(), &mut task.part(0.0, 0.05), "the loop of Fig. 2")?;
-    let (run, model) = flat_loop::run(&scene(task.size), &mut task.part(0.05, 1.0), "the loop of Fig. 3")?;
+    let (small, _) = flat_loop::run(
+        &scenes::figure_2(),
+        &mut task.part(0.0, 0.05),
+        "the loop of Fig. 2",
+    )?;
+    let (run, model) = flat_loop::run(
+        &scene(task.size),
+        &mut task.part(0.05, 1.0),
+        "the loop of Fig. 3",
+    )?;
     let mut findings = flat_loop::findings(&run, &model);
     let ratio = run.record.released_energy_sum() / small.record.released_energy_sum();
     findings.push(Finding {
@@ -38,7 +46,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         source: "\"a factor close to 4\", text at Fig. 3".to_owned(),
         tolerance: None,
     });
-    let bulges = run.record.jumps.iter().filter(|jump| jump.to == Pattern::Bulge).count();
+    let bulges = run
+        .record
+        .jumps
+        .iter()
+        .filter(|jump| jump.to == Pattern::Bulge)
+        .count();
     findings.push(Finding {
         quantity: "jumps to a bulge".to_owned(),
         found: bulges as f64,
@@ -54,5 +67,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         run.record.released_energy_sum(),
     );
     let panels = vec![flat_loop::panel(&run, &model.law)];
-    Ok(Figure { number: 3, title: ENTRY.title.to_owned(), panels, words, findings })
+    Ok(Figure {
+        number: 3,
+        title: ENTRY.title.to_owned(),
+        panels,
+        words,
+        findings,
+    })
 }

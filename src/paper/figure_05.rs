@@ -4,7 +4,9 @@ use super::figure::{Figure, Finding};
 use super::ridge_elements::{self, Sample};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
-use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED, THIN_CONSTANT, THIN_CONSTANT_PRINTED};
+use crate::physics::theory::asymptotes::{
+    self, FLATTENING_PRINTED, THIN_CONSTANT, THIN_CONSTANT_PRINTED,
+};
 use crate::physics::theory::ridge;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series, Symbol};
 
@@ -23,12 +25,19 @@ const POINTS: usize = 512;
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let energies = ridge_elements::energies(task.choose(15, 25), &mut task.part(0.0, 0.4))?;
     let step = task.choose(6, 4);
-    let slopes = ridge_elements::slopes(POINTS, (448..=484).step_by(step), &mut task.part(0.4, 1.0))?;
+    let slopes =
+        ridge_elements::slopes(POINTS, (448..=484).step_by(step), &mut task.part(0.4, 1.0))?;
     let panel = Panel {
         x: Axis::logarithmic("1 − α (share of the cell in contact)").from_to(0.01, 1.0),
         y: Axis::logarithmic("elastic energy v̂ (E* u₀²/L)").from_to(0.15, 300.0),
-        series: lines().into_iter().chain([symbols(&energies, |alpha| 1.0 - alpha)]).collect(),
-        insets: vec![Inset { place: [0.08, 0.52, 0.42, 0.42], content: Content::Diagram(Box::new(inset(&slopes))) }],
+        series: lines()
+            .into_iter()
+            .chain([symbols(&energies, |alpha| 1.0 - alpha)])
+            .collect(),
+        insets: vec![Inset {
+            place: [0.08, 0.52, 0.42, 0.42],
+            content: Content::Diagram(Box::new(inset(&slopes))),
+        }],
         ..Panel::default()
     };
     let findings = findings(&energies, &slopes);
@@ -42,11 +51,23 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         task.choose(4, 5),
         largest(&energies),
     );
-    Ok(Figure { number: 5, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+    Ok(Figure {
+        number: 5,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel],
+        words,
+        findings,
+    })
 }
 
 /// A line of `points` + 1 points, x from `low` to `high` in equal ratios.
-fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
+fn curve(
+    name: &str,
+    role: Role,
+    colour: Colour,
+    [low, high]: [f64; 2],
+    y: impl Fn(f64) -> f64,
+) -> Series {
     let x = |i: usize| low * (high / low).powf(i as f64 / 200.0);
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
     Series::line(name, role, colour, points)
@@ -55,10 +76,30 @@ fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl 
 fn lines() -> Vec<Series> {
     let thin = |c| move |abar: f64| asymptotes::ridge_thin(abar, c);
     vec![
-        curve("exact", Role::Theory, Colour::Ink, [0.01, 0.95], |abar| ridge::elastic_energy(1.0 - abar)[0]),
-        curve("thick, Eq. 22", Role::Theory, Colour::Blue, [0.01, 0.95], |abar| asymptotes::ridge_thick(1.0 - abar)),
-        curve("thin, Eq. 22 corrected", Role::Theory, Colour::Red, [0.01, 0.45], thin(THIN_CONSTANT)),
-        curve("thin, Eq. A7 printed", Role::Printed, Colour::Red, [0.01, 0.45], thin(THIN_CONSTANT_PRINTED)),
+        curve("exact", Role::Theory, Colour::Ink, [0.01, 0.95], |abar| {
+            ridge::elastic_energy(1.0 - abar)[0]
+        }),
+        curve(
+            "thick, Eq. 22",
+            Role::Theory,
+            Colour::Blue,
+            [0.01, 0.95],
+            |abar| asymptotes::ridge_thick(1.0 - abar),
+        ),
+        curve(
+            "thin, Eq. 22 corrected",
+            Role::Theory,
+            Colour::Red,
+            [0.01, 0.45],
+            thin(THIN_CONSTANT),
+        ),
+        curve(
+            "thin, Eq. A7 printed",
+            Role::Printed,
+            Colour::Red,
+            [0.01, 0.45],
+            thin(THIN_CONSTANT_PRINTED),
+        ),
     ]
 }
 
@@ -66,7 +107,10 @@ fn symbols(samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
     Series {
         name: "boundary elements".to_owned(),
         symbol: Some(Symbol::Circle),
-        points: samples.iter().map(|(alpha, found)| [x(*alpha), found.value]).collect(),
+        points: samples
+            .iter()
+            .map(|(alpha, found)| [x(*alpha), found.value])
+            .collect(),
         ..Series::default()
     }
 }
@@ -78,10 +122,27 @@ fn inset(slopes: &[Sample]) -> Panel {
         x: Axis::linear("α").from_to(range[0], range[1]),
         y: Axis::linear("v̂′").from_to(-2.42, -2.24),
         series: vec![
-            curve("", Role::Theory, Colour::Ink, range, |alpha| ridge::elastic_energy(alpha)[1]),
-            curve("third order, corrected", Role::Theory, Colour::Orange, range, |alpha| right.slope_at(alpha)),
-            curve("third order, printed", Role::Printed, Colour::Orange, range, |alpha| FLATTENING_PRINTED.slope_at(alpha)),
-            Series { name: String::new(), ..symbols(slopes, |alpha| alpha) },
+            curve("", Role::Theory, Colour::Ink, range, |alpha| {
+                ridge::elastic_energy(alpha)[1]
+            }),
+            curve(
+                "third order, corrected",
+                Role::Theory,
+                Colour::Orange,
+                range,
+                |alpha| right.slope_at(alpha),
+            ),
+            curve(
+                "third order, printed",
+                Role::Printed,
+                Colour::Orange,
+                range,
+                |alpha| FLATTENING_PRINTED.slope_at(alpha),
+            ),
+            Series {
+                name: String::new(),
+                ..symbols(slopes, |alpha| alpha)
+            },
         ],
         ..Panel::default()
     }
@@ -89,26 +150,72 @@ fn inset(slopes: &[Sample]) -> Panel {
 
 /// The largest relative deviation from the exact energy.
 fn largest(energies: &[Sample]) -> f64 {
-    energies.iter().map(|(alpha, found)| (found.value / ridge::elastic_energy(*alpha)[0] - 1.0).abs()).fold(0.0, f64::max)
+    energies
+        .iter()
+        .map(|(alpha, found)| (found.value / ridge::elastic_energy(*alpha)[0] - 1.0).abs())
+        .fold(0.0, f64::max)
 }
 
 fn findings(energies: &[Sample], slopes: &[Sample]) -> Vec<Finding> {
     let exact = ridge::critical();
     let (alpha, top) = vertex(slopes);
     vec![
-        Finding::new("largest relative deviation of v̂ by boundary elements", largest(energies), 0.0, "exact ridge", Some(1e-4)),
-        Finding::new("α_c, largest v̂′ by boundary elements", alpha, exact.alpha, "exact ridge", Some(1e-3)),
-        Finding::new("v̂′_c by boundary elements", top, exact.elastic_energy[1], "exact ridge", Some(1e-3)),
-        Finding::new("v̂_c", exact.elastic_energy[0], FLATTENING_PRINTED.elastic_energy, "printed before Eq. 24", None),
-        Finding::new("v̂‴_c", exact.elastic_energy[3], FLATTENING_PRINTED.third, "printed before Eq. 24", None),
-        Finding::new("c of the thin ridge", THIN_CONSTANT, THIN_CONSTANT_PRINTED, "printed in Eq. 22", None),
+        Finding::new(
+            "largest relative deviation of v̂ by boundary elements",
+            largest(energies),
+            0.0,
+            "exact ridge",
+            Some(1e-4),
+        ),
+        Finding::new(
+            "α_c, largest v̂′ by boundary elements",
+            alpha,
+            exact.alpha,
+            "exact ridge",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "v̂′_c by boundary elements",
+            top,
+            exact.elastic_energy[1],
+            "exact ridge",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "v̂_c",
+            exact.elastic_energy[0],
+            FLATTENING_PRINTED.elastic_energy,
+            "printed before Eq. 24",
+            None,
+        ),
+        Finding::new(
+            "v̂‴_c",
+            exact.elastic_energy[3],
+            FLATTENING_PRINTED.third,
+            "printed before Eq. 24",
+            None,
+        ),
+        Finding::new(
+            "c of the thin ridge",
+            THIN_CONSTANT,
+            THIN_CONSTANT_PRINTED,
+            "printed in Eq. 22",
+            None,
+        ),
     ]
 }
 
-/// Place and height of the maximum: the vertex of the parabola through the highest sample and its neighbours.
+/// Place and height of the maximum: the vertex of the parabola through the highest sample and its
+/// neighbours.
 fn vertex(samples: &[Sample]) -> (f64, f64) {
-    let p: Vec<[f64; 2]> = samples.iter().map(|(alpha, found)| [*alpha, found.value]).collect();
-    let top = (0..p.len()).max_by(|a, b| p[*a][1].total_cmp(&p[*b][1])).unwrap_or(0).clamp(1, p.len() - 2);
+    let p: Vec<[f64; 2]> = samples
+        .iter()
+        .map(|(alpha, found)| [*alpha, found.value])
+        .collect();
+    let top = (0..p.len())
+        .max_by(|a, b| p[*a][1].total_cmp(&p[*b][1]))
+        .unwrap_or(0)
+        .clamp(1, p.len() - 2);
     let [[x0, y0], [x1, y1], [x2, y2]] = [p[top - 1], p[top], p[top + 1]];
     let (first, second) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
     let curvature = (second - first) / (x2 - x0);

@@ -25,17 +25,68 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let free = (24..=224).step_by(step).chain([230, 232]);
     let slopes = ridge_elements::slopes(POINTS, free, task)?;
     // Eq. 17 with ahat' = -1.
-    let found: Vec<[f64; 2]> = slopes.iter().map(|(alpha, slope)| [1.0 / (-slope.value).sqrt(), *alpha]).collect();
-    let (end, right) = (ridge::critical(), asymptotes::flattening());
+    let found: Vec<[f64; 2]> = slopes
+        .iter()
+        .map(|(alpha, slope)| [1.0 / (-slope.value).sqrt(), *alpha])
+        .collect();
+    let worst = found
+        .iter()
+        .map(|[u, alpha]| (exact(*u) - alpha).abs())
+        .fold(0.0, f64::max);
+    let thick = thick_error();
+    Ok(Figure {
+        number: 6,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel(found)],
+        words: words(worst, thick),
+        findings: findings(worst, thick),
+    })
+}
+
+/// α of the exact ridge.
+fn exact(u: f64) -> f64 {
+    ridge::alpha(u).unwrap_or(f64::NAN)
+}
+
+/// Largest relative error of Eq. 23 up to the end of the ridge.
+fn thick_error() -> f64 {
+    let end = ridge::critical().displacement;
+    let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
+    (1..=600)
+        .map(|i| cube_root(end * f64::from(i) / 600.0))
+        .fold(0.0, f64::max)
+}
+
+/// The exact ridge, its expansions, and the points `found` by boundary elements.
+fn panel(found: Vec<[f64; 2]>) -> Panel {
+    let end = ridge::critical();
+    let right = asymptotes::flattening();
     let expansion = |flattening: asymptotes::Flattening| move |u: f64| flattening.alpha_at(u);
-    let exact = |u: f64| ridge::alpha(u).unwrap_or(f64::NAN);
-    let panel = Panel {
+    Panel {
         x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.7),
         y: Axis::linear("α (share of the cell out of contact)").from_to(0.0, 1.0),
         series: vec![
-            curve("exact", Role::Theory, Colour::Ink, [0.0, end.displacement], exact),
-            curve("thick, Eq. 23", Role::Theory, Colour::Blue, [0.0, 0.7], asymptotes::ridge_thick_alpha),
-            curve("flattening, Eq. 24 corrected", Role::Theory, Colour::Orange, [0.5, end.displacement], expansion(right)),
+            curve(
+                "exact",
+                Role::Theory,
+                Colour::Ink,
+                [0.0, end.displacement],
+                exact,
+            ),
+            curve(
+                "thick, Eq. 23",
+                Role::Theory,
+                Colour::Blue,
+                [0.0, 0.7],
+                asymptotes::ridge_thick_alpha,
+            ),
+            curve(
+                "flattening, Eq. 24 corrected",
+                Role::Theory,
+                Colour::Orange,
+                [0.5, end.displacement],
+                expansion(right),
+            ),
             curve(
                 "flattening, Eq. 24 printed",
                 Role::Printed,
@@ -46,34 +97,73 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             Series {
                 name: "boundary elements".to_owned(),
                 symbol: Some(Symbol::Circle),
-                points: found.clone(),
+                points: found,
                 ..Series::default()
             },
         ],
         ..Panel::default()
-    };
-    let worst = found.iter().map(|[u, alpha]| (exact(*u) - alpha).abs()).fold(0.0, f64::max);
-    let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
-    let thick = (1..=600).map(|i| cube_root(end.displacement * f64::from(i) / 600.0)).fold(0.0, f64::max);
-    let words = format!(
+    }
+}
+
+fn words(worst: f64, thick: f64) -> String {
+    format!(
         "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 with slopes of v̂ by boundary elements; \
          they agree with the exact curve to {worst:.0e} in α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to \
          the end at ũ_c = {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) draws the parabola 5 % too narrow; −131.92 is right.",
         100.0 * thick,
-        end.displacement,
-    );
-    let findings = vec![
-        Finding::new("largest deviation of α by boundary elements", worst, 0.0, "exact ridge", Some(1e-3)),
-        Finding::new("α of the exact ridge at ũ₀ = 0.55", exact(0.55), 0.7431812343, "reference table", Some(1e-9)),
-        Finding::new("ũ_c", end.displacement, FLATTENING_PRINTED.displacement, "printed after Eq. 24", Some(1e-4)),
-        Finding::new("α_c", end.alpha, FLATTENING_PRINTED.alpha, "printed before Eq. 24", None),
-        Finding::new("largest relative error of Eq. 23", thick, 0.0, "exact ridge", None),
-    ];
-    Ok(Figure { number: 6, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+        ridge::critical().displacement,
+    )
+}
+
+fn findings(worst: f64, thick: f64) -> Vec<Finding> {
+    let end = ridge::critical();
+    vec![
+        Finding::new(
+            "largest deviation of α by boundary elements",
+            worst,
+            0.0,
+            "exact ridge",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "α of the exact ridge at ũ₀ = 0.55",
+            exact(0.55),
+            0.7431812343,
+            "reference table",
+            Some(1e-9),
+        ),
+        Finding::new(
+            "ũ_c",
+            end.displacement,
+            FLATTENING_PRINTED.displacement,
+            "printed after Eq. 24",
+            Some(1e-4),
+        ),
+        Finding::new(
+            "α_c",
+            end.alpha,
+            FLATTENING_PRINTED.alpha,
+            "printed before Eq. 24",
+            None,
+        ),
+        Finding::new(
+            "largest relative error of Eq. 23",
+            thick,
+            0.0,
+            "exact ridge",
+            None,
+        ),
+    ]
 }
 
 /// A line whose points crowd towards its upper end, where slopes are infinite.
-fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
+fn curve(
+    name: &str,
+    role: Role,
+    colour: Colour,
+    [low, high]: [f64; 2],
+    y: impl Fn(f64) -> f64,
+) -> Series {
     let x = |i: usize| high - (high - low) * (1.0 - i as f64 / 200.0).powi(2);
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
     Series::line(name, role, colour, points)

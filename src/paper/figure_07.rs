@@ -30,24 +30,58 @@ const MIDDLE: [f64; 2] = [0.3, 0.5];
 /// The whole loop, in steps of `step` ranges.
 fn loop_of(length: f64, points: usize, step: f64) -> Scene {
     let range = units(length).reduce(1.0);
-    scene(&format!("Fig. 7: a line cell of {length} ranges"), length, points, [0.75, 0.15 * range, step * range])
+    scene(
+        &format!("Fig. 7: a line cell of {length} ranges"),
+        length,
+        points,
+        [0.75, 0.15 * range, step * range],
+    )
 }
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (mut series, mut arrows, mut findings) = (lines(), Vec::new(), Vec::new());
     let mut middle = Vec::new();
-    let looks = [(Colour::Green, Symbol::Circle, Symbol::Cross), (Colour::Red, Symbol::Square, Symbol::Triangle)];
+    let looks = [
+        (Colour::Green, Symbol::Circle, Symbol::Cross),
+        (Colour::Red, Symbol::Square, Symbol::Triangle),
+    ];
     for (i, ((length, name), (colour, down, up))) in CELLS.into_iter().zip(looks).enumerate() {
         let (points, step) = task.choose((length / 4.0, 0.1), (length, 0.05));
-        let run = run(&loop_of(length, points as usize, step), Part::Whole, &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64))?;
+        let run = run(
+            &loop_of(length, points as usize, step),
+            Part::Whole,
+            &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64),
+        )?;
         let units = units(length);
-        let (approach, retraction) = (ridges(&run, &units, Direction::Approach), ridges(&run, &units, Direction::Retraction));
-        let deviation = approach.iter().chain(&retraction).map(|p| deviation(*p)).fold(0.0, f64::max);
+        let (approach, retraction) = (
+            ridges(&run, &units, Direction::Approach),
+            ridges(&run, &units, Direction::Retraction),
+        );
+        let deviation = approach
+            .iter()
+            .chain(&retraction)
+            .map(|p| deviation(*p))
+            .fold(0.0, f64::max);
         middle.push(deviation);
-        findings.extend(judged(name, units.reduce(1.0), deviation, ends(&run, &units)));
+        findings.extend(judged(
+            name,
+            units.reduce(1.0),
+            deviation,
+            ends(&run, &units),
+        ));
         arrows.extend(jumps(&run, length, colour));
-        series.push(Series::symbols(&format!("{name}, approach"), down, colour, thinned(approach, 0.015)));
-        series.push(Series::symbols(&format!("{name}, retraction"), up, colour, thinned(retraction, 0.015)));
+        series.push(Series::symbols(
+            &format!("{name}, approach"),
+            down,
+            colour,
+            thinned(approach, 0.015),
+        ));
+        series.push(Series::symbols(
+            &format!("{name}, retraction"),
+            up,
+            colour,
+            thinned(retraction, 0.015),
+        ));
     }
     findings.extend(printed());
     let panel = Panel {
@@ -80,7 +114,10 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 
 /// |p~ - p~ of the exact ridge| in the middle part, zero elsewhere.
 fn deviation([u, p]: [f64; 2]) -> f64 {
-    let exact = (MIDDLE[0]..=MIDDLE[1]).contains(&u).then(|| ridge::pressure(u)).flatten();
+    let exact = (MIDDLE[0]..=MIDDLE[1])
+        .contains(&u)
+        .then(|| ridge::pressure(u))
+        .flatten();
     exact.map_or(0.0, |exact| (p - exact).abs())
 }
 
@@ -94,19 +131,44 @@ fn judged(name: &str, range: f64, deviation: f64, ends: Option<[f64; 2]>) -> Vec
         tolerance,
     };
     let end = ridge::critical().displacement;
-    // A cohesive zone is as long as a few rho~^2 of the cell, and so are its effects; at the ends only once the range is short.
+    // A cohesive zone is as long as a few rho~^2 of the cell, and so are its effects; at the ends
+    // only once the range is short.
     vec![
-        finding(format!("largest |p̃ - exact| on {} ≤ ũ₀ ≤ {}, {name}", MIDDLE[0], MIDDLE[1]), deviation, 0.0, Some(range * range)),
-        finding(format!("ũ₀ where the ridge flattens on retraction, {name}"), high, end, (range < 0.1).then_some(range * range)),
-        finding(format!("ũ₀ where the ridge closes on approach, {name}"), low, 0.0, None),
+        finding(
+            format!(
+                "largest |p̃ - exact| on {} ≤ ũ₀ ≤ {}, {name}",
+                MIDDLE[0], MIDDLE[1]
+            ),
+            deviation,
+            0.0,
+            Some(range * range),
+        ),
+        finding(
+            format!("ũ₀ where the ridge flattens on retraction, {name}"),
+            high,
+            end,
+            (range < 0.1).then_some(range * range),
+        ),
+        finding(
+            format!("ũ₀ where the ridge closes on approach, {name}"),
+            low,
+            0.0,
+            None,
+        ),
     ]
 }
 
 /// What is printed at Eq. 27.
 fn printed() -> Vec<Finding> {
     let end = ridge::critical();
-    let values =
-        [("p̃_c", end.pressure, FLATTENING_PRINTED.pressure), ("p̃^(1/2)", end.pressure_root, FLATTENING_PRINTED.pressure_root)];
+    let values = [
+        ("p̃_c", end.pressure, FLATTENING_PRINTED.pressure),
+        (
+            "p̃^(1/2)",
+            end.pressure_root,
+            FLATTENING_PRINTED.pressure_root,
+        ),
+    ];
     let finding = |(name, found, expected): (&str, f64, f64)| Finding {
         quantity: format!("{name} where the ridge flattens"),
         found,
@@ -126,19 +188,33 @@ fn lines() -> Vec<Series> {
     };
     let exact = |u: f64| ridge::pressure(u).unwrap_or(f64::NAN);
     vec![
-        Series::line("exact, no range", Role::Theory, Colour::Ink, over(1e-4, end.displacement, &exact)),
-        Series::line("thick, Eq. 26", Role::Theory, Colour::Blue, over(0.0, 0.3, &asymptotes::ridge_thick_pressure)),
+        Series::line(
+            "exact, no range",
+            Role::Theory,
+            Colour::Ink,
+            over(1e-4, end.displacement, &exact),
+        ),
+        Series::line(
+            "thick, Eq. 26",
+            Role::Theory,
+            Colour::Blue,
+            over(0.0, 0.3, &asymptotes::ridge_thick_pressure),
+        ),
         Series::line(
             "flattening, Eq. 27 corrected",
             Role::Theory,
             Colour::Orange,
-            over(0.56, end.displacement, &|u| asymptotes::flattening().pressure_at(u)),
+            over(0.56, end.displacement, &|u| {
+                asymptotes::flattening().pressure_at(u)
+            }),
         ),
         Series::line(
             "flattening, Eq. 27 as printed",
             Role::Printed,
             Colour::Orange,
-            over(0.45, FLATTENING_PRINTED.displacement, &|u| FLATTENING_PRINTED.pressure_at(u)),
+            over(0.45, FLATTENING_PRINTED.displacement, &|u| {
+                FLATTENING_PRINTED.pressure_at(u)
+            }),
         ),
     ]
 }
@@ -148,7 +224,13 @@ fn jumps(run: &LoopRun, length: f64, colour: Colour) -> Vec<Arrow> {
     let arrow = |jump: &crate::follow::record::JumpRecord| {
         let u0 = jump.mean_displacement;
         let at = |stress| [units.reduce(u0), units.pressure(stress, u0)];
-        Arrow { name: "", tail: at(jump.stress_before), head: at(jump.stress_after), colour, direction: jump.direction }
+        Arrow {
+            name: "",
+            tail: at(jump.stress_before),
+            head: at(jump.stress_after),
+            colour,
+            direction: jump.direction,
+        }
     };
     run.record.jumps.iter().map(arrow).collect()
 }

@@ -23,7 +23,8 @@ pub(super) const ENTRY: Entry = Entry {
 
 const POINTS: usize = 16;
 const LENGTH: f64 = 256.0;
-/// mu_rho of each diagram, and how many jumps from ridge to ridge were counted by an independent prototype.
+/// mu_rho of each diagram, and how many jumps from ridge to ridge were counted by an independent
+/// prototype.
 const PANELS: [(f64, f64); 4] = [(0.25, 0.0), (0.5, 0.0), (0.75, 18.0), (1.0, 18.0)];
 /// Where the text says that the ridge of mu_rho = 0.5 flattens (u~): thick, thin.
 const QUOTED: [f64; 2] = [0.15, 0.6];
@@ -44,18 +45,28 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (mut panels, mut findings) = (Vec::new(), Vec::new());
     let mut half = [f64::NAN; 2];
     for (i, (mu_rho, counted)) in PANELS.into_iter().enumerate() {
-        let run = run(&loop_of(mu_rho), Part::Whole, &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64))?;
+        let run = run(
+            &loop_of(mu_rho),
+            Part::Whole,
+            &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64),
+        )?;
         let exact = Series {
             name: "exact, no range".to_owned(),
             role: Role::Theory,
-            points: (1..=300).filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement)).collect(),
+            points: (1..=300)
+                .filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement))
+                .collect(),
             ..Series::default()
         };
         panels.push(Panel {
             title: format!("({}) μ_ρ = {mu_rho}", letter(i)),
             x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),
             y: Axis::linear("p̃ = p u₀/γ").from_to(-0.8, 0.1),
-            series: vec![exact, path(&run, Direction::Approach), path(&run, Direction::Retraction)],
+            series: vec![
+                exact,
+                path(&run, Direction::Approach),
+                path(&run, Direction::Retraction),
+            ],
             ..Panel::default()
         });
         findings.push(Finding {
@@ -72,8 +83,14 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     findings.extend(limits(half));
     let seen = search(&mut task.part(0.4, 1.0))?;
     let found = [0, 1].map(|end| crossing(&seen, end).unwrap_or(f64::NAN));
-    let suspected = seen.iter().find(|(mu_rho, _)| *mu_rho == SUSPECTED).map_or([f64::NAN; 2], |(_, ends)| *ends);
-    let names = ["thick ridge closes at ũ₀ = 0.15", "thin ridge flattens at ũ₀ = 0.6"];
+    let suspected = seen
+        .iter()
+        .find(|(mu_rho, _)| *mu_rho == SUSPECTED)
+        .map_or([f64::NAN; 2], |(_, ends)| *ends);
+    let names = [
+        "thick ridge closes at ũ₀ = 0.15",
+        "thin ridge flattens at ũ₀ = 0.6",
+    ];
     findings.extend(names.iter().zip(found).map(|(name, found)| Finding {
         quantity: format!("μ_ρ at which the {name}"),
         found,
@@ -81,7 +98,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         source: "Sect. 3.2.1, with μ_ρ by Eq. 11".to_owned(),
         tolerance: None,
     }));
-    Ok(Figure { number: 8, title: ENTRY.title.to_owned(), panels, words: words(half, found, suspected), findings })
+    Ok(Figure {
+        number: 8,
+        title: ENTRY.title.to_owned(),
+        panels,
+        words: words(half, found, suspected),
+        findings,
+    })
 }
 
 fn words(half: [f64; 2], found: [f64; 2], suspected: [f64; 2]) -> String {
@@ -110,23 +133,43 @@ fn exact(displacement: f64) -> Option<[f64; 2]> {
 /// The path of one direction, jumps as vertical lines.
 fn path(run: &LoopRun, direction: Direction) -> Series {
     let units = units(LENGTH);
-    let points = run.record.states.iter().filter(|s| s.direction == direction).map(|s| reduced(&units, s)).collect();
-    let line = Series::line(&direction.to_string(), Role::Simulation, Colour::of(direction), points);
-    Series { direction: Some(direction), ..line }
+    let points = run
+        .record
+        .states
+        .iter()
+        .filter(|s| s.direction == direction)
+        .map(|s| reduced(&units, s))
+        .collect();
+    let line = Series::line(
+        &direction.to_string(),
+        Role::Simulation,
+        Colour::of(direction),
+        points,
+    );
+    Series {
+        direction: Some(direction),
+        ..line
+    }
 }
 
 /// Jumps that the continuum does not have.
 fn spurious(run: &LoopRun) -> usize {
-    run.record.jumps.iter().filter(|j| j.from == Pattern::Ridge && j.to == Pattern::Ridge).count()
+    run.record
+        .jumps
+        .iter()
+        .filter(|j| j.from == Pattern::Ridge && j.to == Pattern::Ridge)
+        .count()
 }
 
 /// The ends of the ridge at mu_rho = 0.5, against the flat limits and the text.
 fn limits(found: [f64; 2]) -> Vec<Finding> {
-    // In a cell of 1.27 L_c the ridge bifurcates from the flat surface almost without a fold: its ends are the flat limits, but for
-    // a few thousandths.
+    // In a cell of 1.27 L_c the ridge bifurcates from the flat surface almost without a fold: its
+    // ends are the flat limits, but for a few thousandths.
     let units = units(LENGTH);
     let law = loop_of(0.5).model().map(|model| model.law).ok();
-    let eq_8 = law.and_then(|law| flat::limits(&law, LENGTH)).map_or([f64::NAN; 2], |(low, high)| [low, high]);
+    let eq_8 = law
+        .and_then(|law| flat::limits(&law, LENGTH))
+        .map_or([f64::NAN; 2], |(low, high)| [low, high]);
     let tolerance = law.map(|law| 0.02 * units.reduce(law.range));
     let names = ["closes on approach", "flattens on retraction"];
     let mut findings = Vec::new();
@@ -156,17 +199,24 @@ fn search(task: &mut Task<'_>) -> Result<Vec<(f64, [f64; 2])>, Stopped> {
     let mut seen = Vec::new();
     for (i, mu_rho) in SEARCH.into_iter().enumerate() {
         let share = SEARCH.len() as f64;
-        let run = run(&loop_of(mu_rho), Part::Whole, &mut task.part(i as f64 / share, (i + 1) as f64 / share))?;
+        let run = run(
+            &loop_of(mu_rho),
+            Part::Whole,
+            &mut task.part(i as f64 / share, (i + 1) as f64 / share),
+        )?;
         seen.extend(ends(&run, &units).map(|ends| (mu_rho, ends)));
     }
     Ok(seen)
 }
 
-/// mu_rho at which one end (0 closes, 1 flattens) is where the text says, by interpolation between loops.
+/// mu_rho at which one end (0 closes, 1 flattens) is where the text says, by interpolation between
+/// loops.
 fn crossing(seen: &[(f64, [f64; 2])], end: usize) -> Option<f64> {
     seen.windows(2).find_map(|pair| {
         let [(mu, a), (mu_next, b)] = [pair[0], pair[1]];
         let share = (QUOTED[end] - a[end]) / (b[end] - a[end]);
-        (0.0..=1.0).contains(&share).then_some(mu + share * (mu_next - mu))
+        (0.0..=1.0)
+            .contains(&share)
+            .then_some(mu + share * (mu_next - mu))
     })
 }

@@ -44,16 +44,31 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         fold.displacement,
     );
     let findings = findings(&dimples, &bulges);
-    Ok(Figure { number: 9, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+    Ok(Figure {
+        number: 9,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel],
+        words,
+        findings,
+    })
 }
 
 /// vhat of discs of [`SIZES`] by boundary elements.
 fn elements(kind: Kind, task: &mut Task<'_>) -> Result<Vec<(f64, Estimate)>, Stopped> {
     let mut found = Vec::with_capacity(SIZES.len());
     for (i, size) in SIZES.into_iter().enumerate() {
-        task.tell(i as f64 / SIZES.len() as f64, "boundary elements on a square")?;
+        task.tell(
+            i as f64 / SIZES.len() as f64,
+            "boundary elements on a square",
+        )?;
         let points = task.choose(64, 128);
-        let estimate = boundary_elements::disc_extrapolated(kind, size, points, task.choose(6, 10), task.cancel);
+        let estimate = boundary_elements::disc_extrapolated(
+            kind,
+            size,
+            points,
+            task.choose(6, 10),
+            task.cancel,
+        );
         found.push((size, estimate.ok_or_else(|| unsolved(task, size))?));
     }
     Ok(found)
@@ -61,63 +76,175 @@ fn elements(kind: Kind, task: &mut Task<'_>) -> Result<Vec<(f64, Estimate)>, Sto
 
 fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series> {
     let (dimple, bulge) = (circular::dimple(), circular::bulge());
-    let symbols = |name: &str, symbol, colour, found: &[(f64, Estimate)], x: fn(f64) -> f64| Series {
-        name: name.to_owned(),
-        symbol: Some(symbol),
-        colour,
-        points: found.iter().map(|(size, vhat)| [x(*size), vhat.value]).collect(),
-        ..Series::default()
-    };
+    let symbols =
+        |name: &str, symbol, colour, found: &[(f64, Estimate)], x: fn(f64) -> f64| Series {
+            name: name.to_owned(),
+            symbol: Some(symbol),
+            colour,
+            points: found
+                .iter()
+                .map(|(size, vhat)| [x(*size), vhat.value])
+                .collect(),
+            ..Series::default()
+        };
     let (theory, printed) = (Role::Theory, Role::Printed);
     let (all, low) = ([0.021, 0.97], [0.021, 0.9]);
     vec![
-        curve("dimple", theory, Colour::Red, low, |abar| dimple.elastic_energy(1.0 - abar)[0]),
-        curve("3/(2α³), Eq. 28 corrected", theory, Colour::Orange, low, |abar| asymptotes::dimple(1.0 - abar)),
-        curve("dimple, Eq. 28 printed", printed, Colour::Red, low, |abar| asymptotes::dimple_printed(1.0 - abar)),
-        curve("bulge", theory, Colour::Blue, all, |abar| bulge.elastic_energy(abar)[0]),
-        curve("(1 − α)/2, Eq. 28 corrected", theory, Colour::Teal, all, asymptotes::bulge),
-        curve("bulge, Eq. 28 printed", printed, Colour::Blue, all, asymptotes::bulge_printed),
-        symbols("dimple, boundary elements", Symbol::Square, Colour::Red, dimples, |alpha| 1.0 - alpha),
-        symbols("bulge, boundary elements", Symbol::Diamond, Colour::Blue, bulges, |abar| abar),
+        curve("dimple", theory, Colour::Red, low, |abar| {
+            dimple.elastic_energy(1.0 - abar)[0]
+        }),
+        curve(
+            "3/(2α³), Eq. 28 corrected",
+            theory,
+            Colour::Orange,
+            low,
+            |abar| asymptotes::dimple(1.0 - abar),
+        ),
+        curve(
+            "dimple, Eq. 28 printed",
+            printed,
+            Colour::Red,
+            low,
+            |abar| asymptotes::dimple_printed(1.0 - abar),
+        ),
+        curve("bulge", theory, Colour::Blue, all, |abar| {
+            bulge.elastic_energy(abar)[0]
+        }),
+        curve(
+            "(1 − α)/2, Eq. 28 corrected",
+            theory,
+            Colour::Teal,
+            all,
+            asymptotes::bulge,
+        ),
+        curve(
+            "bulge, Eq. 28 printed",
+            printed,
+            Colour::Blue,
+            all,
+            asymptotes::bulge_printed,
+        ),
+        symbols(
+            "dimple, boundary elements",
+            Symbol::Square,
+            Colour::Red,
+            dimples,
+            |alpha| 1.0 - alpha,
+        ),
+        symbols(
+            "bulge, boundary elements",
+            Symbol::Diamond,
+            Colour::Blue,
+            bulges,
+            |abar| abar,
+        ),
     ]
 }
 
 /// A line, dense towards both ends of a logarithmic axis.
-fn curve(name: &str, role: Role, colour: Colour, [low, high]: [f64; 2], y: impl Fn(f64) -> f64) -> Series {
+fn curve(
+    name: &str,
+    role: Role,
+    colour: Colour,
+    [low, high]: [f64; 2],
+    y: impl Fn(f64) -> f64,
+) -> Series {
     // Equal steps of ln(x/(1 - x)).
     let logit = |x: f64| (x / (1.0 - x)).ln();
-    let x = |i: usize| 1.0 / (1.0 + (-logit(low) - (logit(high) - logit(low)) * i as f64 / 200.0).exp());
+    let x = |i: usize| {
+        1.0 / (1.0 + (-logit(low) - (logit(high) - logit(low)) * i as f64 / 200.0).exp())
+    };
     let points = (0..=200).map(|i| [x(i), y(x(i))]).collect();
     Series::line(name, role, colour, points)
 }
 
 /// Relative deviation from the series, the largest.
 fn largest(pattern: &Pattern, found: &[(f64, Estimate)]) -> f64 {
-    found.iter().map(|(size, vhat)| (vhat.value / pattern.elastic_energy(*size)[0] - 1.0).abs()).fold(0.0, f64::max)
+    found
+        .iter()
+        .map(|(size, vhat)| (vhat.value / pattern.elastic_energy(*size)[0] - 1.0).abs())
+        .fold(0.0, f64::max)
 }
 
 fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Finding> {
     let (dimple, bulge) = (circular::dimple(), circular::bulge());
     // Deviations in units of the error that the extrapolation states for itself.
     let worst = |pattern: &Pattern, found: &[(f64, Estimate)]| {
-        let share = |(size, vhat): &(f64, Estimate)| (vhat.value - pattern.elastic_energy(*size)[0]).abs() / vhat.error;
+        let share = |(size, vhat): &(f64, Estimate)| {
+            (vhat.value - pattern.elastic_energy(*size)[0]).abs() / vhat.error
+        };
         found.iter().map(share).fold(0.0, f64::max)
     };
     let mut all = Vec::new();
     for (name, pattern, found) in [("dimple", dimple, dimples), ("bulge", bulge, bulges)] {
-        let stated = format!("largest deviation of v̂ by boundary elements over its stated error, {name}");
-        all.push(Finding::new(&stated, worst(pattern, found), 0.0, "series", Some(1.0)));
+        let stated =
+            format!("largest deviation of v̂ by boundary elements over its stated error, {name}");
+        all.push(Finding::new(
+            &stated,
+            worst(pattern, found),
+            0.0,
+            "series",
+            Some(1.0),
+        ));
         let relative = format!("largest relative deviation of v̂ by boundary elements, {name}");
-        all.push(Finding::new(&relative, largest(pattern, found), 0.0, "series", Some(2e-3)));
+        all.push(Finding::new(
+            &relative,
+            largest(pattern, found),
+            0.0,
+            "series",
+            Some(2e-3),
+        ));
     }
     all.extend([
-        Finding::new("v̂ of a dimple, α = 0.7", dimple.elastic_energy(0.7)[0], 3.954593912, "reference table", Some(2e-8)),
-        Finding::new("v̂ of a bulge, 1 − α = 0.65", bulge.elastic_energy(0.65)[0], 1.234144938, "reference table", Some(1e-8)),
-        Finding::new("ũ₀ at the bulge's fold", bulge.fold().displacement, 0.620288, "reference", Some(1e-6)),
-        Finding::new("ũ₀ below which a bulge stretches", bulge.elliptic_limit().displacement, 0.403, "reference", Some(1e-3)),
-        Finding::new("ũ₀ at the dimple's fold", dimple.fold().displacement, 0.4891, "reference", Some(2e-4)),
-        Finding::new("ũ₀ above which a dimple stretches", dimple.elliptic_limit().displacement, 0.399, "reference", Some(1e-3)),
-        Finding::new("α³ v̂ of a small dimple", 1.5, asymptotes::dimple_printed(1.0), "printed in Eq. 28", None),
+        Finding::new(
+            "v̂ of a dimple, α = 0.7",
+            dimple.elastic_energy(0.7)[0],
+            3.954593912,
+            "reference table",
+            Some(2e-8),
+        ),
+        Finding::new(
+            "v̂ of a bulge, 1 − α = 0.65",
+            bulge.elastic_energy(0.65)[0],
+            1.234144938,
+            "reference table",
+            Some(1e-8),
+        ),
+        Finding::new(
+            "ũ₀ at the bulge's fold",
+            bulge.fold().displacement,
+            0.620288,
+            "reference",
+            Some(1e-6),
+        ),
+        Finding::new(
+            "ũ₀ below which a bulge stretches",
+            bulge.elliptic_limit().displacement,
+            0.403,
+            "reference",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "ũ₀ at the dimple's fold",
+            dimple.fold().displacement,
+            0.4891,
+            "reference",
+            Some(2e-4),
+        ),
+        Finding::new(
+            "ũ₀ above which a dimple stretches",
+            dimple.elliptic_limit().displacement,
+            0.399,
+            "reference",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "α³ v̂ of a small dimple",
+            1.5,
+            asymptotes::dimple_printed(1.0),
+            "printed in Eq. 28",
+            None,
+        ),
     ]);
     all
 }

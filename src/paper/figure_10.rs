@@ -34,33 +34,52 @@ struct Branch {
 fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, Stopped> {
     let failed = |what: String| Stopped::Failed(format!("{}: {what}", scene.title));
     let model = scene.model().map_err(|error| failed(error.to_string()))?;
-    let Turn::At(turn) = scene.drive.turn else { return Err(failed("turns at zero load".to_owned())) };
+    let Turn::At(turn) = scene.drive.turn else {
+        return Err(failed("turns at zero load".to_owned()));
+    };
     task.tell(0.0, &scene.title)?;
     let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, points));
     atlas.obey(task.cancel);
     let cycle = atlas.cycle(scene.drive.start, turn);
     task.tell(1.0, &scene.title)?;
     cycle.map_err(|error| failed(error.to_string()))?;
-    let known = atlas.branches().iter().find(|branch| branch.pattern == Pattern::Dimple);
+    let known = atlas
+        .branches()
+        .iter()
+        .find(|branch| branch.pattern == Pattern::Dimple);
     let branch = known.ok_or_else(|| failed("there is no dimple".to_owned()))?;
-    let units = Units { length: model.grid.length, surface_energy: model.law.surface_energy };
+    let units = Units {
+        length: model.grid.length,
+        surface_energy: model.law.surface_energy,
+    };
     let (low, high) = branch.extent();
     let points = (0..=POINTS).map(|i| {
         let u0 = low + (high - low) * i as f64 / POINTS as f64;
         [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]
     });
-    Ok(Branch { range: units.reduce(model.law.range), points: points.collect() })
+    Ok(Branch {
+        range: units.reduce(model.law.range),
+        points: points.collect(),
+    })
 }
 
 /// Largest deviation of p~ from the curve without range over [`COMPARED`].
 fn deviation(branch: &Branch) -> f64 {
     let [low, high] = COMPARED;
-    let compared = branch.points.iter().filter(|p| (low..=high).contains(&p[0]));
-    let deviation = |p: &[f64; 2]| circular::dimple().at(p[0], Part::Stable).map_or(f64::NAN, |s| (p[1] - s.pressure).abs());
+    let compared = branch
+        .points
+        .iter()
+        .filter(|p| (low..=high).contains(&p[0]));
+    let deviation = |p: &[f64; 2]| {
+        circular::dimple()
+            .at(p[0], Part::Stable)
+            .map_or(f64::NAN, |s| (p[1] - s.pressure).abs())
+    };
     compared.map(deviation).fold(f64::NAN, f64::max)
 }
 
-/// p~ next to the fold of the radial dimple, to leading order: p_c~ + c sqrt(u_c~ - u~), c from the curve itself.
+/// p~ next to the fold of the radial dimple, to leading order: p_c~ + c sqrt(u_c~ - u~), c from the
+/// curve itself.
 fn critical(fold: circular::State) -> Vec<[f64; 2]> {
     let step = 1e-3;
     let [before, after] = [-step, step].map(|d| circular::dimple().state(fold.size + d));
@@ -68,28 +87,53 @@ fn critical(fold: circular::State) -> Vec<[f64; 2]> {
     let slope = (after.pressure - before.pressure) / (2.0 * step);
     let c = -slope * (-2.0 / bend).sqrt();
     let near = (0..=POINTS).map(|i| 0.1 * (i as f64 / POINTS as f64).powi(2));
-    near.map(|d| [fold.displacement - d, fold.pressure + c * d.sqrt()]).collect()
+    near.map(|d| [fold.displacement - d, fold.pressure + c * d.sqrt()])
+        .collect()
 }
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (small, large) = (scenes::figure_2(), scenes::figure_3());
     let wide = dimple(&small, 64, &mut task.part(0.0, 0.1))?;
     let narrow = dimple(&large, task.choose(192, 256), &mut task.part(0.1, 1.0))?;
+    Ok(Figure {
+        number: 10,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel(&wide, &narrow)],
+        words: words(&wide, &narrow),
+        findings: findings(&wide, &narrow),
+    })
+}
+
+/// u~ where the dimple ends.
+fn end(branch: &Branch) -> f64 {
+    branch.points.last().map_or(f64::NAN, |p| p[0])
+}
+
+/// The two ranges on the curve without range and its expansions.
+fn panel(wide: &Branch, narrow: &Branch) -> Panel {
     let pattern = circular::dimple();
-    let (fold, ellipse) = (pattern.fold(), pattern.elliptic_limit());
+    let fold = pattern.fold();
     let sizes = (1..=POINTS).map(|i| 0.02 + (fold.size - 0.02) * i as f64 / POINTS as f64);
-    let exact = sizes.map(|size| pattern.state(size)).map(|s| [s.displacement, s.pressure]).collect();
+    let exact = sizes
+        .map(|size| pattern.state(size))
+        .map(|s| [s.displacement, s.pressure])
+        .collect();
     let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
     let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
     let symbols = |branch: &Branch, symbol, colour| {
         let points = branch.points.iter().step_by(POINTS / 25).copied().collect();
         Series::symbols(&format!("ρ̃ = {:.4}", branch.range), symbol, colour, points)
     };
-    let panel = Panel {
+    Panel {
         x: Axis::linear("reduced displacement ũ₀").from_to(0.0, 0.5),
         y: Axis::linear("reduced pressure p̃").from_to(-0.9, 0.0),
         series: vec![
-            Series::line("no range, stable until the fold", Role::Theory, Colour::Ink, exact),
+            Series::line(
+                "no range, stable until the fold",
+                Role::Theory,
+                Colour::Ink,
+                exact,
+            ),
             Series::line(
                 "small dimples, Eq. 29 corrected (1.793 ũ₀)",
                 Role::Theory,
@@ -102,15 +146,40 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
                 Colour::Blue,
                 power(asymptotes::dimple_pressure_printed),
             ),
-            Series::line("next to the fold", Role::Theory, Colour::Orange, critical(fold)),
-            symbols(&wide, Symbol::Circle, Colour::Green),
-            symbols(&narrow, Symbol::Square, Colour::Red),
+            Series::line(
+                "next to the fold",
+                Role::Theory,
+                Colour::Orange,
+                critical(fold),
+            ),
+            symbols(wide, Symbol::Circle, Colour::Green),
+            symbols(narrow, Symbol::Square, Colour::Red),
         ],
         ..Panel::default()
-    };
-    let (far, near) = (deviation(&wide), deviation(&narrow));
+    }
+}
+
+fn words(wide: &Branch, narrow: &Branch) -> String {
+    let (far, near) = (deviation(wide), deviation(narrow));
     let [low, high] = COMPARED;
-    let end = |branch: &Branch| branch.points.last().map_or(f64::NAN, |p| p[0]);
+    let pattern = circular::dimple();
+    format!(
+        "The dimple's pressure against displacement in reduced units, where an adhesion without range has one curve for all cells. It \
+         is left by at most {far:.3} (ρ̃ = {:.4}) and {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow \
+         p̃ = -(1.7930 ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its fold at ũ₀ = {:.4}, but \
+         stretches already at {:.3}; with range it ends at {:.3} and {:.3}.",
+        wide.range,
+        narrow.range,
+        pattern.fold().displacement,
+        pattern.elliptic_limit().displacement,
+        end(wide),
+        end(narrow),
+    )
+}
+
+fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
+    let (far, near) = (deviation(wide), deviation(narrow));
+    let [low, high] = COMPARED;
     let finding = |quantity: String, found, expected, source: &str, tolerance| Finding {
         quantity,
         found,
@@ -118,10 +187,22 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         source: source.to_owned(),
         tolerance,
     };
-    let findings = vec![
-        finding(format!("largest |p̃ - exact| on {low} < ũ₀ < {high}, ρ̃ = {:.4}", wide.range), far, 0.0, "no range", None),
+    vec![
         finding(
-            format!("the same, ρ̃ = {:.4}: less than three quarters of it", narrow.range),
+            format!(
+                "largest |p̃ - exact| on {low} < ũ₀ < {high}, ρ̃ = {:.4}",
+                wide.range
+            ),
+            far,
+            0.0,
+            "no range",
+            None,
+        ),
+        finding(
+            format!(
+                "the same, ρ̃ = {:.4}: less than three quarters of it",
+                narrow.range
+            ),
             near,
             0.0,
             "no range",
@@ -129,30 +210,17 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         ),
         finding(
             format!("ũ₀ where the dimple ends, ρ̃ = {:.4}", narrow.range),
-            end(&narrow),
-            ellipse.displacement,
+            end(narrow),
+            circular::dimple().elliptic_limit().displacement,
             "it stretches, no range",
             None,
         ),
         finding(
             "ũ₀ of the fold of a round dimple".to_owned(),
-            fold.displacement,
+            circular::dimple().fold().displacement,
             0.4891,
             "radial fold, boundary elements",
             Some(2e-4),
         ),
-    ];
-    let words = format!(
-        "The dimple's pressure against displacement in reduced units, where an adhesion without range has one curve for all cells. It \
-         is left by at most {far:.3} (ρ̃ = {:.4}) and {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow \
-         p̃ = -(1.7930 ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its fold at ũ₀ = {:.4}, but \
-         stretches already at {:.3}; with range it ends at {:.3} and {:.3}.",
-        wide.range,
-        narrow.range,
-        fold.displacement,
-        ellipse.displacement,
-        end(&wide),
-        end(&narrow),
-    );
-    Ok(Figure { number: 10, title: ENTRY.title.to_owned(), panels: vec![panel], words, findings })
+    ]
 }

@@ -29,14 +29,17 @@ const MU_RHO: f64 = 0.35;
 /// The same below rho/rho_0 = 0.1, where that would take too many points.
 const COARSE: f64 = 0.5;
 /// How closely, in ranges, the jumps of single points are located there: the meshes hold hundreds.
-const LOCATED: f64 = 0.01;
+const TRAPPED_WITHIN: f64 = 0.01;
 /// rho/rho_0 of the loops.
 const MORSE: [f64; 10] = [0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7];
-const COSINE: [f64; 12] = [0.056, 0.06, 0.064, 0.068, 0.074, 0.079, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4];
+const COSINE: [f64; 12] = [
+    0.056, 0.06, 0.064, 0.068, 0.074, 0.079, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4,
+];
 /// The same for a quick figure.
 const QUICK_MORSE: [f64; 6] = [0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
 const QUICK_COSINE: [f64; 5] = [0.079, 0.2, 0.25, 0.3, 0.4];
-/// Range (reduced; g_c~ for the cosine law) below which the theory promises this, as the largest relative difference.
+/// Range (reduced; g_c~ for the cosine law) below which the theory promises this, as the largest
+/// relative difference.
 const SHORT: f64 = 0.1;
 const PROMISED: f64 = 0.02;
 /// The cut-off g_c of the cosine law that softens as much as a Morse law of range 1.
@@ -44,8 +47,16 @@ const CUT_OFF: f64 = SQRT_2 * PI;
 
 /// The law with the largest softening of a Morse law of range 1.
 fn law(shape: Shape) -> Law {
-    let range = if matches!(shape, Shape::Cosine(_)) { CUT_OFF } else { 1.0 };
-    Law { shape, surface_energy: scenes::SURFACE_ENERGY, range }
+    let range = if matches!(shape, Shape::Cosine(_)) {
+        CUT_OFF
+    } else {
+        1.0
+    };
+    Law {
+        shape,
+        surface_energy: scenes::SURFACE_ENERGY,
+        range,
+    }
 }
 
 /// Cell (length) in which `law` has rho/rho_0 = sqrt(L_c/L) = `ratio`.
@@ -57,11 +68,13 @@ fn mu_rho(ratio: f64) -> f64 {
     if ratio < 0.1 { COARSE } else { MU_RHO }
 }
 
-/// From separation to just behind the jump into contact and back: the closing of the ridge does not belong to Eq. 30.
+/// From separation to just behind the jump into contact and back: the closing of the ridge does not
+/// belong to Eq. 30.
 fn loop_of(shape: Shape, ratio: f64) -> Scene {
     let law = law(shape);
     let length = cell(&law, ratio);
-    let points = next_fast(mesh_rule::points_for_mu_rho(&law, length, mu_rho(ratio)).ceil() as usize);
+    let points =
+        next_fast(mesh_rule::points_for_mu_rho(&law, length, mu_rho(ratio)).ceil() as usize);
     let unit = units(length).displacement();
     let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| limits.1);
     // The ridge of either law flattens below u~ = 0.75 in these cells.
@@ -69,7 +82,12 @@ fn loop_of(shape: Shape, ratio: f64) -> Scene {
     // A short branch deserves short steps too: the trapezoid rule has to close the ledger.
     let step = ((start - approach) / 60.0).min(0.1);
     let title = format!("Fig. 11: {} law, ρ/ρ₀ = {ratio}", shape.word());
-    let mut scene = scene(&title, length, points, [start / unit, (approach - 0.01) / unit, step / unit]);
+    let mut scene = scene(
+        &title,
+        length,
+        points,
+        [start / unit, (approach - 0.01) / unit, step / unit],
+    );
     (scene.law.shape, scene.law.range) = (shape, Range::Length(law.range));
     scene
 }
@@ -93,16 +111,35 @@ struct Loss {
 fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> {
     let law = law(shape);
     let length = cell(&law, ratio);
-    // An even half is enough for a ridge. Where the stiffness jumps, the mesh may hold a ridge askew.
-    let part = if law.is_smooth() { Part::Quarter } else { Part::Whole };
-    let trapped_within = (mu_rho(ratio) == COARSE).then_some(LOCATED);
-    let run = walked::run(&loop_of(shape, ratio), WalkOptions { part, trapped_within, ..WalkOptions::default() }, task)?;
-    let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
+    // An even half is enough for a ridge. Where the stiffness jumps, the mesh may hold a ridge
+    // askew.
+    let part = if law.is_smooth() {
+        Part::Quarter
+    } else {
+        Part::Whole
+    };
+    let trapped_within = (mu_rho(ratio) == COARSE).then_some(TRAPPED_WITHIN);
+    let run = walked::run(
+        &loop_of(shape, ratio),
+        WalkOptions {
+            part,
+            trapped_within,
+            ..WalkOptions::default()
+        },
+        task,
+    )?;
+    let approach =
+        flat::limits(&law, length).map_or(f64::NAN, |limits| units(length).reduce(limits.1));
     Ok(Loss {
         ratio,
         released: run.record.released_energy_sum(),
         work: run.record.work() / law.surface_energy,
-        others: run.record.jumps.iter().filter(|j| j.from == Pattern::Ridge && j.to == Pattern::Ridge).count(),
+        others: run
+            .record
+            .jumps
+            .iter()
+            .filter(|j| j.from == Pattern::Ridge && j.to == Pattern::Ridge)
+            .count(),
         theory: dissipation::loss(&law, length).unwrap_or(f64::NAN),
         leading: dissipation::leading_order(ridge::zero_range_dissipation(), approach),
         range: units(length).reduce(law.range),
@@ -112,23 +149,43 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let morse: &[f64] = task.choose(&QUICK_MORSE, &MORSE);
     let cosine: &[f64] = task.choose(&QUICK_COSINE, &COSINE);
-    let loops = |shape: Shape, ratios: &[f64]| ratios.iter().map(|ratio| (shape, *ratio)).collect::<Vec<_>>();
+    let loops = |shape: Shape, ratios: &[f64]| {
+        ratios
+            .iter()
+            .map(|ratio| (shape, *ratio))
+            .collect::<Vec<_>>()
+    };
     let all = [loops(MORSE_LAW, morse), loops(COSINE_LAW, cosine)].concat();
-    // Points and increments grow with the length of the cell, and so do the trapped points of a coarse mesh.
-    let losses = task.each(&all, |(_, ratio)| ratio.powi(-4), |(shape, ratio), task| lose(*shape, *ratio, task))?;
+    // Points and increments grow with the length of the cell, and so do the trapped points of a
+    // coarse mesh.
+    let losses = task.each(
+        &all,
+        |(_, ratio)| ratio.powi(-4),
+        |(shape, ratio), task| lose(*shape, *ratio, task),
+    )?;
     let (mut series, mut findings) = (lines(), Vec::new());
     let (mut micro, mut off) = (0, String::new());
     let (of_morse, of_cosine) = losses.split_at(morse.len());
-    let looks = [(MORSE_LAW, of_morse, Colour::Red, Symbol::Circle), (COSINE_LAW, of_cosine, Colour::Blue, Symbol::Square)];
+    let looks = [
+        (MORSE_LAW, of_morse, Colour::Red, Symbol::Circle),
+        (COSINE_LAW, of_cosine, Colour::Blue, Symbol::Square),
+    ];
     for (shape, losses, colour, symbol) in looks {
         findings.extend(losses.iter().flat_map(|loss| judged(shape, loss)));
         micro += losses.iter().map(|loss| loss.others).sum::<usize>();
         if let [shortest, ..] = losses {
             let percent = 100.0 * (shortest.released / shortest.theory - 1.0);
-            off += &format!("{} at ρ/ρ₀ = {}: {percent:+.1} %; ", shape.word(), shortest.ratio);
+            off += &format!(
+                "{} at ρ/ρ₀ = {}: {percent:+.1} %; ",
+                shape.word(),
+                shortest.ratio
+            );
         }
         let name = format!("{}, line cells", shape.word());
-        let points = losses.iter().map(|loss| [loss.ratio, loss.released]).collect();
+        let points = losses
+            .iter()
+            .map(|loss| [loss.ratio, loss.released])
+            .collect();
         series.push(Series::symbols(&name, symbol, colour, points));
     }
     findings.push(Finding {
@@ -144,7 +201,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         series,
         ..Panel::default()
     };
-    Ok(Figure { number: 11, title: ENTRY.title.to_owned(), panels: vec![panel], words: words(micro, &off), findings })
+    Ok(Figure {
+        number: 11,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel],
+        words: words(micro, &off),
+        findings,
+    })
 }
 
 const MORSE_LAW: Shape = Shape::Morse(Morse);
@@ -152,24 +215,45 @@ const COSINE_LAW: Shape = Shape::Cosine(Cosine { smooth: false });
 
 fn judged(shape: Shape, loss: &Loss) -> Vec<Finding> {
     let what = format!("{} law, ρ/ρ₀ = {}", shape.word(), loss.ratio);
-    let finding = |name: &str, found, expected: f64, source: &str, tolerance: Option<f64>| Finding {
-        quantity: format!("{name}, {what}"),
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance: tolerance.map(|share| share * expected.abs()),
-    };
+    let finding =
+        |name: &str, found, expected: f64, source: &str, tolerance: Option<f64>| Finding {
+            quantity: format!("{name}, {what}"),
+            found,
+            expected,
+            source: source.to_owned(),
+            tolerance: tolerance.map(|share| share * expected.abs()),
+        };
     let short = (loss.range < SHORT).then_some(PROMISED);
     vec![
-        finding("γ_hys/γ", loss.released, loss.theory, "exact ridge between the ends, and the flat term", short),
-        finding("γ_hys/γ", loss.released, loss.leading, "leading order with 1.08756", None),
-        finding("loop integral over γ", loss.work, loss.released, "sum of the released energies", Some(2e-3)),
+        finding(
+            "γ_hys/γ",
+            loss.released,
+            loss.theory,
+            "exact ridge between the ends, and the flat term",
+            short,
+        ),
+        finding(
+            "γ_hys/γ",
+            loss.released,
+            loss.leading,
+            "leading order with 1.08756",
+            None,
+        ),
+        finding(
+            "loop integral over γ",
+            loss.work,
+            loss.released,
+            "sum of the released energies",
+            Some(2e-3),
+        ),
     ]
 }
 
 /// Eq. 30 for both laws: whole, leading order, as printed; and the value without range.
 fn lines() -> Vec<Series> {
-    let ratios: Vec<f64> = (1..=200).map(|i| 0.8 * (f64::from(i) / 200.0).powi(3)).collect();
+    let ratios: Vec<f64> = (1..=200)
+        .map(|i| 0.8 * (f64::from(i) / 200.0).powi(3))
+        .collect();
     let zero = ridge::zero_range_dissipation();
     let mut series = vec![Series {
         name: "without range, 1.0876".to_owned(),
@@ -178,10 +262,15 @@ fn lines() -> Vec<Series> {
         points: vec![[0.0, zero], [0.8, zero]],
         ..Series::default()
     }];
-    for (shape, whole, leading) in [(MORSE_LAW, Colour::Red, Colour::Orange), (COSINE_LAW, Colour::Blue, Colour::Teal)] {
+    for (shape, whole, leading) in [
+        (MORSE_LAW, Colour::Red, Colour::Orange),
+        (COSINE_LAW, Colour::Blue, Colour::Teal),
+    ] {
         let law = law(shape);
         let line = |name: &str, role, colour, value: &dyn Fn(f64) -> Option<f64>| {
-            let points = ratios.iter().filter_map(|&r| value(cell(&law, r)).map(|y| [r, y]));
+            let points = ratios
+                .iter()
+                .filter_map(|&r| value(cell(&law, r)).map(|y| [r, y]));
             let points = points.filter(|p| p[1] >= 0.0).collect();
             Series::line(&format!("{}, {name}", shape.word()), role, colour, points)
         };
@@ -191,12 +280,28 @@ fn lines() -> Vec<Series> {
                 Some(dissipation::leading_order(zero, approach))
             }
         };
-        series.push(line("exact ridge and flat term", Role::Theory, whole, &|length| dissipation::loss(&law, length)));
-        series.push(line("leading order with 1.0876", Role::Theory, leading, &order(zero)));
+        series.push(line(
+            "exact ridge and flat term",
+            Role::Theory,
+            whole,
+            &|length| dissipation::loss(&law, length),
+        ));
+        series.push(line(
+            "leading order with 1.0876",
+            Role::Theory,
+            leading,
+            &order(zero),
+        ));
         let printed = order(dissipation::printed_zero_range());
         if shape == MORSE_LAW {
-            let approach = |length: f64| dissipation::morse_approach(units(length).reduce(law.range));
-            let eq_30d = |length| Some(dissipation::leading_order(dissipation::printed_zero_range(), approach(length)));
+            let approach =
+                |length: f64| dissipation::morse_approach(units(length).reduce(law.range));
+            let eq_30d = |length| {
+                Some(dissipation::leading_order(
+                    dissipation::printed_zero_range(),
+                    approach(length),
+                ))
+            };
             series.push(line("Eq. 30d as printed", Role::Printed, leading, &eq_30d));
         } else {
             series.push(line("Eq. 30c as printed", Role::Printed, leading, &printed));

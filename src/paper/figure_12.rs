@@ -19,16 +19,28 @@ pub(super) const ENTRY: Entry = Entry {
 /// Points of a theory line.
 const POINTS: usize = 200;
 
-const COLOURS: [Colour; 5] = [Colour::Orange, Colour::Green, Colour::Blue, Colour::Red, Colour::Teal];
+const COLOURS: [Colour; 5] = [
+    Colour::Orange,
+    Colour::Green,
+    Colour::Blue,
+    Colour::Red,
+    Colour::Teal,
+];
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
-    let tips = tips::run_all(&tips::orders(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)]), task)?;
-    let panels = [0.5, 1.0, 1.5, 2.0].iter().zip("abcd".chars()).map(|(mu, letter)| {
-        let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
-        panel(&format!("({letter}) mu_rho = {mu}"), &loops)
-    });
+    let tips = tips::run_all(
+        &tips::orders(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)]),
+        task,
+    )?;
+    let panels = [0.5, 1.0, 1.5, 2.0]
+        .iter()
+        .zip("abcd".chars())
+        .map(|(mu, letter)| {
+            let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
+            panel(&format!("({letter}) mu_rho = {mu}"), &loops)
+        });
     let words = "Force over the pull-off force of JKR, positive in compression, against the height u₀ of the undeformed surface above \
                  the apex, driven by displacement to zero load and back (L = R, γ = 0.5859e-3 E*R). Black: JKR; grey: the same with \
                  the periodic images of the cell, in closed form. Up to mu_rho = 0.7 an even quarter of the cell is solved, with all \
@@ -51,11 +63,16 @@ fn panel(title: &str, loops: &[&Tip]) -> Panel {
         Series::line("JKR, periodic", Role::Theory, Colour::Grey, images),
     ];
     for (tip, colour) in loops.iter().zip(COLOURS) {
-        let line = |name: String, points: &[[f64; 2]]| Series::line(&name, Role::Simulation, colour, points.to_vec());
+        let line = |name: String, points: &[[f64; 2]]| {
+            Series::line(&name, Role::Simulation, colour, points.to_vec())
+        };
         series.push(line(format!("n = {}", tip.points), &tip.approach));
         series.push(line(String::new(), &tip.retraction));
     }
-    let end = loops.iter().flat_map(|tip| tip.retraction.iter().filter(|p| p[1] < -0.1)).fold(0.013, |most: f64, p| most.max(p[0]));
+    let end = loops
+        .iter()
+        .flat_map(|tip| tip.retraction.iter().filter(|p| p[1] < -0.1))
+        .fold(0.013, |most: f64, p| most.max(p[0]));
     Panel {
         title: title.to_owned(),
         x: Axis::linear("displacement u₀/R").from_to(-0.0145, end + 0.002),
@@ -65,14 +82,21 @@ fn panel(title: &str, loops: &[&Tip]) -> Panel {
     }
 }
 
-/// The two loops without range, the second with images: away from contact, the touch, the branch in contact, the snap-off.
+/// The two loops without range, the second with images: away from contact, the touch, the branch in
+/// contact, the snap-off.
 fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let (far, pull) = (0.05, TIP.pull_off_force());
     let path = |touch: f64, end: f64, contact: &dyn Fn(f64) -> [f64; 2]| {
         // A little into compression.
         let last = 0.206;
         let branch = (0..=POINTS).map(|i| contact(end + (last - end) * i as f64 / POINTS as f64));
-        let away = [[far, 0.0], [0.0, 0.0], contact(touch), [f64::NAN; 2], [contact(end)[0], 0.0]];
+        let away = [
+            [far, 0.0],
+            [0.0, 0.0],
+            contact(touch),
+            [f64::NAN; 2],
+            [contact(end)[0], 0.0],
+        ];
         away.into_iter().chain(branch).collect::<Vec<_>>()
     };
     let periodic = tips::periodic();
@@ -86,7 +110,11 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     };
     (
         path(TIP.touch().radius, TIP.end_of_displacement().radius, &alone),
-        path(periodic.touch().radius, periodic.end_of_displacement().radius, &with_images),
+        path(
+            periodic.touch().radius,
+            periodic.end_of_displacement().radius,
+            &with_images,
+        ),
     )
 }
 
@@ -109,7 +137,10 @@ fn findings(tips: &[Tip]) -> Vec<Finding> {
     }
     for tip in tips {
         list.push(Finding {
-            quantity: format!("loop integral over V_hys of JKR at mu_rho = {}, n = {}", tip.mu_rho, tip.points),
+            quantity: format!(
+                "loop integral over V_hys of JKR at mu_rho = {}, n = {}",
+                tip.mu_rho, tip.points
+            ),
             found: tip.integral,
             expected: tip.released,
             source: "sum of the releases".to_owned(),

@@ -28,30 +28,118 @@ const MARKS: [(Colour, Symbol); 5] = [
 /// The mesh on which the loops are also run otherwise.
 const VARIED: usize = 64;
 
+/// The source of the numbers that the meshes converge to.
+const IMAGES: &str = "periodic JKR, in closed form";
+
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
-    let list = [(0.5, fine), (0.7, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)];
+    let list = [
+        (0.5, fine),
+        (0.7, fine),
+        (1.0, coarse),
+        (1.5, coarse),
+        (2.0, coarse),
+    ];
     let orders = tips::orders(&list);
     let varied: &[f64] = task.choose(&[], &[0.5, 1.0, 1.5, 2.0]);
-    let others = varied.iter().flat_map(|mu| {
-        let plain = Order::new(*mu, VARIED);
-        [Order { turn: Turn::At(0.0), ..plain }, Order { part: Part::Whole, ..plain }]
-    });
+    let others = varied.iter().flat_map(|mu| otherwise(*mu));
     let all: Vec<Order> = orders.iter().copied().chain(others).collect();
     let mut live = tips::run_all(&all, task)?;
     let others = live.split_off(orders.len());
     // Live where there is time for it, and kept elsewhere.
-    let same = |a: &Tip, b: &Tip| (a.mu_rho, a.points) == (b.mu_rho, b.points);
-    let tips: Vec<Tip> =
-        tips::kept().into_iter().map(|kept| live.iter().find(|tip| same(tip, &kept)).cloned().unwrap_or(kept)).collect();
+    let tips: Vec<Tip> = tips::kept()
+        .into_iter()
+        .map(|kept| {
+            live.iter()
+                .find(|tip| same(tip, &kept))
+                .cloned()
+                .unwrap_or(kept)
+        })
+        .collect();
     let periodic = tips::periodic();
-    let references = [periodic.pull_off().force / TIP.pull_off_force(), periodic.dissipation() / TIP.dissipation()];
-    let panels = vec![
-        panel("(a) pull-off force", "F_pull/F_{pull,JKR}", references[0], &tips, |tip| tip.pull_off),
-        panel("(b) dissipated energy", "V_hys/V_{hys,JKR}", references[1], &tips, |tip| tip.released),
+    let references = [
+        periodic.pull_off().force / TIP.pull_off_force(),
+        periodic.dissipation() / TIP.dissipation(),
     ];
-    let words = format!(
+    let panels = vec![
+        panel(
+            "(a) pull-off force",
+            "F_pull/F_{pull,JKR}",
+            references[0],
+            &tips,
+            |tip| tip.pull_off,
+        ),
+        panel(
+            "(b) dissipated energy",
+            "V_hys/V_{hys,JKR}",
+            references[1],
+            &tips,
+            |tip| tip.released,
+        ),
+    ];
+    let mut findings = findings(&tips, references);
+    findings.push(Finding::new(
+        "largest deviation of a loop computed now from the one kept, in V_hys,JKR",
+        deviation(&live),
+        0.0,
+        "assets/tips.csv",
+        Some(0.01),
+    ));
+    for (mu, others) in varied.iter().zip(others.chunks_exact(2)) {
+        let plain = live
+            .iter()
+            .find(|tip| (tip.mu_rho, tip.points) == (*mu, VARIED));
+        findings.extend(
+            plain
+                .into_iter()
+                .flat_map(|plain| differences(plain, others)),
+        );
+    }
+    Ok(Figure {
+        number: 13,
+        title: ENTRY.title.to_owned(),
+        panels,
+        words: words(references, live.len(), tips.len()),
+        findings,
+    })
+}
+
+/// The loop on that mesh otherwise: driven to u0 = 0, and on the whole cell.
+fn otherwise(mu: f64) -> [Order; 2] {
+    let plain = Order::new(mu, VARIED);
+    [
+        Order {
+            turn: Turn::At(0.0),
+            ..plain
+        },
+        Order {
+            part: Part::Whole,
+            ..plain
+        },
+    ]
+}
+
+/// True for loops with the same mu_rho on the same mesh.
+fn same(a: &Tip, b: &Tip) -> bool {
+    (a.mu_rho, a.points) == (b.mu_rho, b.points)
+}
+
+/// Largest deviation of the loss of a loop computed now from the one kept.
+fn deviation(live: &[Tip]) -> f64 {
+    tips::kept()
+        .iter()
+        .flat_map(|kept| {
+            live.iter()
+                .filter(|tip| same(tip, kept))
+                .map(|tip| (tip.released - kept.released).abs())
+        })
+        .fold(0.0, f64::max)
+}
+
+/// `live` of `all` loops were computed now.
+fn words(references: [f64; 2], live: usize, all: usize) -> String {
+    format!(
         "Largest tensile force and energy lost in a loop to zero load and back, over those of JKR, against the mesh over the critical \
          contact radius a_c = {:.4} R. Black: JKR; grey: JKR with the cell's periodic images, which the meshes converge to ({:.4} and \
          {:.4}). The loss is the sum of the releases at the jumps. It depends on the range of the law and hardly on the mesh as long as \
@@ -61,32 +149,26 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         TIP.end_of_displacement().radius,
         references[0],
         references[1],
-        live.len(),
-        tips.len(),
-    );
-    let mut findings = findings(&tips, references);
-    findings.push(Finding::new(
-        "largest deviation of a loop computed now from the one kept, in V_hys,JKR",
-        tips::kept()
-            .iter()
-            .flat_map(|kept| live.iter().filter(|tip| same(tip, kept)).map(|tip| (tip.released - kept.released).abs()))
-            .fold(0.0, f64::max),
-        0.0,
-        "assets/tips.csv",
-        Some(0.01),
-    ));
-    for (mu, others) in varied.iter().zip(others.chunks_exact(2)) {
-        let plain = live.iter().find(|tip| (tip.mu_rho, tip.points) == (*mu, VARIED));
-        findings.extend(plain.into_iter().flat_map(|plain| differences(plain, others)));
-    }
-    Ok(Figure { number: 13, title: ENTRY.title.to_owned(), panels, words, findings })
+        live,
+        all,
+    )
 }
 
-/// What the same loop loses otherwise: driven to u0 = 0 in place of zero load, and on the whole cell.
+/// What the same loop loses otherwise: driven to u0 = 0 in place of zero load, and on the whole
+/// cell.
 fn differences(plain: &Tip, others: &[Tip]) -> Vec<Finding> {
-    let ways = [("driven to u0 = 0", "driven to zero load"), ("whole cell, apex on a point", "even quarter, apex between points")];
+    let ways = [
+        ("driven to u0 = 0", "driven to zero load"),
+        (
+            "whole cell, apex on a point",
+            "even quarter, apex between points",
+        ),
+    ];
     let finding = |(tip, (what, than)): (&Tip, (&str, &str))| {
-        let quantity = format!("V_hys/V_hys,JKR at mu_rho = {}, n = {VARIED}, {what}", plain.mu_rho);
+        let quantity = format!(
+            "V_hys/V_hys,JKR at mu_rho = {}, n = {VARIED}, {what}",
+            plain.mu_rho
+        );
         Finding::new(&quantity, tip.released, plain.released, than, None)
     };
     others.iter().zip(ways).map(finding).collect()
@@ -94,74 +176,218 @@ fn differences(plain: &Tip, others: &[Tip]) -> Vec<Finding> {
 
 fn panel(title: &str, y: &str, reference: f64, tips: &[Tip], pick: fn(&Tip) -> f64) -> Panel {
     let radius = TIP.end_of_displacement().radius;
-    let line = |name: &str, colour, value: f64| Series::line(name, Role::Theory, colour, [0.02, 1.0].map(|x| [x, value]).to_vec());
-    let mut series = vec![line("JKR", Colour::Ink, 1.0), line("JKR, periodic", Colour::Grey, reference)];
+    let line = |name: &str, colour, value: f64| {
+        Series::line(
+            name,
+            Role::Theory,
+            colour,
+            [0.02, 1.0].map(|x| [x, value]).to_vec(),
+        )
+    };
+    let mut series = vec![
+        line("JKR", Colour::Ink, 1.0),
+        line("JKR, periodic", Colour::Grey, reference),
+    ];
     for (mu, (colour, symbol)) in [0.5, 0.7, 1.0, 1.5, 2.0].into_iter().zip(MARKS) {
         let mine = tips.iter().filter(|tip| tip.mu_rho == mu);
-        let points = mine.map(|tip| [1.0 / (tip.points as f64 * radius), pick(tip)]).collect();
-        series.push(Series::symbols(&format!("mu_rho = {mu}"), symbol, colour, points));
+        let points = mine
+            .map(|tip| [1.0 / (tip.points as f64 * radius), pick(tip)])
+            .collect();
+        series.push(Series::symbols(
+            &format!("mu_rho = {mu}"),
+            symbol,
+            colour,
+            points,
+        ));
     }
-    Panel { title: title.to_owned(), x: Axis::logarithmic("Δa/a_c"), y: Axis::linear(y), series, ..Panel::default() }
+    Panel {
+        title: title.to_owned(),
+        x: Axis::logarithmic("Δa/a_c"),
+        y: Axis::linear(y),
+        series,
+        ..Panel::default()
+    }
 }
 
-fn findings(tips: &[Tip], [force, loss]: [f64; 2]) -> Vec<Finding> {
-    let of = |mu: f64| tips.iter().filter(|tip| tip.mu_rho == mu).collect::<Vec<_>>();
-    let mut list = Vec::new();
-    let mut state = |quantity: String, found: f64, expected: f64, source: &str, tolerance| {
-        list.push(Finding { quantity, found, expected, source: source.to_owned(), tolerance });
-    };
-    let images = "periodic JKR, in closed form";
-    state("F_pull of JKR in the cell over that without images".to_owned(), force, 1.0041178, "boundary elements", Some(1e-6));
-    state("V_hys of JKR in the cell over that without images".to_owned(), loss, 0.8210066, "boundary elements", Some(1e-6));
-    let worst = tips.iter().map(|tip| (tip.integral - tip.released).abs()).fold(0.0, f64::max);
-    state("largest |loop integral - sum of releases|/V_{hys,JKR}".to_owned(), worst, 0.0, "energy ledger", Some(1e-3));
-    let least = tips.iter().flat_map(|tip| &tip.jumps).fold(0.0, |least: f64, jump| least.min(*jump));
-    state("most negative release/V_{hys,JKR}".to_owned(), least, 0.0, "no jump gains energy", Some(0.0));
+fn findings(tips: &[Tip], references: [f64; 2]) -> Vec<Finding> {
+    let mut list = closed_form(references);
+    list.extend(energy(tips));
     for mu in [0.5, 0.7, 1.0] {
-        let mine = of(mu);
-        let Some(finest) = mine.last() else { continue };
-        let at = format!("at mu_rho = {mu}, n = {}", finest.points);
-        state(format!("F_pull/F_pull,JKR {at}"), finest.pull_off, force, images, None);
-        state(format!("V_hys/V_hys,JKR {at}"), finest.released, loss, images, None);
-        if let [.., a, b, c] = mine[..] {
-            let order = |pick: fn(&Tip) -> f64, limit: f64| ((limit - pick(b)) / (limit - pick(c))).abs().log2();
-            state(
-                format!("order of F_pull in the mesh {at}"),
-                order(|tip| tip.pull_off, force),
-                1.0,
-                "linear, as the abstract says",
-                None,
-            );
-            state(
-                format!("order of V_hys in the mesh {at}"),
-                order(|tip| tip.released, loss),
-                1.0 / 3.0,
-                "cube root, as in Eq. 30d",
-                None,
-            );
-            let [straight, bent] = extrapolated([a, b, c]);
-            state(format!("V_hys/V_hys,JKR, linear in range^(2/3) {at}"), straight, loss, images, None);
-            state(format!("V_hys/V_hys,JKR, quadratic in range^(2/3) {at}"), bent, loss, images, None);
-        }
+        list.extend(convergence(tips, mu, references));
     }
-    for tip in tips {
-        let (mu, n) = (tip.mu_rho, tip.points);
-        let jumps = tip.mesh_jumps();
-        let (expected, tolerance) = (0.0, (mu == 0.5).then_some(0.0));
-        state(format!("jumps of the mesh at mu_rho = {mu}, n = {n}"), jumps.len() as f64, expected, "continuum", tolerance);
-        if mu > 0.5 {
-            state(format!("their share of V_hys,JKR at mu_rho = {mu}, n = {n}"), jumps.iter().sum(), expected, "continuum", None);
-        }
-    }
-    let twins = of(0.5).into_iter().flat_map(|a| of(0.7).into_iter().map(move |b| (a, b)));
-    for (a, b) in twins.filter(|(a, b)| (a.range / b.range - 1.0).abs() < 0.03 && a.released > 0.0) {
-        let quantity = format!("V_hys/V_hys,JKR at mu_rho = 0.5, n = {}", a.points);
-        state(quantity, a.released, b.released, &format!("mu_rho = 0.7, n = {}: nearly the same range", b.points), Some(0.01));
+    list.extend(jumps_of_the_mesh(tips));
+    list.extend(twins(tips));
+    list
+}
+
+/// JKR in the cell, in closed form against boundary elements.
+fn closed_form([force, loss]: [f64; 2]) -> Vec<Finding> {
+    vec![
+        Finding::new(
+            "F_pull of JKR in the cell over that without images",
+            force,
+            1.0041178,
+            "boundary elements",
+            Some(1e-6),
+        ),
+        Finding::new(
+            "V_hys of JKR in the cell over that without images",
+            loss,
+            0.8210066,
+            "boundary elements",
+            Some(1e-6),
+        ),
+    ]
+}
+
+/// Whether the loops and their jumps conserve energy.
+fn energy(tips: &[Tip]) -> Vec<Finding> {
+    let worst = tips
+        .iter()
+        .map(|tip| (tip.integral - tip.released).abs())
+        .fold(0.0, f64::max);
+    let least = tips
+        .iter()
+        .flat_map(|tip| &tip.jumps)
+        .fold(0.0, |least: f64, jump| least.min(*jump));
+    vec![
+        Finding::new(
+            "largest |loop integral - sum of releases|/V_{hys,JKR}",
+            worst,
+            0.0,
+            "energy ledger",
+            Some(1e-3),
+        ),
+        Finding::new(
+            "most negative release/V_{hys,JKR}",
+            least,
+            0.0,
+            "no jump gains energy",
+            Some(0.0),
+        ),
+    ]
+}
+
+fn with_mu_rho(tips: &[Tip], mu: f64) -> Vec<&Tip> {
+    tips.iter().filter(|tip| tip.mu_rho == mu).collect()
+}
+
+/// Force and loss at one mu_rho: on the finest mesh, and how they converge to `references`.
+fn convergence(tips: &[Tip], mu: f64, references: [f64; 2]) -> Vec<Finding> {
+    let [force, loss] = references;
+    let mine = with_mu_rho(tips, mu);
+    let Some(finest) = mine.last() else {
+        return Vec::new();
+    };
+    let at = format!("at mu_rho = {mu}, n = {}", finest.points);
+    let mut list = vec![
+        Finding::new(
+            &format!("F_pull/F_pull,JKR {at}"),
+            finest.pull_off,
+            force,
+            IMAGES,
+            None,
+        ),
+        Finding::new(
+            &format!("V_hys/V_hys,JKR {at}"),
+            finest.released,
+            loss,
+            IMAGES,
+            None,
+        ),
+    ];
+    if let [.., a, b, c] = mine[..] {
+        list.extend(orders([a, b, c], references, &at));
     }
     list
 }
 
-/// The loss at zero range by the line through the last two and the parabola through all three, in range^(2/3).
+/// Orders of convergence and the loss at zero range, from the three finest meshes.
+fn orders(tips: [&Tip; 3], [force, loss]: [f64; 2], at: &str) -> Vec<Finding> {
+    let [_, b, c] = tips;
+    let order =
+        |pick: fn(&Tip) -> f64, limit: f64| ((limit - pick(b)) / (limit - pick(c))).abs().log2();
+    let [straight, bent] = extrapolated(tips);
+    vec![
+        Finding::new(
+            &format!("order of F_pull in the mesh {at}"),
+            order(|tip| tip.pull_off, force),
+            1.0,
+            "linear, as the abstract says",
+            None,
+        ),
+        Finding::new(
+            &format!("order of V_hys in the mesh {at}"),
+            order(|tip| tip.released, loss),
+            1.0 / 3.0,
+            "cube root, as in Eq. 30d",
+            None,
+        ),
+        Finding::new(
+            &format!("V_hys/V_hys,JKR, linear in range^(2/3) {at}"),
+            straight,
+            loss,
+            IMAGES,
+            None,
+        ),
+        Finding::new(
+            &format!("V_hys/V_hys,JKR, quadratic in range^(2/3) {at}"),
+            bent,
+            loss,
+            IMAGES,
+            None,
+        ),
+    ]
+}
+
+fn jumps_of_the_mesh(tips: &[Tip]) -> Vec<Finding> {
+    let mut list = Vec::new();
+    for tip in tips {
+        let (mu, n) = (tip.mu_rho, tip.points);
+        let jumps = tip.mesh_jumps();
+        let (expected, tolerance) = (0.0, (mu == 0.5).then_some(0.0));
+        list.push(Finding::new(
+            &format!("jumps of the mesh at mu_rho = {mu}, n = {n}"),
+            jumps.len() as f64,
+            expected,
+            "continuum",
+            tolerance,
+        ));
+        if mu > 0.5 {
+            list.push(Finding::new(
+                &format!("their share of V_hys,JKR at mu_rho = {mu}, n = {n}"),
+                jumps.iter().sum(),
+                expected,
+                "continuum",
+                None,
+            ));
+        }
+    }
+    list
+}
+
+/// The loss at mu_rho = 0.5 and 0.7 where the ranges are nearly the same.
+fn twins(tips: &[Tip]) -> Vec<Finding> {
+    let mut list = Vec::new();
+    let twins = with_mu_rho(tips, 0.5)
+        .into_iter()
+        .flat_map(|a| with_mu_rho(tips, 0.7).into_iter().map(move |b| (a, b)));
+    for (a, b) in twins.filter(|(a, b)| (a.range / b.range - 1.0).abs() < 0.03 && a.released > 0.0)
+    {
+        let quantity = format!("V_hys/V_hys,JKR at mu_rho = 0.5, n = {}", a.points);
+        list.push(Finding::new(
+            &quantity,
+            a.released,
+            b.released,
+            &format!("mu_rho = 0.7, n = {}: nearly the same range", b.points),
+            Some(0.01),
+        ));
+    }
+    list
+}
+
+/// The loss at zero range by the line through the last two and the parabola through all three, in
+/// range^(2/3).
 fn extrapolated(tips: [&Tip; 3]) -> [f64; 2] {
     let [[x0, v0], [x1, v1], [x2, v2]] = tips.map(|tip| [tip.range.powf(2.0 / 3.0), tip.released]);
     let (slope, before) = ((v2 - v1) / (x2 - x1), (v1 - v0) / (x1 - x0));

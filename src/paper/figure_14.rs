@@ -21,12 +21,14 @@ pub(super) const ENTRY: Entry = Entry {
 
 /// Mean gap at the turn, in root mean square heights.
 const TURN: f64 = -0.1;
-/// Windows of the fit: largest compression over largest tension. Chosen after seeing 1 to 80: up to 5 the two
-/// exponentials merge on one surface or more, and at 6 and 7, where they do not, the range of adhesion comes out smaller.
+/// Windows of the fit: largest compression over largest tension. Chosen after seeing 1 to 80: up to
+/// 5 the two exponentials merge on one surface or more, and at 6 and 7, where they do not, the
+/// range of adhesion comes out smaller.
 const WINDOWS: [f64; 2] = [8.0, 16.0];
 /// Mean gaps at which both ways are read.
 const GAPS: usize = 160;
-/// Loop integral and releases, in gamma, may differ by this: releases too small to be seen as jumps, and the integral between states.
+/// Loop integral and releases, in gamma, may differ by this: releases too small to be seen as
+/// jumps, and the integral between states.
 const LEDGER: f64 = 2e-4;
 
 /// One surface and what was measured on it.
@@ -44,7 +46,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let surfaces = task.each(seeds, |_| 1.0, |seed, task| measure(*seed, task))?;
     let findings = surfaces.iter().flat_map(findings).collect();
     let words = words(&surfaces, task.size);
-    Ok(Figure { number: 14, title: ENTRY.title.to_owned(), panels: vec![panel(&surfaces)], words, findings })
+    Ok(Figure {
+        number: 14,
+        title: ENTRY.title.to_owned(),
+        panels: vec![panel(&surfaces)],
+        words,
+        findings,
+    })
 }
 
 fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
@@ -56,20 +64,38 @@ fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
     };
     let law = MeasuredLaw::of(&run.record, mean, GAPS);
     let tension = law.strongest().1;
-    let fits = WINDOWS.iter().map(|most| fit(&law.window(most * tension))).collect();
-    Ok(Surface { seed, law, fits, record: run.record, model })
+    let fits = WINDOWS
+        .iter()
+        .map(|most| fit(&law.window(most * tension)))
+        .collect();
+    Ok(Surface {
+        seed,
+        law,
+        fits,
+        record: run.record,
+        model,
+    })
 }
 
 /// Range of adhesion over rho and range of repulsion over rho/2, each with its standard deviation.
 fn ranges(fit: &Fit, rho: f64) -> [(f64, f64); 2] {
     [
         (fit.law.adhesion_range / rho, fit.error.adhesion_range / rho),
-        (2.0 * fit.law.repulsion_range / rho, 2.0 * fit.error.repulsion_range / rho),
+        (
+            2.0 * fit.law.repulsion_range / rho,
+            2.0 * fit.error.repulsion_range / rho,
+        ),
     ]
 }
 
 fn findings(surface: &Surface) -> Vec<Finding> {
-    let Surface { seed, fits, record, model, .. } = surface;
+    let Surface {
+        seed,
+        fits,
+        record,
+        model,
+        ..
+    } = surface;
     let mut findings = Vec::new();
     for (fit, window) in fits.iter().zip(WINDOWS) {
         let Ok(fit) = fit else { continue };
@@ -82,8 +108,18 @@ fn findings(surface: &Surface) -> Vec<Finding> {
             tolerance: None,
         };
         let place = format!("surface {seed}, window to p = {window} σ_max");
-        findings.push(stated(format!("ρ_a/ρ (± {da:.2}), {place}"), adhesion, 4.0, "a factor close to 4"));
-        findings.push(stated(format!("ρ_r/(ρ/2) (± {dr:.2}), {place}"), repulsion, 1.6, "increased by 60 %"));
+        findings.push(stated(
+            format!("ρ_a/ρ (± {da:.2}), {place}"),
+            adhesion,
+            4.0,
+            "a factor close to 4",
+        ));
+        findings.push(stated(
+            format!("ρ_r/(ρ/2) (± {dr:.2}), {place}"),
+            repulsion,
+            1.6,
+            "increased by 60 %",
+        ));
     }
     findings.push(Finding {
         quantity: format!("dissipated energy ∮σ du₀/γ, surface {seed}"),
@@ -99,12 +135,24 @@ fn findings(surface: &Surface) -> Vec<Finding> {
 fn panel(surfaces: &[Surface]) -> Panel {
     let first = &surfaces[0];
     // The narrower window is nearer to what is drawn.
-    let best = |surface: &Surface| surface.fits.iter().find_map(|fit| fit.as_ref().ok().map(|fit| fit.law));
+    let best = |surface: &Surface| {
+        surface
+            .fits
+            .iter()
+            .find_map(|fit| fit.as_ref().ok().map(|fit| fit.law))
+    };
     let unit = best(first).map_or(first.law.strongest().1, |law| law.strongest().1);
     let rows = || first.law.rows.iter().step_by(2);
     let symbols = |direction: Direction, symbol, stress: fn(&Row) -> f64| {
-        let points = rows().map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit]).collect();
-        Series::symbols(&direction.to_string(), symbol, Colour::of(direction), points)
+        let points = rows()
+            .map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit])
+            .collect();
+        Series::symbols(
+            &direction.to_string(),
+            symbol,
+            Colour::of(direction),
+            points,
+        )
     };
     let mut series = vec![
         symbols(Direction::Approach, Symbol::Circle, |row| row.approach),
@@ -115,11 +163,21 @@ fn panel(surfaces: &[Surface]) -> Panel {
         let Some(law) = best(surface) else { continue };
         let own = law.strongest().1;
         let curve = (0..=300).map(|i| low + (5.0 - low) * f64::from(i) / 300.0);
-        let points = curve.map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own]).collect();
+        let points = curve
+            .map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own])
+            .collect();
         let (name, role, colour) = if surface.seed == first.seed {
-            ("fit by two exponentials".to_owned(), Role::Theory, Colour::Ink)
+            (
+                "fit by two exponentials".to_owned(),
+                Role::Theory,
+                Colour::Ink,
+            )
         } else {
-            (format!("fit, surface {}", surface.seed), Role::Guide, Colour::Grey)
+            (
+                format!("fit, surface {}", surface.seed),
+                Role::Guide,
+                Colour::Grey,
+            )
         };
         series.push(Series::line(&name, role, colour, points));
     }
@@ -148,10 +206,24 @@ fn words(surfaces: &[Surface], size: Size) -> String {
         Indenter::Rough(roughness) => roughness.rms_gradient(&surfaces[0].model.grid),
         _ => 0.0,
     };
-    let weaker: Vec<_> =
-        surfaces.iter().map(|surface| format!("{:.3}", surface.law.strongest().1 / surface.model.law.traction_max())).collect();
-    let lost: Vec<_> = surfaces.iter().map(|surface| format!("{:.4}", surface.record.released_energy_sum())).collect();
-    let count = if size == Size::Quick { "one surface" } else { "three surfaces" };
+    let weaker: Vec<_> = surfaces
+        .iter()
+        .map(|surface| {
+            format!(
+                "{:.3}",
+                surface.law.strongest().1 / surface.model.law.traction_max()
+            )
+        })
+        .collect();
+    let lost: Vec<_> = surfaces
+        .iter()
+        .map(|surface| format!("{:.4}", surface.record.released_energy_sum()))
+        .collect();
+    let count = if size == Size::Quick {
+        "one surface"
+    } else {
+        "three surfaces"
+    };
     format!(
         "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only parameter that the paper gives. It leaves the spectrum, γ \
          and the window of the fit open; here the Hurst exponent is 0.8, the spectrum is flat above a wavelength of 8 h_std and ends \

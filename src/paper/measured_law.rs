@@ -1,4 +1,5 @@
-//! The cohesive law that a loop on rough ground shows from far away: mean stress against mean gap (Fig. 14).
+//! The cohesive law that a loop on rough ground shows from far away: mean stress against mean gap
+//! (Fig. 14).
 
 mod fit;
 
@@ -32,30 +33,49 @@ impl Row {
 }
 
 impl MeasuredLaw {
-    /// Reads a closed loop on ground of mean height `mean_height`, at `count` equal steps of u0 from its start to its turn.
+    /// Reads a closed loop on ground of mean height `mean_height`, at `count` equal steps of u0
+    /// from its start to its turn.
     pub fn of(record: &LoopRecord, mean_height: f64, count: usize) -> Self {
         let curve = |way: Direction| {
             let states = record.states.iter().filter(|state| state.direction == way);
-            let mut points: Vec<_> = states.map(|state| [state.mean_displacement, state.stress]).collect();
+            let mut points: Vec<_> = states
+                .map(|state| [state.mean_displacement, state.stress])
+                .collect();
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             points
         };
         let (down, up) = (curve(Direction::Approach), curve(Direction::Retraction));
-        let (Some(turn), Some(start)) = (down.first(), down.last()) else { return Self::default() };
+        let (Some(turn), Some(start)) = (down.first(), down.last()) else {
+            return Self::default();
+        };
         let u0 = |i: usize| start[0] + (turn[0] - start[0]) * i as f64 / count as f64;
-        let row = |u0: f64| Row { gap: u0 - mean_height, approach: between(&down, u0), retraction: between(&up, u0) };
-        Self { rows: (0..=count).map(|i| row(u0(i))).collect() }
+        let row = |u0: f64| Row {
+            gap: u0 - mean_height,
+            approach: between(&down, u0),
+            retraction: between(&up, u0),
+        };
+        Self {
+            rows: (0..=count).map(|i| row(u0(i))).collect(),
+        }
     }
 
     /// Largest mean tensile stress (E*) and its mean gap (length).
     pub fn strongest(&self) -> (f64, f64) {
-        let row = self.rows.iter().max_by(|a, b| a.mean().total_cmp(&b.mean()));
+        let row = self
+            .rows
+            .iter()
+            .max_by(|a, b| a.mean().total_cmp(&b.mean()));
         row.map_or((f64::NAN, f64::NAN), |row| (row.gap, row.mean()))
     }
 
-    /// Mean gap and mean stress from the largest gap down to where the compression reaches `most` (E*).
+    /// Mean gap and mean stress from the largest gap down to where the compression reaches `most`
+    /// (E*).
     pub fn window(&self, most: f64) -> Vec<[f64; 2]> {
-        self.rows.iter().map(|row| [row.gap, row.mean()]).take_while(|[_, stress]| *stress > -most).collect()
+        self.rows
+            .iter()
+            .map(|row| [row.gap, row.mean()])
+            .take_while(|[_, stress]| *stress > -most)
+            .collect()
     }
 }
 

@@ -1,8 +1,10 @@
-//! Floor 6: every figure and table of the paper as a value, computed live beside its theory, with what the print got wrong.
+//! Floor 6: every figure and table of the paper as a value, computed live beside its theory, with
+//! what the print got wrong.
 //!
-//! Each figure is one file and one line in [`GALLERY`]. Nothing is drawn here: `storage` writes a [`Figure`] as CSV, SVG and PNG, the
-//! window shows it as plots. Axes and normalisation are the paper's; the stress is turned into its pressure p = -stress where the paper
-//! plots p. May use `plot` and below; no drawing, files, or threads.
+//! Each figure is one file and one line in [`GALLERY`]. Nothing is drawn here: `storage` writes a
+//! [`Figure`] as CSV, SVG and PNG, the window shows it as plots. Axes and normalisation are the
+//! paper's; the stress is turned into its pressure p = -stress where the paper plots p. May use
+//! `plot` and below; no drawing, files, or threads.
 
 pub mod boundary_elements;
 pub mod errata;
@@ -75,7 +77,11 @@ const LONG: [usize; 5] = [13, 12, 14, 3, 11];
 /// The figures with the long ones first: the order in which several are soonest done together.
 pub fn longest_first() -> Vec<&'static Entry> {
     let mut list: Vec<&'static Entry> = GALLERY.iter().collect();
-    list.sort_by_key(|entry| LONG.iter().position(|number| *number == entry.number).unwrap_or(LONG.len()));
+    list.sort_by_key(|entry| {
+        LONG.iter()
+            .position(|number| *number == entry.number)
+            .unwrap_or(LONG.len())
+    });
     list
 }
 

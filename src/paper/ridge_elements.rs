@@ -7,7 +7,8 @@ use crate::numerics::cancel::Cancel;
 /// Something of a ridge by boundary elements, by share alpha out of contact.
 pub(super) type Sample = (f64, Estimate);
 
-/// vhat at `count` shares alpha, dense towards both ends: equal steps of ln(abar/alpha), abar from 1/64 to 15/16.
+/// vhat at `count` shares alpha, dense towards both ends: equal steps of ln(abar/alpha), abar from
+/// 1/64 to 15/16.
 pub(super) fn energies(count: usize, task: &mut Task<'_>) -> Result<Vec<Sample>, Stopped> {
     let points = 128;
     let logit = |share: f64| (share / (1.0 - share)).ln();
@@ -16,11 +17,20 @@ pub(super) fn energies(count: usize, task: &mut Task<'_>) -> Result<Vec<Sample>,
         let x = (low + (high - low) * i as f64 / (count - 1) as f64).exp();
         2 * (0.5 * points as f64 * x / (1.0 + x)).round() as usize
     });
-    collect(points, held.map(|held| points - held), task, boundary_elements::ridge_extrapolated)
+    collect(
+        points,
+        held.map(|held| points - held),
+        task,
+        boundary_elements::ridge_extrapolated,
+    )
 }
 
 /// vhat' on a mesh of `points`, and on finer ones, with `free` of them out of contact.
-pub(super) fn slopes(points: usize, free: impl IntoIterator<Item = usize>, task: &mut Task<'_>) -> Result<Vec<Sample>, Stopped> {
+pub(super) fn slopes(
+    points: usize,
+    free: impl IntoIterator<Item = usize>,
+    task: &mut Task<'_>,
+) -> Result<Vec<Sample>, Stopped> {
     collect(points, free, task, boundary_elements::ridge_slope)
 }
 
@@ -36,7 +46,10 @@ fn collect(
     let free: Vec<usize> = free.into_iter().collect();
     let mut samples = Vec::with_capacity(free.len());
     for (i, free) in free.iter().enumerate() {
-        task.tell(i as f64 / samples.capacity() as f64, "boundary elements on a line")?;
+        task.tell(
+            i as f64 / samples.capacity() as f64,
+            "boundary elements on a line",
+        )?;
         let levels = task.choose(4, 5);
         let estimate = method(points, *free, levels, task.cancel);
         let alpha = *free as f64 / points as f64;
@@ -50,6 +63,8 @@ pub(super) fn unsolved(task: &Task<'_>, size: f64) -> Stopped {
     if task.cancel.requested() {
         Stopped::Cancelled
     } else {
-        Stopped::Failed(format!("boundary elements did not converge at a share of {size}"))
+        Stopped::Failed(format!(
+            "boundary elements did not converge at a share of {size}"
+        ))
     }
 }

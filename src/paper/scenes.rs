@@ -8,16 +8,24 @@ use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 /// gamma of the flat scenes in units of E* rho.
 pub const SURFACE_ENERGY: f64 = 0.15;
 
-/// Flat ground with the Morse law of range 1 and gamma = 0.15, as in Figs 2 to 4: a cell of side `length` on `points`, driven from
-/// `start` to `turn` and back.
+/// Flat ground with the Morse law of range 1 and gamma = 0.15, as in Figs 2 to 4: a cell of side
+/// `length` on `points`, driven from `start` to `turn` and back.
 pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, step: f64) -> Scene {
     Scene {
         title: title.to_owned(),
         source: "Wang, Zhou, Mueser 2020".to_owned(),
         cell: Cell { length, points },
-        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: SURFACE_ENERGY, range: Range::Length(1.0) },
+        law: LawChoice {
+            shape: Shape::Morse(Morse),
+            surface_energy: SURFACE_ENERGY,
+            range: Range::Length(1.0),
+        },
         indenter: Indenter::Flat,
-        drive: Drive { start, turn: Turn::At(turn), step },
+        drive: Drive {
+            start,
+            turn: Turn::At(turn),
+            step,
+        },
         accuracy: 0.01,
         seed: 1,
     }
@@ -25,17 +33,38 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
 
 /// Fig. 2, as the preset `fig2`.
 pub fn figure_2() -> Scene {
-    flat("Fig. 2: four patterns", 256.0, Points::Square(64), 4.2, 0.2, 0.02)
+    flat(
+        "Fig. 2: four patterns",
+        256.0,
+        Points::Square(64),
+        4.2,
+        0.2,
+        0.02,
+    )
 }
 
 /// Fig. 3, as the preset `fig3`.
 pub fn figure_3() -> Scene {
-    flat("Fig. 3: a longer cell, no bulge", 1024.0, Points::Square(256), 9.0, 0.2, 0.04)
+    flat(
+        "Fig. 3: a longer cell, no bulge",
+        1024.0,
+        Points::Square(256),
+        9.0,
+        0.2,
+        0.04,
+    )
 }
 
 /// The ridge alone, as the preset `ridge-line`: fields uniform along y.
 pub fn ridge_line() -> Scene {
-    flat("A line cell: only the ridge", 256.0, Points::Line(256), 4.4, 0.2, 0.02)
+    flat(
+        "A line cell: only the ridge",
+        256.0,
+        Points::Line(256),
+        4.4,
+        0.2,
+        0.02,
+    )
 }
 
 /// Root mean square height of the rough ground of Fig. 14: the unit of length there.
@@ -43,27 +72,41 @@ pub const ROUGH_RMS: f64 = 1.0;
 /// The range of Fig. 14 in units of the root mean square height, as the paper gives it.
 pub const ROUGH_RANGE: f64 = 0.23;
 
-/// Rough ground for Fig. 14, `waves` of the longest self-affine waves along a side. The drive goes from 1.5 above the crest down to a
-/// mean gap of `turn`, both in root mean square heights.
+/// Rough ground for Fig. 14, `waves` of the longest self-affine waves along a side. The drive goes
+/// from 1.5 above the crest down to a mean gap of `turn`, both in root mean square heights.
 ///
-/// The paper leaves surface and gamma open. Here the Hurst exponent is 0.8, the self-affine wavelengths go from 8 to 2 root mean
-/// square heights, which makes a root mean square gradient near 1, and gamma = 0.2 E* h_rms, which makes a small hysteresis.
+/// The paper leaves surface and gamma open. Here the Hurst exponent is 0.8, the self-affine
+/// wavelengths go from 8 to 2 root mean square heights, which makes a root mean square gradient
+/// near 1, and gamma = 0.2 E* h_rms, which makes a small hysteresis.
 pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
     let length = 8.0 * waves as f64 * ROUGH_RMS;
     let points = 32 * waves;
-    let surface = Rough { hurst: 0.8, rms: ROUGH_RMS, longest: 8.0 * ROUGH_RMS, shortest: 2.0 * ROUGH_RMS, seed };
+    let surface = Rough {
+        hurst: 0.8,
+        rms: ROUGH_RMS,
+        longest: 8.0 * ROUGH_RMS,
+        shortest: 2.0 * ROUGH_RMS,
+        seed,
+    };
     let mean = surface.mean_height(&Grid::square(length, points));
     Scene {
         title: "Fig. 14: rough ground".to_owned(),
         source: "Wang, Zhou, Mueser 2020".to_owned(),
-        cell: Cell { length, points: Points::Square(points) },
+        cell: Cell {
+            length,
+            points: Points::Square(points),
+        },
         law: LawChoice {
             shape: Shape::Morse(Morse),
             surface_energy: 0.2 * ROUGH_RMS,
             range: Range::Length(ROUGH_RANGE * ROUGH_RMS),
         },
         indenter: Indenter::Rough(surface),
-        drive: Drive { start: 1.5 * ROUGH_RMS, turn: Turn::At(mean + turn * ROUGH_RMS), step: 0.01 * ROUGH_RMS },
+        drive: Drive {
+            start: 1.5 * ROUGH_RMS,
+            turn: Turn::At(mean + turn * ROUGH_RMS),
+            step: 0.01 * ROUGH_RMS,
+        },
         accuracy: 0.01,
         seed: 1,
     }
@@ -80,11 +123,23 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
     Scene {
         title: format!("A Hertzian tip: mu_rho = {mu_rho}"),
         source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
-        cell: Cell { length: 1.0, points: Points::Square(points) },
-        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: TIP_SURFACE_ENERGY, range: Range::MuRho(mu_rho) },
+        cell: Cell {
+            length: 1.0,
+            points: Points::Square(points),
+        },
+        law: LawChoice {
+            shape: Shape::Morse(Morse),
+            surface_energy: TIP_SURFACE_ENERGY,
+            range: Range::MuRho(mu_rho),
+        },
         indenter: Indenter::Hertz(Hertz { radius: 1.0 }),
-        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of the contact holds on for longer.
-        drive: Drive { start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0), turn: Turn::ZeroLoad, step: step * range },
+        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the
+        // edge of the contact holds on for longer.
+        drive: Drive {
+            start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0),
+            turn: Turn::ZeroLoad,
+            step: step * range,
+        },
         accuracy: 0.01,
         seed: 1,
     }
@@ -95,10 +150,21 @@ pub fn figure_1() -> Scene {
     Scene {
         title: "Fig. 1: a cylinder, seen from the side".to_owned(),
         source: "Wang, Zhou, Mueser 2020, Fig. 1".to_owned(),
-        cell: Cell { length: 8.0, points: Points::Line(256) },
-        law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.3, range: Range::Length(0.2) },
+        cell: Cell {
+            length: 8.0,
+            points: Points::Line(256),
+        },
+        law: LawChoice {
+            shape: Shape::Morse(Morse),
+            surface_energy: 0.3,
+            range: Range::Length(0.2),
+        },
         indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
-        drive: Drive { start: 1.0, turn: Turn::At(-0.6), step: 0.02 },
+        drive: Drive {
+            start: 1.0,
+            turn: Turn::At(-0.6),
+            step: 0.02,
+        },
         accuracy: 0.01,
         seed: 1,
     }
@@ -106,5 +172,9 @@ pub fn figure_1() -> Scene {
 
 /// The turning point of a scene that has one as a number; NaN else.
 pub(super) fn turn(scene: &Scene) -> f64 {
-    if let Turn::At(turn) = scene.drive.turn { turn } else { f64::NAN }
+    if let Turn::At(turn) = scene.drive.turn {
+        turn
+    } else {
+        f64::NAN
+    }
 }

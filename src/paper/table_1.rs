@@ -5,11 +5,21 @@ use super::figure::{Finding, Table};
 use super::task::{Stopped, Task};
 use crate::physics::mesh_rule::{TABLE_1, mu_rho_of_zone};
 
-pub(super) const ENTRY: TableEntry = TableEntry { number: 1, title: "Mesh number μ_ρ of other cohesive-zone models", compute };
+pub(super) const ENTRY: TableEntry = TableEntry {
+    number: 1,
+    title: "Mesh number μ_ρ of other cohesive-zone models",
+    compute,
+};
 
 fn compute(task: &mut Task<'_>) -> Result<Table, Stopped> {
     task.tell(0.0, "Table 1")?;
-    let columns = ["model", "year", "μ_ρ printed", "M = l_cz σ_max²/(E*γ)", "μ_ρ = 1/(2√M)"];
+    let columns = [
+        "model",
+        "year",
+        "μ_ρ printed",
+        "M = l_cz σ_max²/(E*γ)",
+        "μ_ρ = 1/(2√M)",
+    ];
     let rows = TABLE_1.map(|model| {
         let found = mu_rho_of_zone(model.zone);
         vec![

@@ -37,15 +37,29 @@ pub struct Task<'a> {
 
 impl<'a> Task<'a> {
     /// An order; `observe` is told the share that is done (0 to 1) and what is being done.
-    pub fn new(size: Size, cancel: &'a Cancel, observe: &'a mut (dyn FnMut(f64, &str) + Send)) -> Self {
-        Self { size, cancel, observe, share: [0.0, 1.0] }
+    pub fn new(
+        size: Size,
+        cancel: &'a Cancel,
+        observe: &'a mut (dyn FnMut(f64, &str) + Send),
+    ) -> Self {
+        Self {
+            size,
+            cancel,
+            observe,
+            share: [0.0, 1.0],
+        }
     }
 
     /// The part of it that goes from share `from` to share `to`.
     pub fn part(&mut self, from: f64, to: f64) -> Task<'_> {
         let [low, high] = self.share;
         let at = |share: f64| low + (high - low) * share;
-        Task { size: self.size, cancel: self.cancel, share: [at(from), at(to)], observe: self.observe }
+        Task {
+            size: self.size,
+            cancel: self.cancel,
+            share: [at(from), at(to)],
+            observe: self.observe,
+        }
     }
 
     /// Tells the share that is done and what is being done.
@@ -55,11 +69,15 @@ impl<'a> Task<'a> {
     pub fn tell(&mut self, done: f64, what: &str) -> Result<(), Stopped> {
         let [low, high] = self.share;
         (self.observe)(low + (high - low) * done.clamp(0.0, 1.0), what);
-        if self.cancel.requested() { Err(Stopped::Cancelled) } else { Ok(()) }
+        if self.cancel.requested() {
+            Err(Stopped::Cancelled)
+        } else {
+            Ok(())
+        }
     }
 
-    /// Does `work` on every item, several at a time, the dearest first; `cost`, in any unit, is its share of the progress. Results stand
-    /// in the order of the items.
+    /// Does `work` on every item, several at a time, the dearest first; `cost`, in any unit, is its
+    /// share of the progress. Results stand in the order of the items.
     ///
     /// # Errors
     /// What the first item says that fails: the others are then stopped.
@@ -74,7 +92,8 @@ impl<'a> Task<'a> {
         let mut order: Vec<usize> = (0..items.len()).collect();
         order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
         let (size, cancel) = (self.size, self.cancel.part());
-        let results: Vec<Mutex<Option<Result<R, Stopped>>>> = items.iter().map(|_| Mutex::default()).collect();
+        let results: Vec<Mutex<Option<Result<R, Stopped>>>> =
+            items.iter().map(|_| Mutex::default()).collect();
         let told = Mutex::new((self, vec![0.0; items.len()]));
         threads::side_by_side(items.len(), |place| {
             let index = order[place];
@@ -89,11 +108,16 @@ impl<'a> Task<'a> {
             if result.is_err() {
                 cancel.request();
             }
-            *results[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            *results[index]
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner) = Some(result);
         });
-        let results = results.into_iter().map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
-        let (done, mut failed): (Vec<_>, Vec<_>) =
-            results.map(|result| result.unwrap_or(Err(Stopped::Cancelled))).partition(Result::is_ok);
+        let results = results
+            .into_iter()
+            .map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
+        let (done, mut failed): (Vec<_>, Vec<_>) = results
+            .map(|result| result.unwrap_or(Err(Stopped::Cancelled)))
+            .partition(Result::is_ok);
         failed.sort_by_key(|why| matches!(why, Err(Stopped::Cancelled)));
         failed.into_iter().chain(done).collect()
     }

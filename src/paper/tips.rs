@@ -10,25 +10,34 @@ use crate::scene::Turn;
 use crate::scene::part::Part;
 
 /// The tip of Sect. 4, R = 1.
-pub(super) const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };
+pub(super) const TIP: Jkr = Jkr {
+    radius: 1.0,
+    surface_energy: scenes::TIP_SURFACE_ENERGY,
+};
 
 /// The same in its cell, L = R.
 pub(super) fn periodic() -> PeriodicJkr {
     PeriodicJkr::new(TIP, 1.0)
 }
 
-/// The part of the cell on which the loop of a tip at `mu_rho` is solved. Up to 0.7 nothing but the two collective jumps breaks symmetry.
-/// Beyond, single points let go one by one; their mirror images are then held to do so together. The apex lies between points.
+/// The part of the cell on which the loop of a tip at `mu_rho` is solved. Up to 0.7 nothing but the
+/// two collective jumps breaks symmetry. Beyond, single points let go one by one; their mirror
+/// images are then held to do so together. The apex lies between points.
 fn part_for(mu_rho: f64) -> Part {
-    if mu_rho < TRAPS { Part::Quarter } else { Part::Mirrored }
+    if mu_rho < TRAPS {
+        Part::Quarter
+    } else {
+        Part::Mirrored
+    }
 }
 
 /// mu_rho from which the mesh traps the edge of the contact.
 const TRAPS: f64 = 0.75;
 /// How closely, in ranges, the jumps of trapped points are located.
-const LOCATED: f64 = 0.025;
+const TRAPPED_WITHIN: f64 = 0.025;
 
-/// One closed loop. Forces over the pull-off force, energies over V_hys, both of JKR without images.
+/// One closed loop. Forces over the pull-off force, energies over V_hys, both of JKR without
+/// images.
 #[derive(Clone, Debug)]
 pub struct Tip {
     /// mu_rho.
@@ -52,7 +61,8 @@ pub struct Tip {
 }
 
 impl Tip {
-    /// What is released in the jumps of the mesh: all but the first, into contact, and the last, out of it.
+    /// What is released in the jumps of the mesh: all but the first, into contact, and the last,
+    /// out of it.
     pub fn mesh_jumps(&self) -> &[f64] {
         match self.jumps.len() {
             0 | 1 => &[],
@@ -77,11 +87,17 @@ pub struct Order {
 impl Order {
     /// The loop to zero load and back, on the part of the cell that its mu_rho allows.
     pub fn new(mu_rho: f64, points: usize) -> Self {
-        Self { mu_rho, points, part: part_for(mu_rho), turn: Turn::ZeroLoad }
+        Self {
+            mu_rho,
+            points,
+            part: part_for(mu_rho),
+            turn: Turn::ZeroLoad,
+        }
     }
 
-    /// Transforms grow with the points, increments with the root of their number, and iterations with it, too; single points that let
-    /// go cost a step each, and a mirrored quarter is a quarter.
+    /// Transforms grow with the points, increments with the root of their number, and iterations
+    /// with it, too; single points that let go cost a step each, and a mirrored quarter is a
+    /// quarter.
     fn cost(&self) -> f64 {
         let steps = if self.mu_rho < TRAPS { 1.0 } else { 20.0 };
         let share = if self.part == Part::Whole { 4.0 } else { 1.0 };
@@ -94,18 +110,33 @@ impl Order {
 /// # Errors
 /// Where it stopped, in words.
 pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
-    let Order { mu_rho, points, part, turn } = *order;
+    let Order {
+        mu_rho,
+        points,
+        part,
+        turn,
+    } = *order;
     let mut scene = scenes::tip(points, mu_rho);
     scene.drive.turn = turn;
     scene.title += &format!(", n = {points}");
-    let range = scene.model().map_err(|error| walked::refused(&scene, error))?.law.range;
-    let options = WalkOptions { part, trapped_within: (mu_rho >= TRAPS).then_some(LOCATED), ..WalkOptions::default() };
+    let range = scene
+        .model()
+        .map_err(|error| walked::refused(&scene, error))?
+        .law
+        .range;
+    let options = WalkOptions {
+        part,
+        trapped_within: (mu_rho >= TRAPS).then_some(TRAPPED_WITHIN),
+        ..WalkOptions::default()
+    };
     let record = walked::run(&scene, options, task)?.record;
     // L = 1: a mean stress is a force, an energy per area an energy.
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {
         let states = record.states.iter().filter(|s| s.direction == branch);
-        let mut points: Vec<[f64; 2]> = states.map(|s| [s.mean_displacement, -s.stress / force]).collect();
+        let mut points: Vec<[f64; 2]> = states
+            .map(|s| [s.mean_displacement, -s.stress / force])
+            .collect();
         // Next to a jump states crowd closer than any drawing tells them apart.
         points.dedup_by(|b, a| (b[0] - a[0]).abs() < 1e-5 && (b[1] - a[1]).abs() < 5e-3);
         points
@@ -116,10 +147,18 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         range,
         approach: curve(Direction::Approach),
         retraction: curve(Direction::Retraction),
-        pull_off: record.states.iter().map(|s| s.stress / force).fold(0.0, f64::max),
+        pull_off: record
+            .states
+            .iter()
+            .map(|s| s.stress / force)
+            .fold(0.0, f64::max),
         released: record.released_energy_sum() * TIP.surface_energy / energy,
         integral: record.work() / energy,
-        jumps: record.jumps.iter().map(|j| j.released_energy * TIP.surface_energy / energy).collect(),
+        jumps: record
+            .jumps
+            .iter()
+            .map(|j| j.released_energy * TIP.surface_energy / energy)
+            .collect(),
     })
 }
 
@@ -130,11 +169,14 @@ pub(super) fn run_all(orders: &[Order], task: &mut Task<'_>) -> Result<Vec<Tip>,
 
 /// The loops of a list of (mu_rho, meshes).
 pub(super) fn orders(list: &[(f64, &[usize])]) -> Vec<Order> {
-    list.iter().flat_map(|(mu, meshes)| meshes.iter().map(|n| Order::new(*mu, *n))).collect()
+    list.iter()
+        .flat_map(|(mu, meshes)| meshes.iter().map(|n| Order::new(*mu, *n)))
+        .collect()
 }
 
-/// Loops kept with the program, since the finest take an hour together: mu_rho and points along a side of each. The file is the output
-/// of `cargo run --release --no-default-features --example tip_loops`.
+/// Loops kept with the program, since the finest take an hour together: mu_rho and points along a
+/// side of each. The file is the output of `cargo run --release --no-default-features --example
+/// tip_loops`.
 pub const KEPT: ([f64; 5], [usize; 5]) = ([0.5, 0.7, 1.0, 1.5, 2.0], [32, 64, 128, 256, 512]);
 
 /// Head of the table of loops that are kept.
@@ -143,14 +185,28 @@ pub const HEAD: &str = "mu_rho,points,range,pull_off,released,integral,jumps";
 impl Tip {
     /// Its row in the table of loops that are kept: without its curves, the jumps parted by spaces.
     pub fn row(&self) -> String {
-        let Self { mu_rho, points, range, pull_off, released, integral, jumps, .. } = self;
+        let Self {
+            mu_rho,
+            points,
+            range,
+            pull_off,
+            released,
+            integral,
+            jumps,
+            ..
+        } = self;
         let jumps: Vec<String> = jumps.iter().map(|jump| format!("{jump:.3e}")).collect();
-        format!("{mu_rho},{points},{range:.6e},{pull_off:.6},{released:.6},{integral:.6},{}", jumps.join(" "))
+        format!(
+            "{mu_rho},{points},{range:.6e},{pull_off:.6},{released:.6},{integral:.6},{}",
+            jumps.join(" ")
+        )
     }
 
     fn from_row(row: &str) -> Option<Self> {
         let cells: Vec<&str> = row.split(',').collect();
-        let [mu_rho, points, range, pull_off, released, integral, jumps] = cells[..] else { return None };
+        let [mu_rho, points, range, pull_off, released, integral, jumps] = cells[..] else {
+            return None;
+        };
         let number = |cell: &str| cell.parse().ok();
         Some(Self {
             mu_rho: number(mu_rho)?,
@@ -161,12 +217,18 @@ impl Tip {
             pull_off: number(pull_off)?,
             released: number(released)?,
             integral: number(integral)?,
-            jumps: jumps.split_whitespace().map(number).collect::<Option<_>>()?,
+            jumps: jumps
+                .split_whitespace()
+                .map(number)
+                .collect::<Option<_>>()?,
         })
     }
 }
 
 /// The loops kept with the program.
 pub fn kept() -> Vec<Tip> {
-    include_str!("../../assets/tips.csv").lines().filter_map(Tip::from_row).collect()
+    include_str!("../../assets/tips.csv")
+        .lines()
+        .filter_map(Tip::from_row)
+        .collect()
 }

@@ -7,7 +7,11 @@ use crate::physics::parameter::Refusal;
 use crate::scene::Scene;
 
 /// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
-pub(super) fn run(scene: &Scene, options: WalkOptions, task: &mut Task<'_>) -> Result<LoopRun, Stopped> {
+pub(super) fn run(
+    scene: &Scene,
+    options: WalkOptions,
+    task: &mut Task<'_>,
+) -> Result<LoopRun, Stopped> {
     task.tell(0.0, &scene.title)?;
     let cancel = task.cancel;
     let run = run_loop(scene, options, cancel, &mut |report| {
@@ -24,12 +28,19 @@ pub(super) fn completed(run: LoopRun, scene: &Scene) -> Result<LoopRun, Stopped>
     match &run.outcome {
         Outcome::Completed => match run.record.ledger(1.0).open {
             None => Ok(run),
-            Some(open) => Err(Stopped::Failed(format!("{}: loop not closed: {}", scene.title, open.reason))),
+            Some(open) => Err(Stopped::Failed(format!(
+                "{}: loop not closed: {}",
+                scene.title, open.reason
+            ))),
         },
         Outcome::Cancelled => Err(Stopped::Cancelled),
-        Outcome::NotConverged { mean_displacement, reason } => {
-            Err(Stopped::Failed(format!("{}: stopped at u0 = {mean_displacement}: {reason}", scene.title)))
-        }
+        Outcome::NotConverged {
+            mean_displacement,
+            reason,
+        } => Err(Stopped::Failed(format!(
+            "{}: stopped at u0 = {mean_displacement}: {reason}",
+            scene.title
+        ))),
     }
 }
 

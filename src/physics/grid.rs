@@ -3,7 +3,8 @@
 /// Largest number of points along one side.
 pub const POINTS_MAX: usize = 4096;
 
-/// A square cell of `length` x `length` with `nx` = `ny` points, or a line cell with `ny` = 1 (fields uniform along y).
+/// A square cell of `length` x `length` with `nx` = `ny` points, or a line cell with `ny` = 1
+/// (fields uniform along y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Side L of the cell (length unit of the scene).
@@ -17,12 +18,20 @@ pub struct Grid {
 impl Grid {
     /// A square cell with n x n points.
     pub fn square(length: f64, n: usize) -> Self {
-        Self { length, nx: n, ny: n }
+        Self {
+            length,
+            nx: n,
+            ny: n,
+        }
     }
 
     /// A line cell with n points along x and none along y.
     pub fn line(length: f64, n: usize) -> Self {
-        Self { length, nx: n, ny: 1 }
+        Self {
+            length,
+            nx: n,
+            ny: 1,
+        }
     }
 
     /// Spacing da = L/n of the mesh.

@@ -1,8 +1,9 @@
 //! The Hessian among the longest waves of an even system, exact and dense.
 //!
-//! Between cosine waves the entries are look-ups in one transform D of gamma'': cos a cos b = (cos(a+b) + cos(a-b))/2, so that
-//! mean(gamma'' cos(k) cos(l) cos(k') cos(l')) is the mean of D at (k +- k', l +- l'). All soft modes live among the longest waves:
-//! the block is a preconditioner that leaves two to four iterations, and its negative pivots tell the Morse index.
+//! Between cosine waves the entries are look-ups in one transform D of gamma'': cos a cos b =
+//! (cos(a+b) + cos(a-b))/2, so that mean(gamma'' cos(k) cos(l) cos(k') cos(l')) is the mean of D at
+//! (k +- k', l +- l'). All soft modes live among the longest waves: the block is a preconditioner
+//! that leaves two to four iterations, and its negative pivots tell the Morse index.
 
 use super::system::{Fields, System, Workspace};
 use crate::numerics::factor::Factor;
@@ -14,12 +15,13 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 pub enum Class {
     /// Any even field.
     Even,
-    /// u(x, y) = u(y, x): bulge and dimple themselves; where such a mode goes soft the branch folds.
+    /// u(x, y) = u(y, x): bulge and dimple themselves; where such a mode goes soft the branch
+    /// folds.
     Symmetric,
     /// u(x, y) = -u(y, x): where such a mode goes soft the symmetry breaks.
     Antisymmetric,
-    /// On a line system: even in x times cos(2 pi y/L), outside the system itself; where such a mode goes soft a ridge breaks up.
-    /// (A modulation with more waves along y is always stiffer.)
+    /// On a line system: even in x times cos(2 pi y/L), outside the system itself; where such a
+    /// mode goes soft a ridge breaks up. (A modulation with more waves along y is always stiffer.)
     Varicose,
     /// The same, odd in x: where such a mode goes soft a ridge meanders.
     Sinuous,
@@ -44,11 +46,13 @@ impl Class {
     }
 }
 
-/// The dense block with its factors, shortest waves first: only the last pivots, of the longest waves, can be negative.
+/// The dense block with its factors, shortest waves first: only the last pivots, of the longest
+/// waves, can be negative.
 #[derive(Clone, Debug)]
 pub struct LowBlock {
     class: Class,
-    /// Wave numbers (k, l) in units of 2 pi/L, one of each pair (k, l), (l, k) where the class joins them.
+    /// Wave numbers (k, l) in units of 2 pi/L, one of each pair (k, l), (l, k) where the class
+    /// joins them.
     waves: Vec<[usize; 2]>,
     /// Half the norms of the waves.
     weights: Vec<f64>,
@@ -61,12 +65,13 @@ pub struct LowBlock {
     floor: f64,
 }
 
-/// Least pivot of a block, in units of q1, twice the stiffness of the longest wave: sliding modes have none, soft ones little.
+/// Least pivot of a block, in units of q1, twice the stiffness of the longest wave: sliding modes
+/// have none, soft ones little.
 pub(super) const FLOOR: f64 = 0.01;
 /// Most steps towards the softest mode of a block.
 const SOFTEST: usize = 300;
-/// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the floor of the pivots. The error of the
-/// eigenvalue goes with the square of the residual.
+/// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the
+/// floor of the pivots. The error of the eigenvalue goes with the square of the residual.
 const RESIDUAL: f64 = 2e-3;
 const NEAR_ZERO: f64 = 1e-4;
 
@@ -88,13 +93,29 @@ impl LowBlock {
             .collect();
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
         let modulated = matches!(class, Class::Varicose | Class::Sinuous);
-        let waves_of = |w: &[usize; 2]| (w[0] as f64).hypot(if modulated { 1.0 } else { w[1] as f64 });
-        let elastic = waves.iter().map(|w| 0.5 * system.grid().q1() * waves_of(w)).collect();
+        let waves_of =
+            |w: &[usize; 2]| (w[0] as f64).hypot(if modulated { 1.0 } else { w[1] as f64 });
+        let elastic = waves
+            .iter()
+            .map(|w| 0.5 * system.grid().q1() * waves_of(w))
+            .collect();
         // A wave (k, k) stands alone where the class joins others in pairs.
         let alone = |w: &[usize; 2]| class == Class::Symmetric && w[0] == w[1];
         let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
-        let weights = waves.iter().map(|w| single(w) * norm(w[0]) * norm(w[1]) / 2.0).collect();
-        Self { class, waves, weights, elastic, ny, hessian: Vec::new(), factor: Factor::default(), floor: 0.0 }
+        let weights = waves
+            .iter()
+            .map(|w| single(w) * norm(w[0]) * norm(w[1]) / 2.0)
+            .collect();
+        Self {
+            class,
+            waves,
+            weights,
+            elastic,
+            ny,
+            hessian: Vec::new(),
+            factor: Factor::default(),
+            floor: 0.0,
+        }
     }
 
     /// True once assembled.
@@ -147,21 +168,28 @@ impl LowBlock {
         self.factor.negative()
     }
 
-    /// The smallest eigenvalue (E* per length), with its mode of norm 1 as coefficients of the block's waves, from the coefficients
-    /// `start`: each step takes the softest combination of the mode and its residual over the factors. Their pivots are no smaller than
-    /// the floor, so that they alone would lead to the mode of another matrix.
+    /// The smallest eigenvalue (E* per length), with its mode of norm 1 as coefficients of the
+    /// block's waves, from the coefficients `start`: each step takes the softest combination of the
+    /// mode and its residual over the factors. Their pivots are no smaller than the floor, so that
+    /// they alone would lead to the mode of another matrix.
     pub fn softest(&self, start: Option<&[f64]>) -> (f64, Vec<f64>) {
         let n = self.waves.len();
         let mut x = match start {
             Some(x) => x.to_vec(),
             // Nothing smooth is orthogonal to this.
-            None => (0..n).map(|i| (1.0 + (2.0 * i as f64).sin()) / (n - i) as f64).collect(),
+            None => (0..n)
+                .map(|i| (1.0 + (2.0 * i as f64).sin()) / (n - i) as f64)
+                .collect(),
         };
         normalise(&mut x);
         let mut image = self.product(&x);
         let mut value = dot(&x, &image);
         for _ in 0..SOFTEST {
-            let mut d: Vec<f64> = image.iter().zip(&x).map(|(image, x)| image - value * x).collect();
+            let mut d: Vec<f64> = image
+                .iter()
+                .zip(&x)
+                .map(|(image, x)| image - value * x)
+                .collect();
             if dot(&d, &d).sqrt() < (RESIDUAL * value.abs()).max(NEAR_ZERO * self.floor) {
                 break;
             }
@@ -173,7 +201,11 @@ impl LowBlock {
             let (mixed, other) = (dot(&x, &pushed), dot(&d, &pushed));
             let angle = 0.5 * (2.0 * mixed).atan2(value - other) + FRAC_PI_2;
             let (sin, cos) = angle.sin_cos();
-            let turn = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = cos * *a + sin * b);
+            let turn = |a: &mut [f64], b: &[f64]| {
+                a.iter_mut()
+                    .zip(b)
+                    .for_each(|(a, b)| *a = cos * *a + sin * b);
+            };
             turn(&mut x, &d);
             turn(&mut image, &pushed);
             value = dot(&x, &image);
@@ -181,8 +213,8 @@ impl LowBlock {
         (value, x)
     }
 
-    /// Amplitudes in an even `system` of a mode given by coefficients of the block's waves, as [`LowBlock::softest`] returns it. A
-    /// modulation of a line becomes one of a square system.
+    /// Amplitudes in an even `system` of a mode given by coefficients of the block's waves, as
+    /// [`LowBlock::softest`] returns it. A modulation of a line becomes one of a square system.
     pub fn mode(&self, coefficients: &[f64], system: &System) -> Vec<f64> {
         let mut z = vec![0.0; system.dimension()];
         if self.class == Class::Varicose {
@@ -198,7 +230,8 @@ impl LowBlock {
         z
     }
 
-    /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned positive) times `r`; the rest is kept.
+    /// `out` gets, on the waves of the block, the inverse of |block| (negative pivots turned
+    /// positive) times `r`; the rest is kept.
     pub fn precondition(&self, r: &[f64], out: &mut [f64]) {
         let mut x = self.gather(r);
         self.factor.solve_positive(&mut x);
@@ -211,12 +244,16 @@ impl LowBlock {
         for i in 0..x.len() {
             let row = &self.hessian[i * (i + 1) / 2..][..=i];
             out[i] += dot(row, &x[..=i]);
-            out[..i].iter_mut().zip(row).for_each(|(out, h)| *out += h * x[i]);
+            out[..i]
+                .iter_mut()
+                .zip(row)
+                .for_each(|(out, h)| *out += h * x[i]);
         }
         out
     }
 
-    /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest is kept.
+    /// `out` gets, on the waves of the block, F y for the factors F F^T of that inverse; the rest
+    /// is kept.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {
         let mut x = self.gather(y);
         self.factor.spread(&mut x);
@@ -269,7 +306,13 @@ impl Table {
         let most = |axis: usize| waves.iter().map(|w| w[axis]).max().unwrap_or(0);
         let width = 2 * most(1).max(most(0).min(ny - 1)) + 1;
         // On the points of the mesh cos_(2m-p) = -cos_p.
-        let fold = |p: usize, m: usize| if p < m { (p, 1.0) } else { (2 * m - p, if p == m { 0.0 } else { -1.0 }) };
+        let fold = |p: usize, m: usize| {
+            if p < m {
+                (p, 1.0)
+            } else {
+                (2 * m - p, if p == m { 0.0 } else { -1.0 })
+            }
+        };
         let at = |p: usize, q: usize| {
             let ((p, a), (q, b)) = (fold(p, nx), fold(q, ny));
             match (p, q) {
@@ -279,7 +322,12 @@ impl Table {
             }
         };
         let height = 2 * most(0).max(most(1)) + 1;
-        Self { means: (0..height * width).map(|i| at(i / width, i % width)).collect(), width }
+        Self {
+            means: (0..height * width)
+                .map(|i| at(i / width, i % width))
+                .collect(),
+            width,
+        }
     }
 
     /// Four times mean(gamma'' cos_a cos_b).

@@ -1,7 +1,8 @@
 //! The mesh rule (Eqs 9 to 11 and 33): max(-gamma'') = mu_rho^2 E*/da, for every law.
 //!
-//! A mesh of spacing da resists a wave of wave number q with q E*/2. The larger mu_rho, the shorter the waves that a softening law
-//! makes unstable: at [`grid_limit`] the shortest one the mesh has, and jumps then belong to the mesh, not to the physics.
+//! A mesh of spacing da resists a wave of wave number q with q E*/2. The larger mu_rho, the shorter
+//! the waves that a softening law makes unstable: at [`grid_limit`] the shortest one the mesh has,
+//! and jumps then belong to the mesh, not to the physics.
 
 use super::law::Law;
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
@@ -15,7 +16,8 @@ pub struct ZoneModel {
     pub year: u16,
     /// mu_rho that it uses implicitly, as printed.
     pub mu_rho: f64,
-    /// M of the length l_cz = M E* gamma/sigma_max^2 of its cohesive zone, from which [`mu_rho_of_zone`] gives the same.
+    /// M of the length l_cz = M E* gamma/sigma_max^2 of its cohesive zone, from which
+    /// [`mu_rho_of_zone`] gives the same.
     pub zone: f64,
     /// M as a formula.
     pub formula: &'static str,
@@ -23,18 +25,55 @@ pub struct ZoneModel {
 
 /// Table 1 in the paper's order.
 pub const TABLE_1: [ZoneModel; 6] = [
-    ZoneModel { author: "Dugdale", year: 1960, mu_rho: 0.798, zone: PI / 8.0, formula: "π/8" },
-    ZoneModel { author: "Hillerborg", year: 1976, mu_rho: 0.5, zone: 1.0, formula: "1" },
-    ZoneModel { author: "Irwin", year: 1997, mu_rho: 0.886, zone: 1.0 / PI, formula: "1/π" },
-    ZoneModel { author: "Falk", year: 2001, mu_rho: 0.532, zone: 9.0 * PI / 32.0, formula: "9π/32" },
-    ZoneModel { author: "Hui", year: 2003, mu_rho: 1.09, zone: 2.0 / (3.0 * PI), formula: "2/(3π)" },
-    ZoneModel { author: "Popov", year: 2015, mu_rho: 0.729, zone: 0.47, formula: "0.47" },
+    ZoneModel {
+        author: "Dugdale",
+        year: 1960,
+        mu_rho: 0.798,
+        zone: PI / 8.0,
+        formula: "π/8",
+    },
+    ZoneModel {
+        author: "Hillerborg",
+        year: 1976,
+        mu_rho: 0.5,
+        zone: 1.0,
+        formula: "1",
+    },
+    ZoneModel {
+        author: "Irwin",
+        year: 1997,
+        mu_rho: 0.886,
+        zone: 1.0 / PI,
+        formula: "1/π",
+    },
+    ZoneModel {
+        author: "Falk",
+        year: 2001,
+        mu_rho: 0.532,
+        zone: 9.0 * PI / 32.0,
+        formula: "9π/32",
+    },
+    ZoneModel {
+        author: "Hui",
+        year: 2003,
+        mu_rho: 1.09,
+        zone: 2.0 / (3.0 * PI),
+        formula: "2/(3π)",
+    },
+    ZoneModel {
+        author: "Popov",
+        year: 2015,
+        mu_rho: 0.729,
+        zone: 0.47,
+        formula: "0.47",
+    },
 ];
 
 /// The value the paper calls safe: the shortest unstable wave is 4 pi da.
 pub const SAFE: f64 = 0.5;
 
-/// True if a mesh of this mu_rho is safe for a smooth law; a range that was made for the safe value may be rounded.
+/// True if a mesh of this mu_rho is safe for a smooth law; a range that was made for the safe value
+/// may be rounded.
 pub fn is_safe(mu_rho: f64) -> bool {
     mu_rho <= 1.001 * SAFE
 }
@@ -44,30 +83,39 @@ pub fn mu_rho(law: &Law, spacing: f64) -> f64 {
     (law.softening_max() * spacing).sqrt()
 }
 
-/// The range (length) at which a law like this one (its own range is ignored) has `mu_rho` on a mesh of `spacing` da (Eq. 11).
+/// The range (length) at which a law like this one (its own range is ignored) has `mu_rho` on a
+/// mesh of `spacing` da (Eq. 11).
 pub fn range_for_mu_rho(law: &Law, spacing: f64, mu_rho: f64) -> f64 {
     let unit = Law { range: 1.0, ..*law };
     (unit.softening_max() * spacing).sqrt() / mu_rho
 }
 
-/// The number of points n = L/da (not rounded) at which `law` has `mu_rho` in a cell of side `length`.
+/// The number of points n = L/da (not rounded) at which `law` has `mu_rho` in a cell of side
+/// `length`.
 pub fn points_for_mu_rho(law: &Law, length: f64, mu_rho: f64) -> f64 {
     law.softening_max() * length / (mu_rho * mu_rho)
 }
 
-/// The wavelength pi da/mu_rho^2 (length) above which a flat surface can be unstable on a mesh of `spacing` da.
+/// The wavelength pi da/mu_rho^2 (length) above which a flat surface can be unstable on a mesh of
+/// `spacing` da.
 pub fn shortest_unstable_wave(spacing: f64, mu_rho: f64) -> f64 {
     PI * spacing / (mu_rho * mu_rho)
 }
 
-/// mu_rho at which even the mesh's largest wave number becomes unstable: pi/da on a line, sqrt(2) pi/da on a square.
+/// mu_rho at which even the mesh's largest wave number becomes unstable: pi/da on a line, sqrt(2)
+/// pi/da on a square.
 pub fn grid_limit(line: bool) -> f64 {
-    if line { FRAC_PI_2.sqrt() } else { (SQRT_2 * FRAC_PI_2).sqrt() }
+    if line {
+        FRAC_PI_2.sqrt()
+    } else {
+        (SQRT_2 * FRAC_PI_2).sqrt()
+    }
 }
 
 /// mu_rho = 1/(2 sqrt(M)) of a model whose cohesive zone is l_cz = M E* gamma/sigma_max^2 long.
 ///
-/// With Eq. 11 that is rho = sqrt(M gamma da/E*). All six entries of [`TABLE_1`] follow so from the published values of M.
+/// With Eq. 11 that is rho = sqrt(M gamma da/E*). All six entries of [`TABLE_1`] follow so from the
+/// published values of M.
 pub fn mu_rho_of_zone(zone: f64) -> f64 {
     0.5 / zone.sqrt()
 }

@@ -1,7 +1,9 @@
-//! Floor 1: the half-space, cohesive laws, indenters, patterns, the mesh rule and closed-form theory.
+//! Floor 1: the half-space, cohesive laws, indenters, patterns, the mesh rule and closed-form
+//! theory.
 //!
-//! Signs and units: contact modulus E* = 1; `stress` and `traction` are positive in tension (attraction); energies are per area
-//! of the cell. The gap is g = u - h with the indenter's highest point at h = 0. May use `numerics` only.
+//! Signs and units: contact modulus E* = 1; `stress` and `traction` are positive in tension
+//! (attraction); energies are per area of the cell. The gap is g = u - h with the indenter's
+//! highest point at h = 0. May use `numerics` only.
 
 pub mod grid;
 pub mod indenter;

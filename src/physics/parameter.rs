@@ -1,7 +1,9 @@
-//! Numbers that people give: the key in a scene file, what they mean, and the range in which they are allowed.
+//! Numbers that people give: the key in a scene file, what they mean, and the range in which they
+//! are allowed.
 //!
-//! A law or a ground lists its own ([`Own`]): the reader and the writer of scene files, the checks, the control panel and the guide's
-//! table iterate over that list. Ranges are wide: they keep squares, products and counts finite, and refuse nothing that can be computed.
+//! A law or a ground lists its own ([`Own`]): the reader and the writer of scene files, the checks,
+//! the control panel and the guide's table iterate over that list. Ranges are wide: they keep
+//! squares, products and counts finite, and refuse nothing that can be computed.
 
 use std::ops::RangeInclusive;
 
@@ -20,7 +22,11 @@ pub struct Refusal {
 impl Refusal {
     /// Of a value of `key`; `allowed` is a clause.
     pub fn new(key: &str, value: impl std::fmt::Display, allowed: &str) -> Self {
-        Self { key: key.to_owned(), value: value.to_string(), allowed: format!("allowed is {allowed}") }
+        Self {
+            key: key.to_owned(),
+            value: value.to_string(),
+            allowed: format!("allowed is {allowed}"),
+        }
     }
 }
 
@@ -97,12 +103,18 @@ impl Parameter {
 
     /// Its name with its letter.
     pub fn title(&self) -> String {
-        format!("{} {}", self.label, self.symbol).trim_end().to_owned()
+        format!("{} {}", self.label, self.symbol)
+            .trim_end()
+            .to_owned()
     }
 
     /// What is allowed, in words.
     pub fn allowed(&self) -> String {
-        let range = format!("from {} to {}", number(*self.range.start()), number(*self.range.end()));
+        let range = format!(
+            "from {} to {}",
+            number(*self.range.start()),
+            number(*self.range.end())
+        );
         self.hint.replace("{range}", &range)
     }
 
@@ -117,7 +129,11 @@ impl Parameter {
             Value::Counts(both) => both.iter().all(|n| self.range.contains(&(*n as f64))),
             Value::Flag(_) => true,
         };
-        if inside { Ok(value) } else { Err(self.refuse(value)) }
+        if inside {
+            Ok(value)
+        } else {
+            Err(self.refuse(value))
+        }
     }
 
     /// The refusal of a value.
@@ -127,8 +143,16 @@ impl Parameter {
 
     /// Its row in the guide's table.
     pub fn row(&self) -> String {
-        let default = self.default.map_or_else(|| "must be given".to_owned(), number);
-        format!("| `{}` | {} | {} | {default} | {} |\n", self.key, self.title(), self.unit, self.allowed())
+        let default = self
+            .default
+            .map_or_else(|| "must be given".to_owned(), number);
+        format!(
+            "| `{}` | {} | {} | {default} | {} |\n",
+            self.key,
+            self.title(),
+            self.unit,
+            self.allowed()
+        )
     }
 }
 
@@ -146,7 +170,11 @@ impl std::fmt::Display for Value {
 impl Value {
     /// A number; NaN if it is of another kind.
     pub(crate) fn number(self) -> f64 {
-        if let Value::Number(x) = self { x } else { f64::NAN }
+        if let Value::Number(x) = self {
+            x
+        } else {
+            f64::NAN
+        }
     }
 
     /// A whole number; 0 if it is of another kind.
@@ -156,7 +184,11 @@ impl Value {
 
     /// Two counts; none if it is of another kind.
     pub(crate) fn counts(self) -> [usize; 2] {
-        if let Value::Counts(both) = self { both } else { [0; 2] }
+        if let Value::Counts(both) = self {
+            both
+        } else {
+            [0; 2]
+        }
     }
 
     /// Yes or no; no if it is of another kind.
@@ -177,8 +209,9 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// An enum of kinds, each a type of its own with an [`Own`]: its word, its parameters and their values come from there. A `method` gives what
-/// all kinds have in common, a trait. Kinds in brackets have no [`Own`].
+/// An enum of kinds, each a type of its own with an [`Own`]: its word, its parameters and their
+/// values come from there. A `method` gives what all kinds have in common, a trait. Kinds in
+/// brackets have no [`Own`].
 macro_rules! kinds {
     ($(#[$doc:meta])* $name:ident: $method:ident -> $trait:ident [$($unit:ident = $unit_word:literal),*] $($kind:ident = $word:literal),*) => {
         $(#[$doc])*

@@ -1,8 +1,9 @@
 //! Which pattern a surface shows, by the topology of its contact set on the torus.
 //!
-//! The cell is periodic, so a connected piece of contact may close on itself around the cell. Its closed loops generate a lattice
-//! of winding vectors (turns along x, turns along y); the rank of that lattice is 0 for an island, 1 for a line in any direction
-//! (a diagonal one too), 2 for a net that surrounds the non-contact. Nothing here depends on where the pattern sits.
+//! The cell is periodic, so a connected piece of contact may close on itself around the cell. Its
+//! closed loops generate a lattice of winding vectors (turns along x, turns along y); the rank of
+//! that lattice is 0 for an island, 1 for a line in any direction (a diagonal one too), 2 for a net
+//! that surrounds the non-contact. Nothing here depends on where the pattern sits.
 
 pub mod centre;
 mod winding;
@@ -56,42 +57,67 @@ pub fn contact_set(gap: ArrayView2<f64>, threshold: f64) -> Array2<bool> {
     gap.mapv(|g| g < threshold)
 }
 
-/// True if on the way from one contact set of the torus to the other its edge moves by a spacing at most: every point that changes has a
-/// neighbour that was on the other side before. False where there was no edge.
+/// True if on the way from one contact set of the torus to the other its edge moves by a spacing at
+/// most: every point that changes has a neighbour that was on the other side before. False where
+/// there was no edge.
 pub fn moves_by_a_spacing(before: &Array2<bool>, after: &Array2<bool>) -> bool {
     let (ny, nx) = before.dim();
     let beside = |y: usize, x: usize| {
-        let (rows, columns) = ([y, (y + 1) % ny, (y + ny - 1) % ny], [x, (x + 1) % nx, (x + nx - 1) % nx]);
-        rows.into_iter().any(|row| columns.into_iter().any(|column| before[[row, column]] != before[[y, x]]))
+        let (rows, columns) = (
+            [y, (y + 1) % ny, (y + ny - 1) % ny],
+            [x, (x + 1) % nx, (x + nx - 1) % nx],
+        );
+        rows.into_iter().any(|row| {
+            columns
+                .into_iter()
+                .any(|column| before[[row, column]] != before[[y, x]])
+        })
     };
     let has_edge = before.iter().any(|&inside| inside) && !before.iter().all(|&inside| inside);
-    has_edge && before.indexed_iter().all(|((y, x), inside)| after[[y, x]] == *inside || beside(y, x))
+    has_edge
+        && before
+            .indexed_iter()
+            .all(|((y, x), inside)| after[[y, x]] == *inside || beside(y, x))
 }
 
-/// Share of the cell in contact, 0 to 1: points with a gap (length) below that of the law's largest traction.
+/// Share of the cell in contact, 0 to 1: points with a gap (length) below that of the law's largest
+/// traction.
 pub fn contact_area(gap: ArrayView2<f64>, law: &Law) -> f64 {
     let threshold = law.contact_gap();
     gap.iter().filter(|&&g| g < threshold).count() as f64 / gap.len() as f64
 }
 
-/// The pattern of a gap field (length; rows are y; one row is a line cell) above flat or uneven ground.
+/// The pattern of a gap field (length; rows are y; one row is a line cell) above flat or uneven
+/// ground.
 ///
-/// On flat ground an uneven surface that lies wholly on one side of the law's contact gap (a faint bulge near the fold where it
-/// flattens, a dimple about to close) is cut halfway between its lowest and highest gap instead, so that its shape still decides.
-/// Of several pieces of contact the one that wraps in most directions decides.
+/// On flat ground an uneven surface that lies wholly on one side of the law's contact gap (a faint
+/// bulge near the fold where it flattens, a dimple about to close) is cut halfway between its
+/// lowest and highest gap instead, so that its shape still decides. Of several pieces of contact
+/// the one that wraps in most directions decides.
 pub fn classify(gap: ArrayView2<f64>, law: &Law, flat_ground: bool) -> Pattern {
-    let Some((low, high)) = extent(&gap) else { return Pattern::Other };
+    let Some((low, high)) = extent(&gap) else {
+        return Pattern::Other;
+    };
     let contact_gap = law.contact_gap();
     if !flat_ground {
-        return if low < contact_gap { Pattern::Contact } else { Pattern::Other };
+        return if low < contact_gap {
+            Pattern::Contact
+        } else {
+            Pattern::Other
+        };
     }
     if high - low < FLATNESS * law.range {
         return Pattern::Flat;
     }
     let one_sided = low >= contact_gap || high < contact_gap;
-    let threshold = if one_sided { 0.5 * (low + high) } else { contact_gap };
+    let threshold = if one_sided {
+        0.5 * (low + high)
+    } else {
+        contact_gap
+    };
     if gap.nrows() == 1 {
-        // Uniform along y: whatever is in contact wraps around y, and the rest of the row is not in contact.
+        // Uniform along y: whatever is in contact wraps around y, and the rest of the row is not in
+        // contact.
         return Pattern::Ridge;
     }
     match winding::rank(gap, threshold) {

@@ -1,8 +1,10 @@
-//! An approximate inverse of the Hessian: diagonal in Fourier space, and exact in the block of the longest waves.
+//! An approximate inverse of the Hessian: diagonal in Fourier space, and exact in the block of the
+//! longest waves.
 //!
-//! The diagonal 1/(q E*/2 + k) makes the number of iterations independent of the mesh. What it misses is the coupling of the few
-//! longest waves through the pattern, where all soft modes live. Between waves a and b the Hessian is a look-up in the transform D of
-//! gamma'': mean(gamma'' 2 cos a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
+//! The diagonal 1/(q E*/2 + k) makes the number of iterations independent of the mesh. What it
+//! misses is the coupling of the few longest waves through the pattern, where all soft modes live.
+//! Between waves a and b the Hessian is a look-up in the transform D of gamma'': mean(gamma'' 2 cos
+//! a cos b) = Re D(a-b) + Re D(a+b), and so on for sines. That small block is factorised exactly.
 
 use super::low_block::{Class, FLOOR, LowBlock};
 use super::system::{Fields, System, Workspace};
@@ -10,10 +12,12 @@ use crate::numerics::factor::Factor;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a line cell): all that can go soft in
-/// the cells of Figs 2 and 3, and few enough that the factorisation is cheaper than two transforms of 64 x 64 points.
+/// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a
+/// line cell): all that can go soft in the cells of Figs 2 and 3, and few enough that the
+/// factorisation is cheaper than two transforms of 64 x 64 points.
 const WAVES: f64 = 6.0;
-/// The same where a quarter cell has at least as many points along a side as to pay for it: 90 unknowns.
+/// The same where a quarter cell has at least as many points along a side as to pay for it: 90
+/// unknowns.
 const FINE_WAVES: f64 = 10.0;
 const FINE: usize = 40;
 /// The same on half a line: nearly all of them.
@@ -51,16 +55,35 @@ impl Preconditioner {
             };
             return Self::of_class(system, stiffness, Class::Even, reach);
         }
-        let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
+        let mut diagonal: Vec<f64> = system
+            .elastic()
+            .iter()
+            .map(|e| 1.0 / (e + stiffness))
+            .collect();
         diagonal[..2].fill(0.0);
-        Self { diagonal, even: None, modes: modes(system), factor: Factor::default() }
+        Self {
+            diagonal,
+            even: None,
+            modes: modes(system),
+            factor: Factor::default(),
+        }
     }
 
-    /// The same for one symmetry class of an even system, with a block of the waves no longer than `reach`.
+    /// The same for one symmetry class of an even system, with a block of the waves no longer than
+    /// `reach`.
     pub fn of_class(system: &System, stiffness: f64, class: Class, reach: f64) -> Self {
-        let mut diagonal: Vec<f64> = system.elastic().iter().map(|e| 1.0 / (e + stiffness)).collect();
+        let mut diagonal: Vec<f64> = system
+            .elastic()
+            .iter()
+            .map(|e| 1.0 / (e + stiffness))
+            .collect();
         diagonal[0] = 0.0;
-        Self { diagonal, even: Some(LowBlock::new(system, class, reach)), modes: Vec::new(), factor: Factor::default() }
+        Self {
+            diagonal,
+            even: Some(LowBlock::new(system, class, reach)),
+            modes: Vec::new(),
+            factor: Factor::default(),
+        }
     }
 
     /// The block of an even system.
@@ -88,8 +111,9 @@ impl Preconditioner {
 
     /// Assembles and factorises the block of a surface with these `fields`. One transform.
     ///
-    /// Pivots are kept above [`FLOOR`], and negative ones turned positive: along a sliding or an unstable mode the inverse is bounded, and
-    /// stays positive. The longest waves come last, so that only they are touched.
+    /// Pivots are kept above [`FLOOR`], and negative ones turned positive: along a sliding or an
+    /// unstable mode the inverse is bounded, and stays positive. The longest waves come last, so
+    /// that only they are touched.
     pub fn refresh(&mut self, system: &System, fields: &Fields, ws: &mut Workspace) {
         if let Some(block) = &mut self.even {
             return block.refresh(system, fields, ws);
@@ -102,7 +126,11 @@ impl Preconditioner {
                 let (a, b) = (self.modes[i / 2], self.modes[j / 2]);
                 let sum = stiffness([a.wave[0] + b.wave[0], a.wave[1] + b.wave[1]]);
                 let difference = stiffness([a.wave[0] - b.wave[0], a.wave[1] - b.wave[1]]);
-                let elastic = if i == j { system.elastic()[2 * a.pair] } else { 0.0 };
+                let elastic = if i == j {
+                    system.elastic()[2 * a.pair]
+                } else {
+                    0.0
+                };
                 hessian.push(match (i % 2, j % 2) {
                     (0, 0) => difference.re + sum.re + elastic,
                     (1, 1) => difference.re - sum.re + elastic,
@@ -111,7 +139,8 @@ impl Preconditioner {
                 });
             }
         }
-        self.factor.factorise(&hessian, n, FLOOR * system.grid().q1());
+        self.factor
+            .factorise(&hessian, n, FLOOR * system.grid().q1());
     }
 
     /// `out` = approximate inverse Hessian times `r`.
@@ -127,8 +156,8 @@ impl Preconditioner {
         }
     }
 
-    /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all directions gives amplitudes as soft as
-    /// the Hessian allows.
+    /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all
+    /// directions gives amplitudes as soft as the Hessian allows.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {
         self.halved(y, out);
         if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
@@ -159,8 +188,11 @@ impl Preconditioner {
 
     /// On the waves of the block `out` gets what `work` makes of `r`; the rest is kept.
     fn within_block(&self, r: &[f64], out: &mut [f64], work: impl Fn(&mut [f64])) {
-        let mut x: Vec<f64> =
-            self.modes.iter().flat_map(|m| [r[2 * m.pair] * m.weight(), r[2 * m.pair + 1] * m.weight()]).collect();
+        let mut x: Vec<f64> = self
+            .modes
+            .iter()
+            .flat_map(|m| [r[2 * m.pair] * m.weight(), r[2 * m.pair + 1] * m.weight()])
+            .collect();
         work(&mut x);
         for (m, x) in self.modes.iter().zip(x.chunks_exact(2)) {
             let (re, im) = (x[0] / m.weight(), x[1] / m.weight());
@@ -179,9 +211,13 @@ impl Mode {
     }
 }
 
-/// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness, by wave numbers in units of 2 pi/L of
-/// either sign, short of the end of the mesh's spectrum. One transform.
-fn stiffness_spectrum(system: &System, fields: &Fields, ws: &mut Workspace) -> impl Fn([i64; 2]) -> Complex<f64> + use<> {
+/// The transform D(k) = mean(gamma'' e^{-ikr}) of the stiffness, by wave numbers in units of 2 pi/L
+/// of either sign, short of the end of the mesh's spectrum. One transform.
+fn stiffness_spectrum(
+    system: &System,
+    fields: &Fields,
+    ws: &mut Workspace,
+) -> impl Fn([i64; 2]) -> Complex<f64> + use<> {
     let mut d = vec![0.0; system.dimension()];
     d[0] = system.stiffness_amplitudes(fields, &mut d, ws);
     let ny = system.grid().ny as i64;
@@ -207,7 +243,11 @@ fn modes(system: &System) -> Vec<Mode> {
     for k in 0..=reach {
         for l in -reach_y..=reach_y {
             if (k > 0 || l > 0) && ((k * k + l * l) as f64).sqrt() <= most {
-                modes.push(Mode { wave: [k, l], pair: index(k, l), mirror: (k == 0).then(|| index(0, -l)) });
+                modes.push(Mode {
+                    wave: [k, l],
+                    pair: index(k, l),
+                    mirror: (k == 0).then(|| index(0, -l)),
+                });
             }
         }
     }

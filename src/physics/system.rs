@@ -1,14 +1,16 @@
-//! The mechanical system: energy, residual and Hessian of a half-space above an indenter, in Fourier amplitudes.
+//! The mechanical system: energy, residual and Hessian of a half-space above an indenter, in
+//! Fourier amplitudes.
 //!
-//! A displacement u = u0 + sum_{q != 0} u_q e^{iqr} is stored as **amplitudes** z: the half spectrum of [`Fourier`] as pairs of
-//! reals, each times sqrt(w_q) with w_q = 2 where the mirrored half is left out and 1 else. Then z.z = mean((u - u0)^2), and per
-//! area of the cell
+//! A displacement u = u0 + sum_{q != 0} u_q e^{iqr} is stored as **amplitudes** z: the half
+//! spectrum of [`Fourier`] as pairs of reals, each times sqrt(w_q) with w_q = 2 where the mirrored
+//! half is left out and 1 else. Then z.z = mean((u - u0)^2), and per area of the cell
 //!
 //! V = sum_q (q E*/4) z_q^2 + mean gamma(g),   dV/dz_q = (q E*/2) z_q + sqrt(w_q) FT[gamma'(g)]_q,
 //! Hessian v -> (q E*/2) v + sqrt(w) FT[gamma''(g) v(r)],   mean stress = mean gamma'(g).
 //!
-//! A system of even fields, u(-x, y) = u(x, -y) = u(x, y), holds a quarter of the cell in cosine waves; all sums and means are the
-//! same, and so is every function here but those that move a pattern.
+//! A system of even fields, u(-x, y) = u(x, -y) = u(x, y), holds a quarter of the cell in cosine
+//! waves; all sums and means are the same, and so is every function here but those that move a
+//! pattern.
 //!
 //! The entry q = 0 of every amplitude vector is zero: the mean displacement u0 is the control.
 
@@ -35,8 +37,8 @@ pub struct System {
     transforms: Transforms,
     /// q E*/2 of every amplitude entry; zero for q = 0.
     elastic: Vec<f64>,
-    /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the derivative of a real field vanishes.
-    /// Empty for even fields, which cannot move.
+    /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the
+    /// derivative of a real field vanishes. Empty for even fields, which cannot move.
     gradient: Vec<[f64; 2]>,
 }
 
@@ -89,41 +91,77 @@ impl System {
     pub fn new(grid: Grid, law: Law, indenter: &Indenter) -> Self {
         let fourier = Fourier::new(grid.ny, grid.nx);
         let (m, ny) = fourier.spectrum_shape();
-        let signed = |l: usize, n: usize| if 2 * l > n { l as f64 - n as f64 } else { l as f64 };
+        let signed = |l: usize, n: usize| {
+            if 2 * l > n {
+                l as f64 - n as f64
+            } else {
+                l as f64
+            }
+        };
         let mut elastic = Vec::with_capacity(2 * m * ny);
         let mut gradient = Vec::with_capacity(m * ny);
         for k in 0..m {
             for l in 0..ny {
                 let (qx, qy) = (grid.q1() * k as f64, grid.q1() * signed(l, ny));
                 elastic.extend([qx.hypot(qy) / 2.0; 2]);
-                gradient.push([if 2 * k == grid.nx { 0.0 } else { qx }, if 2 * l == ny { 0.0 } else { qy }]);
+                gradient.push([
+                    if 2 * k == grid.nx { 0.0 } else { qx },
+                    if 2 * l == ny { 0.0 } else { qy },
+                ]);
             }
         }
         let transforms = Transforms::new(Basis::Whole(fourier));
-        Self { grid, law, height: indenter.height(&grid), uniform: indenter.ground().is_uniform(), transforms, elastic, gradient }
+        Self {
+            grid,
+            law,
+            height: indenter.height(&grid),
+            uniform: indenter.ground().is_uniform(),
+            transforms,
+            elastic,
+            gradient,
+        }
     }
 
-    /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex of a tip lies between points.
+    /// The same for even fields only: a quarter of the cell `grid`, half of a line cell. The apex
+    /// of a tip lies between points.
     ///
     /// # Panics
     /// Unless the cell's points along each side are a multiple of 4.
     pub fn even(grid: Grid, law: Law, indenter: &Indenter) -> Self {
         let (ny, nx) = (grid.ny.div_ceil(2), grid.nx / 2);
-        let elastic = (0..nx * ny).map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0).collect();
+        let elastic = (0..nx * ny)
+            .map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0)
+            .collect();
         let height = indenter.even_height(&grid);
         let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
-        Self { grid, law, height, uniform: indenter.ground().is_uniform(), transforms, elastic, gradient: Vec::new() }
+        Self {
+            grid,
+            law,
+            height,
+            uniform: indenter.ground().is_uniform(),
+            transforms,
+            elastic,
+            gradient: Vec::new(),
+        }
     }
 
-    /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between points here too.
+    /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between
+    /// points here too.
     pub fn whole(even: &System) -> Self {
         let height = even.height.as_ref().map(|height| even.unfolded(height));
-        Self { height, uniform: even.uniform, ..Self::new(even.grid, even.law, &Indenter::Flat) }
+        Self {
+            height,
+            uniform: even.uniform,
+            ..Self::new(even.grid, even.law, &Indenter::Flat)
+        }
     }
 
     /// The same in another precision.
     pub fn with_precision(self, precision: Precision) -> Self {
-        Self { transforms: self.transforms.with_precision(precision), ..self }
+        Self {
+            transforms: self.transforms.with_precision(precision),
+            ..self
+        }
     }
 
     /// Of which numbers its transforms and fields are.
@@ -138,10 +176,15 @@ impl System {
 
     /// Shape (rows, columns) of a field: that of the grid, or of its even part.
     pub fn shape(&self) -> (usize, usize) {
-        if self.is_even() { (self.grid.ny.div_ceil(2), self.grid.nx / 2) } else { self.grid.shape() }
+        if self.is_even() {
+            (self.grid.ny.div_ceil(2), self.grid.nx / 2)
+        } else {
+            self.grid.shape()
+        }
     }
 
-    /// The field of the whole cell: for an even system `field` with its mirror images, its own corner (0, 0) in the middle.
+    /// The field of the whole cell: for an even system `field` with its mirror images, its own
+    /// corner (0, 0) in the middle.
     pub fn unfolded(&self, field: &Array2<f64>) -> Array2<f64> {
         if !self.is_even() {
             return field.clone();
@@ -178,7 +221,11 @@ impl System {
 
     /// Fresh working memory.
     pub fn workspace(&self) -> Workspace {
-        Workspace { transforms: 0, field: Array2::zeros(self.shape()), scratch: self.transforms.scratch(self.shape()) }
+        Workspace {
+            transforms: 0,
+            field: Array2::zeros(self.shape()),
+            scratch: self.transforms.scratch(self.shape()),
+        }
     }
 
     /// q E*/2 of every amplitude entry (E* per length).
@@ -210,8 +257,21 @@ impl System {
     pub fn at(&self, z: Vec<f64>, u0: f64, ws: &mut Workspace) -> Evaluation {
         let zeros = || Array2::zeros(self.shape());
         let gradient = vec![0.0; z.len()];
-        let state = State { mean_displacement: u0, amplitudes: z, energy: f64::NAN, stress: f64::NAN };
-        let mut at = Evaluation { state, gradient, fields: Fields { gap: zeros(), traction: zeros(), stiffness: zeros() } };
+        let state = State {
+            mean_displacement: u0,
+            amplitudes: z,
+            energy: f64::NAN,
+            stress: f64::NAN,
+        };
+        let mut at = Evaluation {
+            state,
+            gradient,
+            fields: Fields {
+                gap: zeros(),
+                traction: zeros(),
+                stiffness: zeros(),
+            },
+        };
         self.update(&mut at, ws);
         at
     }
@@ -220,25 +280,58 @@ impl System {
     pub fn uniform(&self, u0: f64) -> Evaluation {
         let (z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
         let everywhere = |value: f64| Array2::from_elem(self.shape(), value);
-        let (gap, traction, stiffness) = (everywhere(u0), everywhere(response.traction), everywhere(response.stiffness));
+        let (gap, traction, stiffness) = (
+            everywhere(u0),
+            everywhere(response.traction),
+            everywhere(response.stiffness),
+        );
         Evaluation {
             gradient: z.clone(),
-            state: State { mean_displacement: u0, amplitudes: z, energy: response.energy, stress: response.traction },
-            fields: Fields { gap, traction, stiffness },
+            state: State {
+                mean_displacement: u0,
+                amplitudes: z,
+                energy: response.energy,
+                stress: response.traction,
+            },
+            fields: Fields {
+                gap,
+                traction,
+                stiffness,
+            },
         }
     }
 
-    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two transforms.
+    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two
+    /// transforms.
     pub fn update(&self, at: &mut Evaluation, ws: &mut Workspace) {
-        let Evaluation { state, gradient, fields } = at;
-        self.gap(&state.amplitudes, state.mean_displacement, &mut fields.gap, ws);
-        let (gap, traction, stiffness) = (flat(&mut fields.gap), flat(&mut fields.traction), flat(&mut fields.stiffness));
+        let Evaluation {
+            state,
+            gradient,
+            fields,
+        } = at;
+        self.gap(
+            &state.amplitudes,
+            state.mean_displacement,
+            &mut fields.gap,
+            ws,
+        );
+        let (gap, traction, stiffness) = (
+            flat(&mut fields.gap),
+            flat(&mut fields.traction),
+            flat(&mut fields.stiffness),
+        );
         let points = gap.len() as f64;
         let adhesive = fill(&self.law, gap, traction, stiffness) / points;
-        state.stress = self.transforms.analyse(&fields.traction, gradient, &mut ws.scratch);
+        state.stress = self
+            .transforms
+            .analyse(&fields.traction, gradient, &mut ws.scratch);
         ws.transforms += 1;
         let mut elastic = 0.0;
-        for ((g, z), e) in gradient.iter_mut().zip(&state.amplitudes).zip(&self.elastic) {
+        for ((g, z), e) in gradient
+            .iter_mut()
+            .zip(&state.amplitudes)
+            .zip(&self.elastic)
+        {
             *g += e * z;
             elastic += e * z * z;
         }
@@ -247,32 +340,45 @@ impl System {
 
     /// The Hessian of a surface with these `fields` times `v`. Two transforms.
     pub fn hessian(&self, fields: &Fields, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.transforms.multiply(v, &fields.stiffness, out, &mut ws.field, &mut ws.scratch);
+        self.transforms
+            .multiply(v, &fields.stiffness, out, &mut ws.field, &mut ws.scratch);
         ws.transforms += 2;
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
         }
     }
 
-    /// Amplitudes of the stiffness gamma'' into `out`, and its mean: the derivative of the gradient and of the stress with u0 at fixed
-    /// amplitudes. One transform.
-    pub fn stiffness_amplitudes(&self, fields: &Fields, out: &mut [f64], ws: &mut Workspace) -> f64 {
+    /// Amplitudes of the stiffness gamma'' into `out`, and its mean: the derivative of the gradient
+    /// and of the stress with u0 at fixed amplitudes. One transform.
+    pub fn stiffness_amplitudes(
+        &self,
+        fields: &Fields,
+        out: &mut [f64],
+        ws: &mut Workspace,
+    ) -> f64 {
         ws.transforms += 1;
-        self.transforms.analyse(&fields.stiffness, out, &mut ws.scratch)
+        self.transforms
+            .analyse(&fields.stiffness, out, &mut ws.scratch)
     }
 
-    /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max |gamma'|), with r the field of the
-    /// gradient. In deep compression the second scale rules. NaN if anything is. One transform.
+    /// Largest residual traction over the largest tractions that act: max |r| / max(sigma_max, max
+    /// |gamma'|), with r the field of the gradient. In deep compression the second scale rules. NaN
+    /// if anything is. One transform.
     pub fn residual(&self, at: &Evaluation, ws: &mut Workspace) -> f64 {
         self.field(&at.gradient, ws);
         let r = max_abs(flat(&mut ws.field));
         let t = at.fields.traction.as_slice().map_or(f64::NAN, max_abs);
-        if t.is_nan() { t } else { r / self.law.traction_max().max(t) }
+        if t.is_nan() {
+            t
+        } else {
+            r / self.law.traction_max().max(t)
+        }
     }
 
     /// The real field of amplitudes `v` (without mean). One transform.
     pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
-        self.transforms.synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
+        self.transforms
+            .synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
         ws.transforms += 1;
         &ws.field
     }
@@ -288,22 +394,29 @@ impl System {
     /// Along which of x and y patterns can slide; even fields cannot.
     pub fn slides_along(&self) -> [bool; 2] {
         let fixed = self.is_even();
-        [self.uniform[0] && !fixed, self.uniform[1] && !fixed && !self.grid.is_line()]
+        [
+            self.uniform[0] && !fixed,
+            self.uniform[1] && !fixed && !self.grid.is_line(),
+        ]
     }
 
-    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised, as far as the ground is uniform. No transform.
+    /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised, as far as the ground is
+    /// uniform. No transform.
     pub fn sliding_modes(&self, z: &[f64]) -> Vec<Vec<f64>> {
         let along = self.slides_along();
         (0..2)
             .filter(|&axis| along[axis])
             .map(|axis| {
                 let pairs = z.chunks_exact(2).zip(&self.gradient);
-                pairs.flat_map(|(z, q)| [-q[axis] * z[1], q[axis] * z[0]]).collect()
+                pairs
+                    .flat_map(|(z, q)| [-q[axis] * z[1], q[axis] * z[0]])
+                    .collect()
             })
             .collect()
     }
 
-    /// Amplitudes of the surface moved by (`dx`, `dy`) (lengths); even fields stay where they are. No transform.
+    /// Amplitudes of the surface moved by (`dx`, `dy`) (lengths); even fields stay where they are.
+    /// No transform.
     pub fn moved(&self, z: &[f64], dx: f64, dy: f64) -> Vec<f64> {
         if self.is_even() {
             return z.to_vec();
@@ -317,7 +430,8 @@ impl System {
             .collect()
     }
 
-    /// Gives amplitudes the symmetry of a real field: u(-q) = conj u(q) where both halves are stored, real Nyquist terms, no mean.
+    /// Gives amplitudes the symmetry of a real field: u(-q) = conj u(q) where both halves are
+    /// stored, real Nyquist terms, no mean.
     pub fn make_real(&self, z: &mut [f64]) {
         z[0] = 0.0;
         if self.is_even() {
@@ -329,7 +443,10 @@ impl System {
             for l in 0..=ny / 2 {
                 let mirror = (ny - l) % ny;
                 // The mean of both, so that this is a projection onto the nearest real field.
-                let (re, im) = (0.5 * (row[2 * l] + row[2 * mirror]), 0.5 * (row[2 * l + 1] - row[2 * mirror + 1]));
+                let (re, im) = (
+                    0.5 * (row[2 * l] + row[2 * mirror]),
+                    0.5 * (row[2 * l + 1] - row[2 * mirror + 1]),
+                );
                 (row[2 * mirror], row[2 * mirror + 1]) = (re, -im);
                 (row[2 * l], row[2 * l + 1]) = (re, im);
             }
@@ -343,8 +460,8 @@ impl System {
     }
 }
 
-/// Amplitudes carried from one system to another of the same cell, both whole or both even: waves the other mesh lacks are dropped.
-/// A line becomes a square system's waves along x.
+/// Amplitudes carried from one system to another of the same cell, both whole or both even: waves
+/// the other mesh lacks are dropped. A line becomes a square system's waves along x.
 pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
     let mut out = vec![0.0; to.dimension()];
     let ((ny, nx), (my, mx)) = (from.shape(), to.shape());
@@ -355,8 +472,15 @@ pub fn carried(z: &[f64], from: &System, to: &System) -> Vec<f64> {
         }
         return out;
     }
-    // Pairs of amplitudes with k from 0 and l of both signs; the shortest waves of the coarser mesh are no waves of the finer one.
-    let half = |n: usize, m: usize| if n == m { n / 2 + 1 } else { n.min(m).div_ceil(2) };
+    // Pairs of amplitudes with k from 0 and l of both signs; the shortest waves of the coarser mesh
+    // are no waves of the finer one.
+    let half = |n: usize, m: usize| {
+        if n == m {
+            n / 2 + 1
+        } else {
+            n.min(m).div_ceil(2)
+        }
+    };
     let (columns, rows) = (half(nx, mx), half(ny, my));
     for k in 0..columns {
         for l in 0..rows {
@@ -373,11 +497,18 @@ fn flat<T>(array: &mut Array2<T>) -> &mut [T] {
     array.as_slice_mut().expect("standard layout")
 }
 
-/// Traction and stiffness of every gap, and the sum of the energies: on several threads where that pays, always in the same order.
+/// Traction and stiffness of every gap, and the sum of the energies: on several threads where that
+/// pays, always in the same order.
 fn fill(law: &Law, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> f64 {
     let piece = piece(gap.len());
     let mut sums = vec![0.0; gap.len().div_ceil(piece)];
-    let tasks = gap.chunks(piece).zip(traction.chunks_mut(piece)).zip(stiffness.chunks_mut(piece)).zip(&mut sums);
-    each(tasks, |(((gap, traction), stiffness), sum)| *sum = law.fill(gap, traction, stiffness));
+    let tasks = gap
+        .chunks(piece)
+        .zip(traction.chunks_mut(piece))
+        .zip(stiffness.chunks_mut(piece))
+        .zip(&mut sums);
+    each(tasks, |(((gap, traction), stiffness), sum)| {
+        *sum = law.fill(gap, traction, stiffness);
+    });
     sums.iter().sum()
 }

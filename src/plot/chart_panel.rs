@@ -1,4 +1,5 @@
-//! Speed against accuracy as a diagram: error of the dissipated energy against what the loop cost, both logarithmic.
+//! Speed against accuracy as a diagram: error of the dissipated energy against what the loop cost,
+//! both logarithmic.
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::ticks::digits;
@@ -6,7 +7,8 @@ use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{self, Chart, Judged, Point, Verdict};
 
-/// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no error.
+/// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no
+/// error.
 const STRIP: f64 = 5.0;
 /// Errors below this are not told apart, so that zero has a place on a logarithmic axis.
 const LEAST: f64 = 1e-12;
@@ -52,7 +54,11 @@ const MARKS: [(Colour, Symbol); MethodKind::ALL.len()] = [
 
 /// Colour and symbol of a way to compute the loop: one for each method, and one for the atlas.
 pub fn mark(point: &Point) -> (Colour, Symbol) {
-    if point.model == Road::Atlas { (Colour::Teal, Symbol::Plus) } else { MARKS[point.method.index()] }
+    if point.model == Road::Atlas {
+        (Colour::Teal, Symbol::Plus)
+    } else {
+        MARKS[point.method.index()]
+    }
 }
 
 /// The rows of a chart on its axes.
@@ -69,31 +75,62 @@ impl<'a> ChartPanel<'a> {
     /// The rows against this cost; `floor` is the reference's own error, where it is known.
     pub fn new(rows: &'a [Judged], floor: Option<f64>, cost: Cost) -> Self {
         let floor = floor.filter(|floor| *floor > LEAST);
-        let errors = rows.iter().map(|row| row.errors.dissipated_energy).filter(|error| error.is_finite());
-        let (least, most) = bounds(errors.map(|error| error.max(floor.unwrap_or(LEAST))).chain(floor));
+        let errors = rows
+            .iter()
+            .map(|row| row.errors.dissipated_energy)
+            .filter(|error| error.is_finite());
+        let (least, most) = bounds(
+            errors
+                .map(|error| error.max(floor.unwrap_or(LEAST)))
+                .chain(floor),
+        );
         let (cheapest, dearest) = bounds(rows.iter().map(|row| cost.of(row)));
-        Self { rows, floor, cost, x: [cheapest / 4.0, 3.0 * dearest], y: [least / 4.0, 2.0 * STRIP * most] }
+        Self {
+            rows,
+            floor,
+            cost,
+            x: [cheapest / 4.0, 3.0 * dearest],
+            y: [least / 4.0, 2.0 * STRIP * most],
+        }
     }
 
-    /// Where a row stands, (cost, error): below the reference's own error at that error, without an error in the strip at the top.
-    /// `None` where nothing was spent.
+    /// Where a row stands, (cost, error): below the reference's own error at that error, without an
+    /// error in the strip at the top. `None` where nothing was spent.
     pub fn place(&self, row: &Judged) -> Option<[f64; 2]> {
         let (cost, error) = (self.cost.of(row), row.errors.dissipated_energy);
-        let error = if error.is_finite() { error.max(self.floor.unwrap_or(LEAST)) } else { self.y[1] / STRIP.sqrt() };
+        let error = if error.is_finite() {
+            error.max(self.floor.unwrap_or(LEAST))
+        } else {
+            self.y[1] / STRIP.sqrt()
+        };
         (cost.is_finite() && cost > 0.0).then_some([cost, error])
     }
 
     /// The diagram.
     pub fn panel(&self) -> Panel {
         let ([left, right], [bottom, top]) = (self.x, self.y);
-        let mut labels =
-            vec![Label { at: [right, top / STRIP], text: "loop not closed".to_owned(), colour: Colour::Grey, side: [-1, 1] }];
+        let mut labels = vec![Label {
+            at: [right, top / STRIP],
+            text: "loop not closed".to_owned(),
+            colour: Colour::Grey,
+            side: [-1, 1],
+        }];
         labels.extend(self.words());
-        let strip = Series::line("", Role::Guide, Colour::Grey, vec![[left, top / STRIP], [right, top / STRIP]]);
+        let strip = Series::line(
+            "",
+            Role::Guide,
+            Colour::Grey,
+            vec![[left, top / STRIP], [right, top / STRIP]],
+        );
         let mut series = vec![strip, self.front()];
         if let Some(floor) = self.floor {
             let points = vec![[left, floor], [right, floor]];
-            series.push(Series::line("reference's own error", Role::Unstable, Colour::Grey, points));
+            series.push(Series::line(
+                "reference's own error",
+                Role::Unstable,
+                Colour::Grey,
+                points,
+            ));
         }
         series.extend(self.marks());
         Panel {
@@ -106,10 +143,15 @@ impl<'a> ChartPanel<'a> {
     }
 
     fn places(&self, which: impl Fn(&Judged) -> bool) -> Vec<[f64; 2]> {
-        self.rows.iter().filter(|row| which(row)).filter_map(|row| self.place(row)).collect()
+        self.rows
+            .iter()
+            .filter(|row| which(row))
+            .filter_map(|row| self.place(row))
+            .collect()
     }
 
-    /// Symbols of each way to compute the loop, in the order of the legend; hollow for a quarter of the cell, a cross for a failure.
+    /// Symbols of each way to compute the loop, in the order of the legend; hollow for a quarter of
+    /// the cell, a cross for a failure.
     fn marks(&self) -> Vec<Series> {
         let mut series: Vec<Series> = Vec::new();
         for first in ways(self.rows) {
@@ -119,22 +161,50 @@ impl<'a> ChartPanel<'a> {
             let done = |row: &Judged| own(row) && row.verdict == Verdict::Done;
             let points = self.places(|row| done(row) && !quarter(row));
             series.push(Series::symbols(first.road(), symbol, colour, points).filled());
-            series.push(Series::symbols("", symbol, colour, self.places(|row| done(row) && quarter(row))));
-            series.push(Series::symbols("", Symbol::Cross, colour, self.places(|row| own(row) && row.verdict != Verdict::Done)));
+            series.push(Series::symbols(
+                "",
+                symbol,
+                colour,
+                self.places(|row| done(row) && quarter(row)),
+            ));
+            series.push(Series::symbols(
+                "",
+                Symbol::Cross,
+                colour,
+                self.places(|row| own(row) && row.verdict != Verdict::Done),
+            ));
         }
         for (name, symbol, points) in [
             ("plan's choice", Symbol::Ring, self.places(|row| row.plan)),
-            ("paper's budget", Symbol::Frame, self.places(|row| row.paper_budget)),
+            (
+                "paper's budget",
+                Symbol::Frame,
+                self.places(|row| row.paper_budget),
+            ),
         ] {
             if !points.is_empty() {
                 series.push(Series::symbols(name, symbol, Colour::Ink, points));
             }
         }
-        if self.rows.iter().any(|row| matches!(row.verdict, Verdict::Failed { .. })) {
-            series.push(Series::symbols("failed", Symbol::Cross, Colour::Ink, Vec::new()));
+        if self
+            .rows
+            .iter()
+            .any(|row| matches!(row.verdict, Verdict::Failed { .. }))
+        {
+            series.push(Series::symbols(
+                "failed",
+                Symbol::Cross,
+                Colour::Ink,
+                Vec::new(),
+            ));
         }
         if self.rows.iter().any(|row| row.point.model == Road::QUARTER) {
-            series.push(Series::symbols("hollow: quarter cell", Symbol::Circle, Colour::Ink, Vec::new()));
+            series.push(Series::symbols(
+                "hollow: quarter cell",
+                Symbol::Circle,
+                Colour::Ink,
+                Vec::new(),
+            ));
         }
         series
     }
@@ -146,17 +216,32 @@ impl<'a> ChartPanel<'a> {
             Verdict::Done => row.errors.dissipated_energy.max(floor),
             _ => f64::NAN,
         };
-        let pairs: Vec<(f64, f64)> = self.rows.iter().map(|row| (self.cost.of(row), error(row))).collect();
+        let pairs: Vec<(f64, f64)> = self
+            .rows
+            .iter()
+            .map(|row| (self.cost.of(row), error(row)))
+            .collect();
         let on = chart::front(&pairs);
-        self.rows.iter().zip(on).filter(|(_, on)| *on).map(|(row, _)| row).collect()
+        self.rows
+            .iter()
+            .zip(on)
+            .filter(|(_, on)| *on)
+            .map(|(row, _)| row)
+            .collect()
     }
 
     /// The front as stairs: to the right of a point nothing cheaper is better.
     fn front(&self) -> Series {
-        let mut points: Vec<[f64; 2]> = self.best().into_iter().filter_map(|row| self.place(row)).collect();
+        let mut points: Vec<[f64; 2]> = self
+            .best()
+            .into_iter()
+            .filter_map(|row| self.place(row))
+            .collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let end = points.last().map(|last| [self.x[1], last[1]]);
-        let corners = points.windows(2).flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
+        let corners = points
+            .windows(2)
+            .flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
         let stairs: Vec<[f64; 2]> = corners.chain(points.last().copied()).chain(end).collect();
         Series::line("Pareto front", Role::Simulation, Colour::Gold, stairs)
     }
@@ -165,9 +250,16 @@ impl<'a> ChartPanel<'a> {
     fn words(&self) -> Vec<Label> {
         let failures = failures(self.rows);
         let letters = self.rows.iter().filter_map(|row| {
-            let Verdict::Failed { what, .. } = &row.verdict else { return None };
+            let Verdict::Failed { what, .. } = &row.verdict else {
+                return None;
+            };
             let text = letter(failures.iter().position(|known| known == what)?).to_string();
-            Some(Label { at: self.place(row)?, text, colour: mark(&row.point).0, side: [1, 1] })
+            Some(Label {
+                at: self.place(row)?,
+                text,
+                colour: mark(&row.point).0,
+                side: [1, 1],
+            })
         });
         let mut told: Vec<String> = Vec::new();
         let settings = self.best().into_iter().filter_map(|row| {
@@ -177,7 +269,12 @@ impl<'a> ChartPanel<'a> {
             let at = self.place(row)?;
             // Where there is room for the words.
             let left = (at[0] / self.x[0]).ln() < 0.3 * (self.x[1] / self.x[0]).ln();
-            new.then_some(Label { at, text, side: if left { [1, 1] } else { [-1, -1] }, ..Label::default() })
+            new.then_some(Label {
+                at,
+                text,
+                side: if left { [1, 1] } else { [-1, -1] },
+                ..Label::default()
+            })
         });
         settings.chain(letters).collect()
     }
@@ -210,9 +307,17 @@ fn failures(rows: &[Judged]) -> Vec<&str> {
 
 /// The picture of a whole chart, against both costs.
 pub fn page(chart: &Chart, title: &str) -> Page<'static> {
-    let floor = chart.reference.as_ref().map(|reference| reference.errors.dissipated_energy);
-    let panels = [Cost::Transforms, Cost::Time].map(|cost| ChartPanel::new(&chart.rows, floor, cost).panel());
-    Page::new(&format!("Speed against accuracy: {title}"), caption(chart), panels.to_vec())
+    let floor = chart
+        .reference
+        .as_ref()
+        .map(|reference| reference.errors.dissipated_energy);
+    let panels = [Cost::Transforms, Cost::Time]
+        .map(|cost| ChartPanel::new(&chart.rows, floor, cost).panel());
+    Page::new(
+        &format!("Speed against accuracy: {title}"),
+        caption(chart),
+        panels.to_vec(),
+    )
 }
 
 /// The caption of a whole chart: its reference, what was left out, what the letters mean.
@@ -221,7 +326,11 @@ fn caption(chart: &Chart) -> Vec<String> {
         0 => String::new(),
         n => format!("  {n} points were left out as too dear."),
     };
-    let cut = if chart.cancelled { "  Interrupted: what was measured by then." } else { "" };
+    let cut = if chart.cancelled {
+        "  Interrupted: what was measured by then."
+    } else {
+        ""
+    };
     let mut lines = vec![match &chart.reference {
         None => format!("Interrupted before there was a reference.{skipped}"),
         Some(reference) => format!(
@@ -233,11 +342,22 @@ fn caption(chart: &Chart) -> Vec<String> {
         ),
     }];
     let short = |what: &str| {
-        if what.chars().count() <= SHORT { what.to_owned() } else { what.chars().take(SHORT).chain("...".chars()).collect() }
+        if what.chars().count() <= SHORT {
+            what.to_owned()
+        } else {
+            what.chars().take(SHORT).chain("...".chars()).collect()
+        }
     };
-    let failed: Vec<String> =
-        failures(&chart.rows).into_iter().enumerate().map(|(i, what)| format!("{}: {}", letter(i), short(what))).collect();
-    lines.extend(failed.chunks(3).map(|three| format!("Failed  {}", three.join("     "))));
+    let failed: Vec<String> = failures(&chart.rows)
+        .into_iter()
+        .enumerate()
+        .map(|(i, what)| format!("{}: {}", letter(i), short(what)))
+        .collect();
+    lines.extend(
+        failed
+            .chunks(3)
+            .map(|three| format!("Failed  {}", three.join("     "))),
+    );
     lines
 }
 
@@ -245,7 +365,11 @@ fn caption(chart: &Chart) -> Vec<String> {
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let shown = values.filter(|v| v.is_finite() && *v > 0.0);
     let (least, most) = shown.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
-    if most > 0.0 { (least, most) } else { (1.0, 10.0) }
+    if most > 0.0 {
+        (least, most)
+    } else {
+        (1.0, 10.0)
+    }
 }
 
 #[cfg(test)]
@@ -268,8 +392,19 @@ mod tests {
             precision: chart::Precision::Double,
             step: 0.02,
         };
-        let mut marks: Vec<_> = MethodKind::ALL.iter().map(|method| mark(&Point { method: *method, ..base })).collect();
-        marks.push(mark(&Point { model: Road::Atlas, ..base }));
+        let mut marks: Vec<_> = MethodKind::ALL
+            .iter()
+            .map(|method| {
+                mark(&Point {
+                    method: *method,
+                    ..base
+                })
+            })
+            .collect();
+        marks.push(mark(&Point {
+            model: Road::Atlas,
+            ..base
+        }));
         for (i, a) in marks.iter().enumerate() {
             assert!(marks[..i].iter().all(|b| a.0 != b.0 && a.1 != b.1), "{a:?}");
         }

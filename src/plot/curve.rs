@@ -1,10 +1,12 @@
-//! Curves over the mean displacement, cut at jumps: stress against u0, and the smallest eigenvalue against u0.
+//! Curves over the mean displacement, cut at jumps: stress against u0, and the smallest eigenvalue
+//! against u0.
 
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 
-/// Most points of a curve that grows in the window; beyond it every second one is dropped. Drawing 100 000 costs 28 ms a frame.
+/// Most points of a curve that grows in the window; beyond it every second one is dropped. Drawing
+/// 100 000 costs 28 ms a frame.
 const POINTS_MAX: usize = 4000;
 
 /// A stretch of one branch without a jump.
@@ -32,7 +34,8 @@ impl Curve {
     pub fn of(record: &LoopRecord, law: &Law) -> Self {
         let mut curve = Self::default();
         let mut before: Option<&StateRecord> = None;
-        let known = |s: &&StateRecord| s.mean_displacement.is_finite() && s.stress_over_max.is_finite();
+        let known =
+            |s: &&StateRecord| s.mean_displacement.is_finite() && s.stress_over_max.is_finite();
         for state in record.states.iter().filter(known) {
             if before.is_some_and(|before| jumped(before, state, record)) {
                 curve.cut();
@@ -48,8 +51,8 @@ impl Curve {
         self.push_with(state, law, state.stress_over_max);
     }
 
-    /// Adds a state with this ordinate, and thins a curve that has grown long. After a cut or a change
-    /// of direction it begins a new piece.
+    /// Adds a state with this ordinate, and thins a curve that has grown long. After a cut or a
+    /// change of direction it begins a new piece.
     pub fn push_with(&mut self, state: &StateRecord, law: &Law, ordinate: f64) {
         self.add(state, law, ordinate);
         if self.count > POINTS_MAX {
@@ -65,7 +68,11 @@ impl Curve {
                 piece.pattern = state.pattern;
                 piece.points.push(point);
             }
-            _ => self.pieces.push(Piece { direction: state.direction, pattern: state.pattern, points: vec![point] }),
+            _ => self.pieces.push(Piece {
+                direction: state.direction,
+                pattern: state.pattern,
+                points: vec![point],
+            }),
         }
         self.count += 1;
     }
@@ -77,7 +84,9 @@ impl Curve {
 
     /// Every point.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        self.pieces.iter().flat_map(|piece| piece.points.iter().copied())
+        self.pieces
+            .iter()
+            .flat_map(|piece| piece.points.iter().copied())
     }
 
     /// Drops every second inner point; the ends of pieces (jumps, turns) stay where they are.
@@ -97,18 +106,29 @@ impl Curve {
     }
 }
 
-/// True if the surface jumped between two neighbours: they share one u0, or a recorded jump changed the pattern between them.
+/// True if the surface jumped between two neighbours: they share one u0, or a recorded jump changed
+/// the pattern between them.
 fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
-    let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
+    let (low, high) = (
+        a.mean_displacement.min(b.mean_displacement),
+        a.mean_displacement.max(b.mean_displacement),
+    );
     let between = |u0: f64| (low..=high).contains(&u0);
-    let recorded = || record.jumps.iter().any(|j| j.direction == b.direction && between(j.mean_displacement));
+    let recorded = || {
+        record
+            .jumps
+            .iter()
+            .any(|j| j.direction == b.direction && between(j.mean_displacement))
+    };
     a.direction == b.direction && (low == high || a.pattern != b.pattern) && recorded()
 }
 
-/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic one.
+/// Below this magnitude (E*/L) eigenvalues are drawn to a linear scale, above it to a logarithmic
+/// one.
 const LINEAR: f64 = 0.1;
 
-/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft pattern and a pressed one are seen.
+/// Where an eigenvalue (E*/L) stands on its axis: an inverse hyperbolic sine, on which both a soft
+/// pattern and a pressed one are seen.
 pub fn eigenvalue_scale(eigenvalue: f64) -> f64 {
     (eigenvalue / LINEAR).asinh()
 }
@@ -123,10 +143,18 @@ mod tests {
     use super::*;
     use crate::physics::law::{Morse, Shape};
 
-    const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range: 2.0 };
+    const LAW: Law = Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 1.0,
+        range: 2.0,
+    };
 
     fn state(direction: Direction, u0: f64, stress_over_max: f64) -> StateRecord {
-        StateRecord { direction, stress_over_max, ..StateRecord::placeholder(u0) }
+        StateRecord {
+            direction,
+            stress_over_max,
+            ..StateRecord::placeholder(u0)
+        }
     }
 
     #[test]
@@ -137,8 +165,15 @@ mod tests {
         curve.cut();
         curve.push(&state(Direction::Approach, 7.0, 0.4), &LAW);
         curve.push(&state(Direction::Approach, 6.0, 0.5), &LAW);
-        let points: Vec<_> = curve.pieces.iter().map(|piece| piece.points.clone()).collect();
-        assert_eq!(points, [vec![[4.0, 0.1], [3.5, 0.2]], vec![[3.5, 0.4], [3.0, 0.5]]]);
+        let points: Vec<_> = curve
+            .pieces
+            .iter()
+            .map(|piece| piece.points.clone())
+            .collect();
+        assert_eq!(
+            points,
+            [vec![[4.0, 0.1], [3.5, 0.2]], vec![[3.5, 0.4], [3.0, 0.5]]]
+        );
     }
 
     #[test]

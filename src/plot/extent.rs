@@ -1,5 +1,5 @@
-//! How far pictures of a scene reach, fixed before anything is computed: u0, gap and stress. Axes and colours then keep their meaning while
-//! u0 moves.
+//! How far pictures of a scene reach, fixed before anything is computed: u0, gap and stress. Axes
+//! and colours then keep their meaning while u0 moves.
 
 use crate::physics::indenter::Indenter;
 use crate::scene::{Model, Scene, Turn};
@@ -13,7 +13,8 @@ pub fn limits(scene: &Scene, model: &Model) -> (f64, f64) {
     (lower, scene.drive.start)
 }
 
-/// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning while u0 moves.
+/// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning
+/// while u0 moves.
 pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
     let rho = model.law.range;
     let wanted = match model.indenter {
@@ -31,7 +32,9 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
         return (at_turn.clamp(-1.5, 0.0) - 0.06, 1.08);
     }
     // Between full contact and a few asperities nothing is known beforehand.
-    let Some(pull_off) = model.indenter.ground().pull_off(law, &model.grid) else { return (-0.6, 0.6) };
+    let Some(pull_off) = model.indenter.ground().pull_off(law, &model.grid) else {
+        return (-0.6, 0.6);
+    };
     let top = (1.5 * pull_off / law.traction_max()).min(1.08);
     (-0.5 * top, top)
 }
@@ -40,7 +43,11 @@ pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
 pub fn nice(x: f64) -> f64 {
     let decade = 10f64.powf(x.max(1e-12).log10().floor());
     let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-    steps.into_iter().map(|s| s * decade).find(|&s| s >= x * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
+    steps
+        .into_iter()
+        .map(|s| s * decade)
+        .find(|&s| s >= x * (1.0 - 1e-9))
+        .unwrap_or(10.0 * decade)
 }
 
 #[cfg(test)]
@@ -54,10 +61,21 @@ mod tests {
         Scene {
             title: String::new(),
             source: String::new(),
-            cell: Cell { length: 256.0, points: Points::Square(64) },
-            law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.15, range: Range::Length(1.0) },
+            cell: Cell {
+                length: 256.0,
+                points: Points::Square(64),
+            },
+            law: LawChoice {
+                shape: Shape::Morse(Morse),
+                surface_energy: 0.15,
+                range: Range::Length(1.0),
+            },
             indenter: Indenter::Flat,
-            drive: Drive { start: 4.2, turn: Turn::At(0.2), step: 0.02 },
+            drive: Drive {
+                start: 4.2,
+                turn: Turn::At(0.2),
+                step: 0.02,
+            },
             accuracy: 0.01,
             seed: 1,
         }
@@ -70,23 +88,42 @@ mod tests {
             scene.cell.length *= unit;
             scene.law.surface_energy *= unit;
             scene.law.range = Range::Length(unit);
-            scene.indenter = Indenter::Hertz(Hertz { radius: 30.0 * unit });
-            scene.drive = Drive { start: 6.0 * unit, turn: Turn::ZeroLoad, step: 0.1 * unit };
+            scene.indenter = Indenter::Hertz(Hertz {
+                radius: 30.0 * unit,
+            });
+            scene.drive = Drive {
+                start: 6.0 * unit,
+                turn: Turn::ZeroLoad,
+                step: 0.1 * unit,
+            };
             let model = scene.model().unwrap();
-            (model.indenter.ground().relief(&model.law) / unit, gap_scale(&scene, &model) / unit, stress_scale(&scene, &model))
+            (
+                model.indenter.ground().relief(&model.law) / unit,
+                gap_scale(&scene, &model) / unit,
+                stress_scale(&scene, &model),
+            )
         };
         let a = (4.5 * std::f64::consts::PI * 0.15 * 900.0_f64).cbrt();
         let (relief, gap, stress) = tip(1.0);
         assert!((relief - a * a / 30.0).abs() < 1e-12 * relief);
         for unit in [1e-100, 1e100] {
             let (other, other_gap, other_stress) = tip(unit);
-            assert!((other / relief - 1.0).abs() < 1e-9 && (other_gap / gap - 1.0).abs() < 1e-9, "{unit}: {other}, {other_gap}");
-            assert!((other_stress.1 / stress.1 - 1.0).abs() < 1e-9, "{unit}: {other_stress:?}");
+            assert!(
+                (other / relief - 1.0).abs() < 1e-9 && (other_gap / gap - 1.0).abs() < 1e-9,
+                "{unit}: {other}, {other_gap}"
+            );
+            assert!(
+                (other_stress.1 / stress.1 - 1.0).abs() < 1e-9,
+                "{unit}: {other_stress:?}"
+            );
         }
     }
 
     #[test]
     fn nice_numbers_are_at_or_above_what_they_round() {
-        assert_eq!([nice(7.56), nice(1.0), nice(0.14), nice(99.0)], [8.0, 1.0, 0.15000000000000002, 100.0]);
+        assert_eq!(
+            [nice(7.56), nice(1.0), nice(0.14), nice(99.0)],
+            [8.0, 1.0, 0.15000000000000002, 100.0]
+        );
     }
 }

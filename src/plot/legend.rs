@@ -20,13 +20,27 @@ pub enum Look {
 pub fn entries(panel: &Panel) -> Vec<(String, Look)> {
     let series = panel.series.iter().map(|s| {
         let line = Look::Line(s.role, s.colour, s.direction);
-        (s.name.as_str(), s.symbol.map_or(line, |symbol| Look::Symbol(symbol, s.colour, s.filled)))
+        (
+            s.name.as_str(),
+            s.symbol
+                .map_or(line, |symbol| Look::Symbol(symbol, s.colour, s.filled)),
+        )
     });
-    let arrows = panel.arrows.iter().map(|arrow| (arrow.name, Look::Arrow(arrow.colour)));
-    let areas = panel.areas.iter().map(|area| (area.name.as_str(), Look::Area(area.colour)));
+    let arrows = panel
+        .arrows
+        .iter()
+        .map(|arrow| (arrow.name, Look::Arrow(arrow.colour)));
+    let areas = panel
+        .areas
+        .iter()
+        .map(|area| (area.name.as_str(), Look::Area(area.colour)));
     let mut entries: Vec<(String, Look)> = Vec::new();
     for (name, look) in series.chain(arrows).chain(areas) {
-        if !name.is_empty() && !entries.iter().any(|known| known.0 == name && known.1 == look) {
+        if !name.is_empty()
+            && !entries
+                .iter()
+                .any(|known| known.0 == name && known.1 == look)
+        {
             entries.push((name.to_owned(), look));
         }
     }

@@ -1,4 +1,5 @@
-//! A loop as a diagram: mean stress against mean displacement, x = u0/rho and y = stress/sigma_max, tension positive.
+//! A loop as a diagram: mean stress against mean displacement, x = u0/rho and y = stress/sigma_max,
+//! tension positive.
 
 use super::curve::Curve;
 use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
@@ -10,7 +11,8 @@ use crate::physics::theory::flat;
 use crate::scene::Model;
 use crate::study::plan::promise;
 
-/// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900 points across can show.
+/// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900
+/// points across can show.
 const POINTS: usize = 600;
 /// Curves closer than this share of the largest traction enclose no area worth drawing.
 const CLOSE: f64 = 2e-3;
@@ -19,13 +21,15 @@ const NAMED: f64 = 0.07;
 /// What is left free at the ends of both axes, in shares of what is shown.
 const MARGIN: [f64; 2] = [0.02, 0.06];
 
-/// The diagram of what was recorded: the loss of a closed loop, both branches, jumps, names of patterns, and on flat ground the flat
-/// state.
+/// The diagram of what was recorded: the loss of a closed loop, both branches, jumps, names of
+/// patterns, and on flat ground the flat state.
 pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     let curve = Curve::of(record, &model.law);
     let ends = |k: usize, more: &[f64], default: [f64; 2]| {
         let values = curve.points().map(|p| p[k]).chain(more.iter().copied());
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+            (a.min(v), b.max(v))
+        });
         let [low, high] = if low <= high { [low, high] } else { default };
         let room = MARGIN[k] * if high > low { high - low } else { 1.0 };
         [low - room, high + room]
@@ -46,16 +50,25 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     }
 }
 
-/// The picture of what was recorded under the scene's title; `error` is the relative error to be stated of its loss.
+/// The picture of what was recorded under the scene's title; `error` is the relative error to be
+/// stated of its loss.
 pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>) -> Page<'static> {
-    Page::new(title, vec![caption(record, &model.law, error)], vec![loop_panel(record, model)])
+    Page::new(
+        title,
+        vec![caption(record, &model.law, error)],
+        vec![loop_panel(record, model)],
+    )
 }
 
 /// Approach and retraction by growing u0, each broken at its jumps.
 pub fn branches(curve: &Curve) -> [Series; 2] {
     [Direction::Approach, Direction::Retraction].map(|direction| {
         let mut points: Vec<[f64; 2]> = Vec::new();
-        for piece in curve.pieces.iter().filter(|piece| piece.direction == direction) {
+        for piece in curve
+            .pieces
+            .iter()
+            .filter(|piece| piece.direction == direction)
+        {
             if !points.is_empty() {
                 points.push([f64::NAN; 2]);
             }
@@ -64,12 +77,21 @@ pub fn branches(curve: &Curve) -> [Series; 2] {
         if direction == Direction::Approach {
             points.reverse();
         }
-        let line = Series::line(&direction.to_string(), Role::Simulation, Colour::of(direction), points);
-        Series { direction: Some(direction), ..line }
+        let line = Series::line(
+            &direction.to_string(),
+            Role::Simulation,
+            Colour::of(direction),
+            points,
+        );
+        Series {
+            direction: Some(direction),
+            ..line
+        }
     })
 }
 
-/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable; none on uneven ground.
+/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable;
+/// none on uneven ground.
 pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
     let mut pieces: Vec<Series> = Vec::new();
     if model.indenter != Indenter::Flat {
@@ -77,9 +99,16 @@ pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
     }
     for i in 0..=POINTS {
         let u0 = from + (to - from) * i as f64 / POINTS as f64;
-        let point = [u0 / model.law.range, model.law.at(u0).traction / model.law.traction_max()];
+        let point = [
+            u0 / model.law.range,
+            model.law.at(u0).traction / model.law.traction_max(),
+        ];
         let stable = flat::stiffness_min(&model.law, model.grid.length, u0) >= 0.0;
-        let (name, role) = if stable { ("flat state", Role::Guide) } else { ("flat state, unstable", Role::Unstable) };
+        let (name, role) = if stable {
+            ("flat state", Role::Guide)
+        } else {
+            ("flat state, unstable", Role::Unstable)
+        };
         match pieces.last_mut() {
             Some(piece) if piece.role == role => piece.points.push(point),
             last => {
@@ -95,17 +124,25 @@ pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
 pub fn loss(curve: &Curve) -> Vec<Area> {
     let [approach, retraction] = branches(curve).map(|branch| branch.points);
     let ends = approach.iter().map(|p| p[0]).filter(|u| u.is_finite());
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {
+        (a.min(u), b.max(u))
+    });
     let mut areas: Vec<Area> = Vec::new();
     let mut open = false;
     for i in 0..=POINTS {
         let u = low + (high - low) * i as f64 / POINTS as f64;
         // Next to a jump a curve may have a hole a hair wide: the area goes on.
-        let (Some(a), Some(b)) = (value(&approach, u), value(&retraction, u)) else { continue };
+        let (Some(a), Some(b)) = (value(&approach, u), value(&retraction, u)) else {
+            continue;
+        };
         let apart = (a - b).abs() > CLOSE;
         if apart && !open {
             let name = if areas.is_empty() { "lost energy" } else { "" };
-            areas.push(Area { name: name.to_owned(), colour: Colour::LOSS, spans: Vec::new() });
+            areas.push(Area {
+                name: name.to_owned(),
+                colour: Colour::LOSS,
+                spans: Vec::new(),
+            });
         }
         open = apart;
         if apart && let Some(area) = areas.last_mut() {
@@ -127,27 +164,65 @@ fn value(curve: &[[f64; 2]], x: f64) -> Option<f64> {
 /// Jumps as arrows from the stress before to the stress after.
 pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
     let arrow = |jump: &JumpRecord| {
-        let at = |stress: f64| [jump.mean_displacement / law.range, stress / law.traction_max()];
+        let at = |stress: f64| {
+            [
+                jump.mean_displacement / law.range,
+                stress / law.traction_max(),
+            ]
+        };
         let (tail, head) = (at(jump.stress_before), at(jump.stress_after));
-        Arrow { name: "jump", tail, head, colour: Colour::JUMP, direction: jump.direction }
+        Arrow {
+            name: "jump",
+            tail,
+            head,
+            colour: Colour::JUMP,
+            direction: jump.direction,
+        }
     };
     jumps.iter().map(arrow).collect()
 }
 
-/// The pattern of every piece that is long enough for its name on an axis of this width: below the approach, above the retraction,
-/// and towards the side from which a falling curve bends away.
-/// Of the same pattern nearby only the newest.
+/// The pattern of every piece that is long enough for its name on an axis of this width: below the
+/// approach, above the retraction, and towards the side from which a falling curve bends away. Of
+/// the same pattern nearby only the newest.
 pub fn names(curve: &Curve, width: f64) -> Vec<Label> {
     let mut named: Vec<Label> = Vec::new();
-    for piece in curve.pieces.iter().rev().filter(|piece| piece.pattern != Pattern::Flat) {
-        let [Some(first), Some(last)] = [piece.points.first(), piece.points.last()] else { continue };
+    for piece in curve
+        .pieces
+        .iter()
+        .rev()
+        .filter(|piece| piece.pattern != Pattern::Flat)
+    {
+        let [Some(first), Some(last)] = [piece.points.first(), piece.points.last()] else {
+            continue;
+        };
         let middle = 0.5 * (first[0] + last[0]);
-        let nearest = piece.points.iter().min_by(|a, b| (a[0] - middle).abs().total_cmp(&(b[0] - middle).abs()));
-        let (text, colour, at) = (piece.pattern.word().to_owned(), Colour::of(piece.direction), *nearest.unwrap_or(first));
-        let near = |known: &Label| known.text == text && known.colour == colour && (known.at[0] - at[0]).abs() < 0.2 * width;
+        let nearest = piece
+            .points
+            .iter()
+            .min_by(|a, b| (a[0] - middle).abs().total_cmp(&(b[0] - middle).abs()));
+        let (text, colour, at) = (
+            piece.pattern.word().to_owned(),
+            Colour::of(piece.direction),
+            *nearest.unwrap_or(first),
+        );
+        let near = |known: &Label| {
+            known.text == text
+                && known.colour == colour
+                && (known.at[0] - at[0]).abs() < 0.2 * width
+        };
         if (first[0] - last[0]).abs() >= NAMED * width && !named.iter().any(near) {
-            let side = if piece.direction == Direction::Approach { [-1, -1] } else { [1, 1] };
-            named.push(Label { at, text, colour, side });
+            let side = if piece.direction == Direction::Approach {
+                [-1, -1]
+            } else {
+                [1, 1]
+            };
+            named.push(Label {
+                at,
+                text,
+                colour,
+                side,
+            });
         }
     }
     named
@@ -158,14 +233,22 @@ fn caption(record: &LoopRecord, law: &Law, error: Option<f64>) -> String {
     let ledger = record.ledger(law.surface_energy);
     let loss = match (ledger.dissipated_energy(), &ledger.open) {
         _ if record.states.is_empty() => "No states were computed".to_owned(),
-        (Some(loss), _) => format!("Dissipated energy {} γ per area and loop ({})", energy(loss), promise(error)),
+        (Some(loss), _) => format!(
+            "Dissipated energy {} γ per area and loop ({})",
+            energy(loss),
+            promise(error)
+        ),
         (None, Some(open)) => format!("Loop not closed: {}", open.reason),
         (None, None) => "Dissipated energy (not available)".to_owned(),
     };
     if record.jumps.is_empty() {
         return format!("{loss};  no jumps.");
     }
-    format!("{loss};  {}, releasing {} γ.", record.tally(), energy(record.released_energy_sum()))
+    format!(
+        "{loss};  {}, releasing {} γ.",
+        record.tally(),
+        energy(record.released_energy_sum())
+    )
 }
 
 /// An energy with four digits, and zero where rounding leaves nothing.
@@ -174,7 +257,11 @@ fn energy(value: f64) -> String {
         return "(not available)".to_owned();
     }
     let text = format!("{value:.4}");
-    if text == "-0.0000" { "0.0000".to_owned() } else { text.replace('-', "\u{2212}") }
+    if text == "-0.0000" {
+        "0.0000".to_owned()
+    } else {
+        text.replace('-', "\u{2212}")
+    }
 }
 
 #[cfg(test)]
@@ -186,7 +273,11 @@ pub(crate) mod tests {
     use crate::solver::Stop;
 
     pub(crate) fn law() -> Law {
-        Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+        Law {
+            shape: Shape::Morse(Morse),
+            surface_energy: 0.15,
+            range: 1.0,
+        }
     }
 
     fn state(direction: Direction, pattern: Pattern, u0: f64) -> StateRecord {
@@ -219,10 +310,25 @@ pub(crate) mod tests {
     /// A loop like that of Fig. 2, with invented stresses.
     pub(crate) fn invented_loop() -> LoopRecord {
         use Pattern::{Bulge, Dimple, Flat, Ridge};
-        let approach = [(Flat, 4.2, 3.1), (Bulge, 3.1, 2.6), (Ridge, 2.6, 1.7), (Dimple, 1.7, 0.8), (Flat, 0.8, 0.2)];
-        let retraction = [(Flat, 0.2, 0.8), (Dimple, 0.8, 2.3), (Ridge, 2.3, 3.5), (Bulge, 3.5, 3.8), (Flat, 3.8, 4.2)];
+        let approach = [
+            (Flat, 4.2, 3.1),
+            (Bulge, 3.1, 2.6),
+            (Ridge, 2.6, 1.7),
+            (Dimple, 1.7, 0.8),
+            (Flat, 0.8, 0.2),
+        ];
+        let retraction = [
+            (Flat, 0.2, 0.8),
+            (Dimple, 0.8, 2.3),
+            (Ridge, 2.3, 3.5),
+            (Bulge, 3.5, 3.8),
+            (Flat, 3.8, 4.2),
+        ];
         let mut record = LoopRecord::default();
-        for (direction, legs) in [(Direction::Approach, approach), (Direction::Retraction, retraction)] {
+        for (direction, legs) in [
+            (Direction::Approach, approach),
+            (Direction::Retraction, retraction),
+        ] {
             for (k, (pattern, from, to)) in legs.into_iter().enumerate() {
                 if let Some(before) = record.states.last().filter(|_| k > 0).cloned() {
                     let after = state(direction, pattern, from);
@@ -240,7 +346,10 @@ pub(crate) mod tests {
                     });
                 }
                 let first = usize::from(direction == Direction::Retraction && k == 0);
-                record.states.extend((first..=20).map(|i| state(direction, pattern, from + (to - from) * i as f64 / 20.0)));
+                record.states.extend(
+                    (first..=20)
+                        .map(|i| state(direction, pattern, from + (to - from) * i as f64 / 20.0)),
+                );
             }
         }
         record
@@ -253,19 +362,39 @@ pub(crate) mod tests {
         let [approach, retraction] = branches(&curve).map(|branch| branch.points);
         let pieces = |points: &[[f64; 2]]| points.split(|p| p[0].is_nan()).count();
         assert_eq!([pieces(&approach), pieces(&retraction)], [5, 5]);
-        let words: Vec<String> = names(&curve, 4.0).into_iter().map(|label| label.text).collect();
-        assert_eq!(words, ["bulge", "ridge", "dimple", "dimple", "ridge", "bulge"]);
-        let trapezoid = |pair: &[[f64; 3]]| 0.5 * (pair[0][2] - pair[0][1] + pair[1][2] - pair[1][1]) * (pair[1][0] - pair[0][0]);
-        let drawn: f64 = loss(&curve).iter().flat_map(|area| area.spans.windows(2)).map(trapezoid).sum();
+        let words: Vec<String> = names(&curve, 4.0)
+            .into_iter()
+            .map(|label| label.text)
+            .collect();
+        assert_eq!(
+            words,
+            ["bulge", "ridge", "dimple", "dimple", "ridge", "bulge"]
+        );
+        let trapezoid = |pair: &[[f64; 3]]| {
+            0.5 * (pair[0][2] - pair[0][1] + pair[1][2] - pair[1][1]) * (pair[1][0] - pair[0][0])
+        };
+        let drawn: f64 = loss(&curve)
+            .iter()
+            .flat_map(|area| area.spans.windows(2))
+            .map(trapezoid)
+            .sum();
         // Drawn with straight lines from state to state.
-        let pieces = record
-            .states
-            .windows(2)
-            .map(|s| 0.5 * (s[0].stress_over_max + s[1].stress_over_max) * (s[1].mean_displacement - s[0].mean_displacement));
+        let pieces = record.states.windows(2).map(|s| {
+            0.5 * (s[0].stress_over_max + s[1].stress_over_max)
+                * (s[1].mean_displacement - s[0].mean_displacement)
+        });
         let work: f64 = pieces.sum();
-        // An edge at a jump stands within a point of its raster, and what is nearly closed is left out.
-        let heights: f64 = record.jumps.iter().map(|j| (j.stress_after - j.stress_before).abs() / law().traction_max()).sum();
+        // An edge at a jump stands within a point of its raster, and what is nearly closed is left
+        // out.
+        let heights: f64 = record
+            .jumps
+            .iter()
+            .map(|j| (j.stress_after - j.stress_before).abs() / law().traction_max())
+            .sum();
         let bound = 4.0 * (heights / POINTS as f64 + CLOSE);
-        assert!((drawn - work).abs() < bound && bound < 0.05 * work, "drawn {drawn}, work {work}, bound {bound}");
+        assert!(
+            (drawn - work).abs() < bound && bound < 0.05 * work,
+            "drawn {drawn}, work {work}, bound {bound}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! A diagram as a value: what it shows, not how it is drawn. The same value becomes CSV, SVG, PNG and a plot in the window.
+//! A diagram as a value: what it shows, not how it is drawn. The same value becomes CSV, SVG, PNG
+//! and a plot in the window.
 
 use crate::follow::record::Direction;
 use ndarray::Array2;
@@ -21,7 +22,11 @@ const TITLE_MAX: usize = 120;
 impl<'a> Page<'a> {
     /// Diagrams under a title and the lines of a caption.
     pub fn new(title: &str, caption: Vec<String>, panels: impl Into<Cow<'a, [Panel]>>) -> Self {
-        Self { title: title.chars().take(TITLE_MAX).collect(), caption, panels: panels.into() }
+        Self {
+            title: title.chars().take(TITLE_MAX).collect(),
+            caption,
+            panels: panels.into(),
+        }
     }
 }
 
@@ -52,7 +57,8 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Its heading as the one at `index` of a page: with its letter where there are several and it has none of its own.
+    /// Its heading as the one at `index` of a page: with its letter where there are several and it
+    /// has none of its own.
     pub fn heading(&self, index: usize, several: bool) -> String {
         let title = self.title.trim();
         if !several || title.starts_with('(') {
@@ -76,22 +82,37 @@ pub struct Axis {
 impl Axis {
     /// A linear axis that shows what the data need.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), ..Self::default() }
+        Self {
+            label: label.to_owned(),
+            ..Self::default()
+        }
     }
 
     /// A logarithmic axis that shows what the data need.
     pub fn logarithmic(label: &str) -> Self {
-        Self { label: label.to_owned(), logarithmic: true, range: None }
+        Self {
+            label: label.to_owned(),
+            logarithmic: true,
+            range: None,
+        }
     }
 
-    /// A value as it is shown: its logarithm where the axis is logarithmic. Not finite where it has no place.
+    /// A value as it is shown: its logarithm where the axis is logarithmic. Not finite where it has
+    /// no place.
     pub fn shown(&self, value: f64) -> f64 {
-        if self.logarithmic { value.log10() } else { value }
+        if self.logarithmic {
+            value.log10()
+        } else {
+            value
+        }
     }
 
     /// The same, showing `low` to `high`.
     pub fn from_to(self, low: f64, high: f64) -> Self {
-        Self { range: Some([low, high]), ..self }
+        Self {
+            range: Some([low, high]),
+            ..self
+        }
     }
 }
 
@@ -133,24 +154,47 @@ pub struct Series {
 }
 
 impl Role {
-    /// In the order in which lines are drawn: what is thin lies on what is broad, helps and forecasts beneath everything.
-    pub const ORDER: [Self; 6] = [Self::Guide, Self::Forecast, Self::Simulation, Self::Unstable, Self::Theory, Self::Printed];
+    /// In the order in which lines are drawn: what is thin lies on what is broad, helps and
+    /// forecasts beneath everything.
+    pub const ORDER: [Self; 6] = [
+        Self::Guide,
+        Self::Forecast,
+        Self::Simulation,
+        Self::Unstable,
+        Self::Theory,
+        Self::Printed,
+    ];
 }
 
 impl Series {
     /// A line through `points`.
     pub fn line(name: &str, role: Role, colour: Colour, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.to_owned(), role, colour, points, ..Self::default() }
+        Self {
+            name: name.to_owned(),
+            role,
+            colour,
+            points,
+            ..Self::default()
+        }
     }
 
     /// Symbols at `points`.
     pub fn symbols(name: &str, symbol: Symbol, colour: Colour, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.to_owned(), symbol: Some(symbol), colour, points, ..Self::default() }
+        Self {
+            name: name.to_owned(),
+            symbol: Some(symbol),
+            colour,
+            points,
+            ..Self::default()
+        }
     }
 
     /// The same with filled symbols.
     pub fn filled(self) -> Self {
-        Self { filled: true, ..self }
+        Self {
+            filled: true,
+            ..self
+        }
     }
 }
 
@@ -244,7 +288,8 @@ pub struct Label {
     pub text: String,
     /// Colour.
     pub colour: Colour,
-    /// Where the word stands: -1 to the left, 0 centred, 1 to the right of the place; and below, on, above it.
+    /// Where the word stands: -1 to the left, 0 centred, 1 to the right of the place; and below,
+    /// on, above it.
     pub side: [i8; 2],
 }
 

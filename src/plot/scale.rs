@@ -20,7 +20,9 @@ impl Scale {
     /// The scale of an axis over these data.
     pub fn new(axis: &Axis, data: impl Iterator<Item = f64>) -> Self {
         let shown = |v: f64| axis.shown(v);
-        let given = axis.range.map(|[low, high]| (shown(low.min(high)), shown(low.max(high))));
+        let given = axis
+            .range
+            .map(|[low, high]| (shown(low.min(high)), shown(low.max(high))));
         let (low, high) = match given {
             Some((low, high)) if low.is_finite() && high.is_finite() && high > low => (low, high),
             _ => {
@@ -30,17 +32,34 @@ impl Scale {
                 let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
                 let span = high - low;
                 let size = low.abs().max(high.abs());
-                let alone = if axis.logarithmic { 0.5 } else { 0.5 * size.max(1e-3) };
-                let room = if span > 1e-9 * size { MARGIN * span } else { alone };
+                let alone = if axis.logarithmic {
+                    0.5
+                } else {
+                    0.5 * size.max(1e-3)
+                };
+                let room = if span > 1e-9 * size {
+                    MARGIN * span
+                } else {
+                    alone
+                };
                 (low - room, high + room)
             }
         };
-        Self { logarithmic: axis.logarithmic, low, high }
+        Self {
+            logarithmic: axis.logarithmic,
+            low,
+            high,
+        }
     }
 
-    /// The value as it is shown: its logarithm where the axis is logarithmic. Not finite where it has no place.
+    /// The value as it is shown: its logarithm where the axis is logarithmic. Not finite where it
+    /// has no place.
     pub fn shown(&self, value: f64) -> f64 {
-        if self.logarithmic { value.log10() } else { value }
+        if self.logarithmic {
+            value.log10()
+        } else {
+            value
+        }
     }
 
     /// Where a value stands, 0 to 1 within the axis; `None` if it has no place on it.
@@ -52,30 +71,45 @@ impl Scale {
 
     /// Whether a value lies on the axis.
     pub fn shows(&self, value: f64) -> bool {
-        self.place(value).is_some_and(|share| (-1e-9..=1.0 + 1e-9).contains(&share))
+        self.place(value)
+            .is_some_and(|share| (-1e-9..=1.0 + 1e-9).contains(&share))
     }
 
     /// Where zero stands if it is inside a linear axis.
     pub fn zero(&self) -> Option<f64> {
-        (!self.logarithmic && self.low < 0.0 && self.high > 0.0).then(|| -self.low / (self.high - self.low))
+        (!self.logarithmic && self.low < 0.0 && self.high > 0.0)
+            .then(|| -self.low / (self.high - self.low))
     }
 }
 
 /// Both scales of a diagram; where one axis is given, only what it shows counts for the other.
 pub fn scales(panel: &Panel) -> [Scale; 2] {
-    let given = panel.y.range.map(|_| Scale::new(&panel.y, std::iter::empty()));
+    let given = panel
+        .y
+        .range
+        .map(|_| Scale::new(&panel.y, std::iter::empty()));
     let seen = |p: &[f64; 2]| given.is_none_or(|y| y.shows(p[1]));
     let x = Scale::new(&panel.x, data(panel).filter(seen).map(|p| p[0]));
-    let y = Scale::new(&panel.y, data(panel).filter(|p| x.shows(p[0])).map(|p| p[1]));
+    let y = Scale::new(
+        &panel.y,
+        data(panel).filter(|p| x.shows(p[0])).map(|p| p[1]),
+    );
     [x, y]
 }
 
 /// Every place that must be seen.
 fn data(panel: &Panel) -> impl Iterator<Item = [f64; 2]> + '_ {
     let points = panel.series.iter().flat_map(|s| s.points.iter().copied());
-    let areas = panel.areas.iter().flat_map(|a| a.spans.iter().flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]));
+    let areas = panel.areas.iter().flat_map(|a| {
+        a.spans
+            .iter()
+            .flat_map(|[x, low, high]| [[*x, *low], [*x, *high]])
+    });
     let arrows = panel.arrows.iter().flat_map(|a| [a.tail, a.head]);
-    points.chain(areas).chain(arrows).chain(panel.labels.iter().map(|label| label.at))
+    points
+        .chain(areas)
+        .chain(arrows)
+        .chain(panel.labels.iter().map(|label| label.at))
 }
 
 #[cfg(test)]
@@ -87,16 +121,31 @@ mod tests {
     fn an_axis_shows_its_data_with_some_room_or_what_it_is_told_to() {
         let scale = Scale::new(&Axis::linear(""), [1.0, f64::NAN, 3.0].into_iter());
         assert_eq!((scale.low, scale.high), (1.0 - 0.08, 3.0 + 0.08));
-        let scale = Scale::new(&Axis::logarithmic("").from_to(1.0, 100.0), [1e-9].into_iter());
-        assert_eq!((scale.low, scale.high, scale.place(10.0)), (0.0, 2.0, Some(0.5)));
-        assert!(!scale.shows(0.0) && !scale.shows(-1.0) && !scale.shows(101.0) && scale.shows(100.0));
+        let scale = Scale::new(
+            &Axis::logarithmic("").from_to(1.0, 100.0),
+            [1e-9].into_iter(),
+        );
+        assert_eq!(
+            (scale.low, scale.high, scale.place(10.0)),
+            (0.0, 2.0, Some(0.5))
+        );
+        assert!(
+            !scale.shows(0.0) && !scale.shows(-1.0) && !scale.shows(101.0) && scale.shows(100.0)
+        );
     }
 
     #[test]
     fn what_lies_outside_a_given_axis_does_not_stretch_the_other() {
         let points = vec![[1.0, 1.0], [2.0, 2.0], [50.0, 900.0]];
-        let series = vec![Series { points, ..Series::default() }];
-        let panel = Panel { x: Axis::linear("").from_to(0.0, 3.0), series, ..Panel::default() };
+        let series = vec![Series {
+            points,
+            ..Series::default()
+        }];
+        let panel = Panel {
+            x: Axis::linear("").from_to(0.0, 3.0),
+            series,
+            ..Panel::default()
+        };
         assert!(scales(&panel)[1].high < 3.0);
     }
 }

@@ -1,7 +1,9 @@
-//! One code of colour, stroke and symbol for each meaning: the same in the window, in files, and in the report.
+//! One code of colour, stroke and symbol for each meaning: the same in the window, in files, and in
+//! the report.
 //!
-//! Colour never speaks alone: approach and retraction differ in the marks along their lines, stable and unstable in dashes, methods in
-//! symbols. Contrasts are those of WCAG 2: at least 3 for every mark on its ground, 1.5 for the shaded loss, which has an outline too.
+//! Colour never speaks alone: approach and retraction differ in the marks along their lines, stable
+//! and unstable in dashes, methods in symbols. Contrasts are those of WCAG 2: at least 3 for every
+//! mark on its ground, 1.5 for the shaded loss, which has an outline too.
 
 use super::panel::{Colour, Role, Symbol};
 use crate::follow::record::Direction;
@@ -28,7 +30,8 @@ impl Ground {
         }
     }
 
-    /// How much of its colour a filled area shows: less on dark ground, where light colours stand out more.
+    /// How much of its colour a filled area shows: less on dark ground, where light colours stand
+    /// out more.
     pub fn opacity(self) -> f64 {
         match self {
             Ground::Light => 0.4,
@@ -101,12 +104,18 @@ pub fn stroke(role: Role, colour: Colour, ground: Ground) -> Stroke {
         Role::Forecast => (plain, 1.2, None),
         Role::Guide => (Colour::Grey.on(ground), 0.9, None),
     };
-    Stroke { colour, width, dash }
+    Stroke {
+        colour,
+        width,
+        dash,
+    }
 }
 
 /// `share` of `b` in `a`.
 fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
-    std::array::from_fn(|k| (f64::from(a[k]) + share * (f64::from(b[k]) - f64::from(a[k]))).round() as u8)
+    std::array::from_fn(|k| {
+        (f64::from(a[k]) + share * (f64::from(b[k]) - f64::from(a[k]))).round() as u8
+    })
 }
 
 /// The symbol along a line that was gone in a direction.
@@ -117,19 +126,23 @@ pub fn pointing(direction: Direction) -> Symbol {
     }
 }
 
-/// Where such symbols stand on a line: the first point of every slot of a raster of `every` along x, which does not wander while the
-/// line grows. None at its two ends.
+/// Where such symbols stand on a line: the first point of every slot of a raster of `every` along
+/// x, which does not wander while the line grows. None at its two ends.
 pub fn marked(points: &[[f64; 2]], every: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
     let slot = move |p: &[f64; 2]| (p[0] / every).floor();
-    points.windows(2).map(move |pair| (slot(&pair[0]) != slot(&pair[1]), pair[1])).filter(|(new, _)| *new).map(|(_, p)| p)
+    points
+        .windows(2)
+        .map(move |pair| (slot(&pair[0]) != slot(&pair[1]), pair[1]))
+        .filter(|(new, _)| *new)
+        .map(|(_, p)| p)
 }
 
 /// Slots of that raster across a diagram.
 pub const MARKS: f64 = 18.0;
 
 impl Symbol {
-    /// Its strokes, each a line of corners around the origin, y upwards, for a symbol of radius 1. One stroke is an outline, closed,
-    /// that may be filled.
+    /// Its strokes, each a line of corners around the origin, y upwards, for a symbol of radius 1.
+    /// One stroke is an outline, closed, that may be filled.
     pub fn strokes(self) -> Vec<Vec<[f64; 2]>> {
         let polygon = |corners: usize, turn: f64, radius: f64| {
             let corner = |i: usize| {
@@ -177,9 +190,14 @@ mod tests {
     fn contrast(a: Rgb, b: Rgb) -> f64 {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
         };
-        let luminance = |c: Rgb| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+        let luminance =
+            |c: Rgb| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
         let (a, b) = (luminance(a) + 0.05, luminance(b) + 0.05);
         a.max(b) / a.min(b)
     }
@@ -196,10 +214,21 @@ mod tests {
                 }
             }
             let loss = mixed(paper, Colour::LOSS.on(ground), ground.opacity());
-            assert!(contrast(loss, paper) >= 1.5, "{ground:?}: {}", contrast(loss, paper));
+            assert!(
+                contrast(loss, paper) >= 1.5,
+                "{ground:?}: {}",
+                contrast(loss, paper)
+            );
             // What is drawn over the loss.
-            for colour in [Colour::of(Direction::Approach), Colour::of(Direction::Retraction), Colour::JUMP] {
-                assert!(contrast(colour.on(ground), loss) >= 2.0, "{colour:?} on the loss, {ground:?}");
+            for colour in [
+                Colour::of(Direction::Approach),
+                Colour::of(Direction::Retraction),
+                Colour::JUMP,
+            ] {
+                assert!(
+                    contrast(colour.on(ground), loss) >= 2.0,
+                    "{colour:?} on the loss, {ground:?}"
+                );
             }
         }
     }
@@ -211,7 +240,10 @@ mod tests {
             (stroke.width, stroke.dash)
         };
         for (i, a) in Role::ORDER.iter().enumerate() {
-            assert!(Role::ORDER[..i].iter().all(|b| look(*a) != look(*b)), "{a:?}");
+            assert!(
+                Role::ORDER[..i].iter().all(|b| look(*a) != look(*b)),
+                "{a:?}"
+            );
         }
     }
 

@@ -1,4 +1,5 @@
-//! The ticks of an axis, on short and on long ranges, and a number with the digits that a distance asks for.
+//! The ticks of an axis, on short and on long ranges, and a number with the digits that a distance
+//! asks for.
 
 use super::scale::Scale;
 
@@ -18,18 +19,34 @@ pub struct Tick {
 
 /// The ticks of an axis, and the power of ten by which their numbers are to be multiplied.
 pub fn ticks(scale: &Scale) -> (Vec<Tick>, i32) {
-    if scale.logarithmic { (logarithmic_ticks(scale), 0) } else { linear_ticks(scale) }
+    if scale.logarithmic {
+        (logarithmic_ticks(scale), 0)
+    } else {
+        linear_ticks(scale)
+    }
 }
 
 fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
     let largest = scale.low.abs().max(scale.high.abs());
     let exponent = largest.log10().floor() as i32;
-    let factor = if (-2..5).contains(&exponent) { 0 } else { exponent };
+    let factor = if (-2..5).contains(&exponent) {
+        0
+    } else {
+        exponent
+    };
     let unit = 10f64.powi(factor);
     let step = spacing((scale.high - scale.low) / unit, WANTED);
     let marks = multiples(scale.low / unit, scale.high / unit, step);
     let at = |value: f64| (value * unit - scale.low) / (scale.high - scale.low);
-    (marks.map(|v| Tick { at: at(v), label: Some(label(v, step)) }).collect(), factor)
+    (
+        marks
+            .map(|v| Tick {
+                at: at(v),
+                label: Some(label(v, step)),
+            })
+            .collect(),
+        factor,
+    )
 }
 
 fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
@@ -45,37 +62,57 @@ fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
     let stride = ((span / TICKS[1] as f64).ceil() as usize).max(1);
     let full: [&[u8]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
     let wanted = TICKS[0]..=TICKS[1] + 1;
-    let labelled = full.iter().map(|m| values(m, stride)).find(|list| wanted.contains(&list.len()));
+    let labelled = full
+        .iter()
+        .map(|m| values(m, stride))
+        .find(|list| wanted.contains(&list.len()));
     let minor: &[u8] = if span > 8.0 { &[1] } else { full[3] };
     let mut ticks: Vec<Tick> = Vec::new();
     match labelled {
         Some(labelled) => {
-            let fine = values(minor, 1).into_iter().filter(|v| !labelled.iter().any(|l| (l / v - 1.0).abs() < 1e-9));
-            ticks.extend(fine.map(|v| Tick { at: at(v), label: None }));
-            ticks.extend(labelled.iter().map(|v| Tick { at: at(*v), label: Some(power(*v)) }));
+            let fine = values(minor, 1)
+                .into_iter()
+                .filter(|v| !labelled.iter().any(|l| (l / v - 1.0).abs() < 1e-9));
+            ticks.extend(fine.map(|v| Tick {
+                at: at(v),
+                label: None,
+            }));
+            ticks.extend(labelled.iter().map(|v| Tick {
+                at: at(*v),
+                label: Some(power(*v)),
+            }));
         }
         None => {
             // Much less than a decade: steps as on a linear axis.
             let (low, high) = (10f64.powf(scale.low), 10f64.powf(scale.high));
             let step = spacing(high - low, WANTED);
             let marks = multiples(low, high, step).filter(|v| *v > 0.0);
-            ticks.extend(marks.map(|v| Tick { at: at(v), label: Some(label(v, step)) }));
+            ticks.extend(marks.map(|v| Tick {
+                at: at(v),
+                label: Some(label(v, step)),
+            }));
         }
     }
     ticks
 }
 
-/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into `span`.
+/// A distance between ticks of 1, 2 or 5 and a power of ten, such that about `count` fit into
+/// `span`.
 pub fn spacing(span: f64, count: f64) -> f64 {
     let raw = span / count;
     if !(raw.is_finite() && raw > 0.0) {
         return 1.0;
     }
     let unit = 10f64.powf(raw.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|f| f * unit).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * unit)
+    [1.0, 2.0, 5.0]
+        .into_iter()
+        .map(|f| f * unit)
+        .find(|s| *s >= raw * 0.999)
+        .unwrap_or(10.0 * unit)
 }
 
-/// The ticks of an axis from `low` to `high`, about `count` of them, and their distance. Never many, whatever the ends are.
+/// The ticks of an axis from `low` to `high`, about `count` of them, and their distance. Never
+/// many, whatever the ends are.
 pub fn within(low: f64, high: f64, count: f64) -> (Vec<f64>, f64) {
     let spacing = spacing(high - low, count);
     (multiples(low, high, spacing).collect(), spacing)
@@ -93,19 +130,36 @@ pub fn digits(value: f64, spacing: f64) -> String {
         return format!("{value}");
     }
     // A zero with the noise of a sum.
-    let value = if value.abs() < 1e-6 * spacing { 0.0 } else { value };
+    let value = if value.abs() < 1e-6 * spacing {
+        0.0
+    } else {
+        value
+    };
     let decimals = -power(spacing);
-    let signed = |text: String| if text.contains(|c| ('1'..='9').contains(&c)) { text } else { text.replace('-', "") };
+    let signed = |text: String| {
+        if text.contains(|c| ('1'..='9').contains(&c)) {
+            text
+        } else {
+            text.replace('-', "")
+        }
+    };
     let plain = (decimals <= 6.0 || value.abs() >= 1e-3) && value.abs() < 1e7;
     if plain && decimals <= 17.0 {
         return signed(format!("{value:.*}", decimals.max(0.0) as usize));
     }
     let beyond = (power(value) + decimals).clamp(0.0, 17.0);
-    if value == 0.0 { "0".to_owned() } else { format!("{value:.*e}", beyond as usize) }
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.*e}", beyond as usize)
+    }
 }
 
 fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
-    let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    let (first, last) = (
+        (low / step - 1e-9).ceil() as i64,
+        (high / step + 1e-9).floor() as i64,
+    );
     (first..=last.min(first.saturating_add(50))).map(move |i| i as f64 * step)
 }
 
@@ -118,7 +172,11 @@ fn power(value: f64) -> String {
         -2..0 => format!("{value:.*}", (-exponent) as usize),
         _ => {
             let raised = label(f64::from(exponent), 1.0);
-            if mantissa == 1 { format!("10^{{{raised}}}") } else { format!("{mantissa}·10^{{{raised}}}") }
+            if mantissa == 1 {
+                format!("10^{{{raised}}}")
+            } else {
+                format!("{mantissa}·10^{{{raised}}}")
+            }
         }
     }
 }
@@ -132,7 +190,10 @@ mod tests {
         let scale = Scale::new(&axis, std::iter::empty());
         let (mut list, factor) = ticks(&scale);
         list.sort_by(|a, b| a.at.total_cmp(&b.at));
-        assert!(list.iter().all(|t| (-1e-6..=1.000001).contains(&t.at)), "{list:?}");
+        assert!(
+            list.iter().all(|t| (-1e-6..=1.000001).contains(&t.at)),
+            "{list:?}"
+        );
         let mut labels: Vec<String> = list.into_iter().filter_map(|t| t.label).collect();
         if factor != 0 {
             labels.push(format!("factor {factor}"));
@@ -151,29 +212,91 @@ mod tests {
     #[test]
     fn a_logarithmic_axis_has_readable_ticks_on_short_and_on_long_ranges() {
         assert_eq!(log(1.0, 1000.0), ["1", "10", "100", "1000"]);
-        assert_eq!(log(1e-6, 1.0), ["10^{\u{2212}6}", "10^{\u{2212}5}", "10^{\u{2212}4}", "10^{\u{2212}3}", "0.01", "0.1", "1"]);
+        assert_eq!(
+            log(1e-6, 1.0),
+            [
+                "10^{\u{2212}6}",
+                "10^{\u{2212}5}",
+                "10^{\u{2212}4}",
+                "10^{\u{2212}3}",
+                "0.01",
+                "0.1",
+                "1"
+            ]
+        );
         assert_eq!(log(0.9, 11.0), ["1", "3", "10"]);
         assert_eq!(log(2.0, 25.0), ["2", "5", "10", "20"]);
         assert_eq!(log(3.0, 7.0), ["3", "4", "5", "6", "7"]);
         assert_eq!(log(1.0, 1.5), ["1.0", "1.1", "1.2", "1.3", "1.4", "1.5"]);
-        assert_eq!(log(1e-9, 1e3), ["10^{\u{2212}8}", "10^{\u{2212}6}", "10^{\u{2212}4}", "0.01", "1", "100"]);
+        assert_eq!(
+            log(1e-9, 1e3),
+            [
+                "10^{\u{2212}8}",
+                "10^{\u{2212}6}",
+                "10^{\u{2212}4}",
+                "0.01",
+                "1",
+                "100"
+            ]
+        );
     }
 
     #[test]
     fn a_linear_axis_steps_by_one_two_or_five() {
-        assert_eq!(linear(-1.0, 0.2), ["\u{2212}1.0", "\u{2212}0.8", "\u{2212}0.6", "\u{2212}0.4", "\u{2212}0.2", "0.0", "0.2"]);
+        assert_eq!(
+            linear(-1.0, 0.2),
+            [
+                "\u{2212}1.0",
+                "\u{2212}0.8",
+                "\u{2212}0.6",
+                "\u{2212}0.4",
+                "\u{2212}0.2",
+                "0.0",
+                "0.2"
+            ]
+        );
         assert_eq!(linear(0.0, 4.2), ["0", "1", "2", "3", "4"]);
-        assert_eq!(linear(0.0, 2e-4), ["0.0", "0.5", "1.0", "1.5", "2.0", "factor -4"]);
-        assert_eq!(linear(0.0, 3e6), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "factor 6"]);
+        assert_eq!(
+            linear(0.0, 2e-4),
+            ["0.0", "0.5", "1.0", "1.5", "2.0", "factor -4"]
+        );
+        assert_eq!(
+            linear(0.0, 3e6),
+            ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "factor 6"]
+        );
     }
 
     #[test]
     fn a_number_has_the_digits_of_its_neighbours_distance() {
-        let cases = [(3.41999, 2e-4), (3.4e-9, 2e-13), (0.0, 2e-13), (-0.0, 0.1), (1e-17, 0.1), (3.0000005, 5e-7), (3.4e12, 2e8)];
+        let cases = [
+            (3.41999, 2e-4),
+            (3.4e-9, 2e-13),
+            (0.0, 2e-13),
+            (-0.0, 0.1),
+            (1e-17, 0.1),
+            (3.0000005, 5e-7),
+            (3.4e12, 2e8),
+        ];
         let words = cases.map(|(value, spacing)| digits(value, spacing));
-        assert_eq!(words, ["3.4200", "3.4000e-9", "0", "0.0", "0.0", "3.0000005", "3.4000e12"]);
         assert_eq!(
-            [label(-2.0, 1.0), label(-0.5, 0.1), digits(f64::NAN, 1.0), digits(-1e-5, 1e-3)],
+            words,
+            [
+                "3.4200",
+                "3.4000e-9",
+                "0",
+                "0.0",
+                "0.0",
+                "3.0000005",
+                "3.4000e12"
+            ]
+        );
+        assert_eq!(
+            [
+                label(-2.0, 1.0),
+                label(-0.5, 0.1),
+                digits(f64::NAN, 1.0),
+                digits(-1e-5, 1e-3)
+            ],
             ["\u{2212}2", "\u{2212}0.5", "NaN", "0.000"]
         );
     }
@@ -195,27 +318,52 @@ mod tests {
     #[test]
     fn every_range_has_some_ticks_and_not_too_many() {
         for k in 0..200 {
-            let (low, high) = (10f64.powf(-5.0 + 0.03 * f64::from(k)), 10f64.powf(-4.97 + 0.075 * f64::from(k)));
+            let (low, high) = (
+                10f64.powf(-5.0 + 0.03 * f64::from(k)),
+                10f64.powf(-4.97 + 0.075 * f64::from(k)),
+            );
             for labels in [log(low, high), linear(low, high)] {
-                assert!((2..=10).contains(&labels.len()), "{low} to {high}: {labels:?}");
+                assert!(
+                    (2..=10).contains(&labels.len()),
+                    "{low} to {high}: {labels:?}"
+                );
             }
         }
     }
 
     #[test]
     fn nothing_a_point_and_broken_numbers_still_make_an_axis() {
-        for data in [vec![], vec![3.0], vec![0.0, 0.0], vec![f64::NAN, f64::INFINITY], vec![-1.0]] {
+        for data in [
+            vec![],
+            vec![3.0],
+            vec![0.0, 0.0],
+            vec![f64::NAN, f64::INFINITY],
+            vec![-1.0],
+        ] {
             for axis in [Axis::linear(""), Axis::logarithmic("")] {
                 let scale = Scale::new(&axis, data.iter().copied());
-                assert!(scale.low < scale.high && !ticks(&scale).0.is_empty(), "{data:?} {scale:?}");
+                assert!(
+                    scale.low < scale.high && !ticks(&scale).0.is_empty(),
+                    "{data:?} {scale:?}"
+                );
             }
         }
     }
 
     #[test]
     fn ticks_are_few_whatever_the_ends_are() {
-        assert_eq!(within(0.2, 1.0, 4.0), (vec![0.2, 0.4, 0.6000000000000001, 0.8, 1.0], 0.2));
-        for (low, high) in [(1e17 - 16.0, 1e17), (-1e220, 1e220), (1.0, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (3.0, 2.0)] {
+        assert_eq!(
+            within(0.2, 1.0, 4.0),
+            (vec![0.2, 0.4, 0.6000000000000001, 0.8, 1.0], 0.2)
+        );
+        for (low, high) in [
+            (1e17 - 16.0, 1e17),
+            (-1e220, 1e220),
+            (1.0, 1.0),
+            (0.0, f64::INFINITY),
+            (f64::NAN, 1.0),
+            (3.0, 2.0),
+        ] {
             assert!(within(low, high, 9.0).0.len() <= 60, "{low} {high}");
         }
     }

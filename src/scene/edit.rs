@@ -1,4 +1,5 @@
-//! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after mu_rho, and the drive after the law.
+//! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after
+//! mu_rho, and the drive after the law.
 
 use super::{Drive, Model, Points, Range, Scene, Turn};
 use crate::physics::indenter::Indenter;
@@ -20,10 +21,21 @@ pub enum Follows {
 pub const MU_RHO: (f64, f64) = (0.25, 2.0);
 
 /// The named meshes of Table 1 by value, and before them the one above which the mesh lies.
-pub const TICKS: [(&str, f64); 7] = [("safe", mesh_rule::SAFE), tick(1), tick(3), tick(5), tick(0), tick(2), tick(4)];
+pub const TICKS: [(&str, f64); 7] = [
+    ("safe", mesh_rule::SAFE),
+    tick(1),
+    tick(3),
+    tick(5),
+    tick(0),
+    tick(2),
+    tick(4),
+];
 
 const fn tick(row: usize) -> (&'static str, f64) {
-    (mesh_rule::TABLE_1[row].author, mesh_rule::TABLE_1[row].mu_rho)
+    (
+        mesh_rule::TABLE_1[row].author,
+        mesh_rule::TABLE_1[row].mu_rho,
+    )
 }
 
 /// The scene with another mu_rho.
@@ -31,13 +43,23 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
     let mut scene = frozen(scene, model);
     match follows {
         Follows::Range => {
-            scene.law.range = Range::Length(mesh_rule::range_for_mu_rho(&model.law, model.grid.spacing(), mu_rho));
+            scene.law.range = Range::Length(mesh_rule::range_for_mu_rho(
+                &model.law,
+                model.grid.spacing(),
+                mu_rho,
+            ));
             fit_drive(&mut scene);
         }
         Follows::Mesh => {
-            let n =
-                (mesh_rule::points_for_mu_rho(&model.law, model.grid.length, mu_rho) / 2.0).round().clamp(4.0, 512.0) as usize * 2;
-            scene.cell.points = if model.grid.is_line() { Points::Line(n) } else { Points::Square(n) };
+            let n = (mesh_rule::points_for_mu_rho(&model.law, model.grid.length, mu_rho) / 2.0)
+                .round()
+                .clamp(4.0, 512.0) as usize
+                * 2;
+            scene.cell.points = if model.grid.is_line() {
+                Points::Line(n)
+            } else {
+                Points::Square(n)
+            };
         }
     }
     scene
@@ -92,24 +114,55 @@ fn frozen(scene: &Scene, model: &Model) -> Scene {
     scene
 }
 
-/// On flat ground: moves the drive if it no longer encloses the instabilities of the edited law, else leaves it alone.
+/// On flat ground: moves the drive if it no longer encloses the instabilities of the edited law,
+/// else leaves it alone.
 fn fit_drive(scene: &mut Scene) {
-    let (Indenter::Flat, Ok(model)) = (scene.indenter, Scene { drive: SAFE, ..scene.clone() }.model()) else { return };
+    let (Indenter::Flat, Ok(model)) = (
+        scene.indenter,
+        Scene {
+            drive: SAFE,
+            ..scene.clone()
+        }
+        .model(),
+    ) else {
+        return;
+    };
     let law = model.law;
-    let Some((lower, upper)) = flat::limits(&law, model.grid.length) else { return };
-    let Drive { start, turn: Turn::At(turn), .. } = scene.drive else { return };
+    let Some((lower, upper)) = flat::limits(&law, model.grid.length) else {
+        return;
+    };
+    let Drive {
+        start,
+        turn: Turn::At(turn),
+        ..
+    } = scene.drive
+    else {
+        return;
+    };
     let pressed = -law.at(turn).traction / law.traction_max();
-    let fits =
-        start > upper + 0.2 * law.range && start < upper + 6.0 * law.range && turn < lower - 0.1 * law.range && pressed < 1.0;
+    let fits = start > upper + 0.2 * law.range
+        && start < upper + 6.0 * law.range
+        && turn < lower - 0.1 * law.range
+        && pressed < 1.0;
     if !fits {
-        scene.drive = Drive { start: upper + 1.1 * law.range, turn: Turn::At(turn_for(&law, lower)), step: 0.02 * law.range };
+        scene.drive = Drive {
+            start: upper + 1.1 * law.range,
+            turn: Turn::At(turn_for(&law, lower)),
+            step: 0.02 * law.range,
+        };
     }
 }
 
-/// A drive that no law refuses, to ask for the model of a scene whose own drive may not fit any more.
-const SAFE: Drive = Drive { start: 2.0, turn: Turn::At(1.0), step: 0.1 };
+/// A drive that no law refuses, to ask for the model of a scene whose own drive may not fit any
+/// more.
+const SAFE: Drive = Drive {
+    start: 2.0,
+    turn: Turn::At(1.0),
+    step: 0.1,
+};
 
-/// A turning point deep enough for the flat state to be stable again, yet not pressed hard: traction 0.6 sigma_max below its maximum.
+/// A turning point deep enough for the flat state to be stable again, yet not pressed hard:
+/// traction 0.6 sigma_max below its maximum.
 fn turn_for(law: &Law, lower: f64) -> f64 {
     let (mut low, mut high) = (1e-3 * law.contact_gap(), law.contact_gap());
     for _ in 0..60 {
@@ -123,14 +176,26 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
     high.min(lower - 0.2 * law.range)
 }
 
-/// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and far into the valleys of waves and
-/// rough ground.
+/// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and
+/// far into the valleys of waves and rough ground.
 pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
     let mut scene = frozen(scene, model);
     scene.indenter = indenter;
     let (rho, ground) = (model.law.range, indenter.ground());
-    let turn = if ground.turns_at_zero_load() { Turn::ZeroLoad } else { Turn::At(-0.85 * ground.relief(&model.law)) };
-    scene.drive = if indenter == Indenter::Flat { SAFE } else { Drive { start: 6.0 * rho, turn, step: 0.1 * rho } };
+    let turn = if ground.turns_at_zero_load() {
+        Turn::ZeroLoad
+    } else {
+        Turn::At(-0.85 * ground.relief(&model.law))
+    };
+    scene.drive = if indenter == Indenter::Flat {
+        SAFE
+    } else {
+        Drive {
+            start: 6.0 * rho,
+            turn,
+            step: 0.1 * rho,
+        }
+    };
     fit_drive(&mut scene);
     scene
 }
@@ -145,10 +210,21 @@ mod tests {
         Scene {
             title: String::new(),
             source: String::new(),
-            cell: Cell { length: 256.0, points: Points::Square(64) },
-            law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.15, range: Range::Length(1.0) },
+            cell: Cell {
+                length: 256.0,
+                points: Points::Square(64),
+            },
+            law: LawChoice {
+                shape: Shape::Morse(Morse),
+                surface_energy: 0.15,
+                range: Range::Length(1.0),
+            },
             indenter: Indenter::Flat,
-            drive: Drive { start: 4.2, turn: Turn::At(0.2), step: 0.02 },
+            drive: Drive {
+                start: 4.2,
+                turn: Turn::At(0.2),
+                step: 0.02,
+            },
             accuracy: 0.01,
             seed: 1,
         }
@@ -158,13 +234,26 @@ mod tests {
     fn the_drive_encloses_both_instabilities_after_any_edit_of_law_or_mu_rho() {
         let scene = fig2();
         let model = scene.model().unwrap();
-        let mut edited: Vec<Scene> = Shape::all().into_iter().map(|s| with_shape(&scene, &model, s)).collect();
-        edited.extend([0.25, 0.35, 0.5, 0.7].map(|mu| with_mu_rho(&scene, &model, mu, Follows::Range)));
+        let mut edited: Vec<Scene> = Shape::all()
+            .into_iter()
+            .map(|s| with_shape(&scene, &model, s))
+            .collect();
+        edited.extend(
+            [0.25, 0.35, 0.5, 0.7].map(|mu| with_mu_rho(&scene, &model, mu, Follows::Range)),
+        );
         for scene in edited {
             let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
-            let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else { continue };
-            let (Turn::At(turn), start) = (scene.drive.turn, scene.drive.start) else { panic!("flat ground") };
-            assert!(turn < lower && upper < start, "{turn} {lower} {upper} {start} of {}", scene.law.shape.word());
+            let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else {
+                continue;
+            };
+            let (Turn::At(turn), start) = (scene.drive.turn, scene.drive.start) else {
+                panic!("flat ground")
+            };
+            assert!(
+                turn < lower && upper < start,
+                "{turn} {lower} {upper} {start} of {}",
+                scene.law.shape.word()
+            );
         }
     }
 

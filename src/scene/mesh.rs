@@ -4,30 +4,41 @@ use crate::physics::law::Law;
 use crate::physics::mesh_rule;
 use crate::physics::theory::flat;
 
-/// Expected relative error of jumps and dissipated energy from the mesh, for smooth laws on flat ground.
+/// Expected relative error of jumps and dissipated energy from the mesh, for smooth laws on flat
+/// ground.
 ///
-/// Fields are smooth, so that the error is exponential in the number of points: it falls by e^2.6 for each unit of 1/mu_rho^2, which
-/// is proportional to n. A longer cell (in units of L_c) has sharper edges and smaller u0 at the lowest jumps. The constants are an
-/// envelope of measurements over random scenes, which a test repeats.
+/// Fields are smooth, so that the error is exponential in the number of points: it falls by e^2.6
+/// for each unit of 1/mu_rho^2, which is proportional to n. A longer cell (in units of L_c) has
+/// sharper edges and smaller u0 at the lowest jumps. The constants are an envelope of measurements
+/// over random scenes, which a test repeats.
 pub fn mesh_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
     let periods = length / flat::critical_length(law);
-    LOCATED + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
+    ANY_MESH + 0.42 * periods.max(1.0).powf(3.5) * (-2.6 / (mu_rho * mu_rho)).exp()
 }
 
-/// What is expected of any law and mesh on flat ground; 1 where which jumps happen depends on the mesh itself, and nothing is promised.
+/// What is expected of any law and mesh on flat ground; 1 where which jumps happen depends on the
+/// mesh itself, and nothing is promised.
 pub fn flat_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
-    if law.is_smooth() && mesh_rule::is_safe(mu_rho) { mesh_error(law, length, mu_rho) } else { 1.0 }
+    if law.is_smooth() && mesh_rule::is_safe(mu_rho) {
+        mesh_error(law, length, mu_rho)
+    } else {
+        1.0
+    }
 }
 
 /// Relative accuracy to which jumps and energies are located on any mesh, by either road.
-const LOCATED: f64 = 5e-5;
+const ANY_MESH: f64 = 5e-5;
 
-/// The fewest points along a side, a multiple of 8 with small factors, that keep [`mesh_error`] below `accuracy`.
+/// The fewest points along a side, a multiple of 8 with small factors, that keep [`mesh_error`]
+/// below `accuracy`.
 pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
     let mut n = 16;
     loop {
         let mu_rho = mesh_rule::mu_rho(law, length / n as f64);
-        if n >= 1 << 13 || mesh_rule::is_safe(mu_rho) && mesh_error(law, length, mu_rho) <= accuracy.max(1.5 * LOCATED) {
+        if n >= 1 << 13
+            || mesh_rule::is_safe(mu_rho)
+                && mesh_error(law, length, mu_rho) <= accuracy.max(1.5 * ANY_MESH)
+        {
             return n;
         }
         n = next_fast(n + 8);
@@ -37,7 +48,8 @@ pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
 /// Largest count that [`next_fast`] looks beyond; larger ones are taken for it.
 const COUNT_MAX: usize = 1 << 60;
 
-/// The next multiple of 8 at or above `n` with no prime factors but 2, 3 and 5: quick to transform, also on a quarter cell.
+/// The next multiple of 8 at or above `n` with no prime factors but 2, 3 and 5: quick to transform,
+/// also on a quarter cell.
 pub fn next_fast(n: usize) -> usize {
     let least = n.clamp(1, COUNT_MAX).div_ceil(8);
     let mut best = least.next_power_of_two();

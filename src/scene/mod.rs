@@ -1,5 +1,5 @@
-//! Floor 2: what to compute: the scene, as a file or the window describes it, its parameters with limits and units, the decided model, and
-//! the mesh an "auto" asks for.
+//! Floor 2: what to compute: the scene, as a file or the window describes it, its parameters with
+//! limits and units, the decided model, and the mesh an "auto" asks for.
 //!
 //! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1.
 
@@ -15,7 +15,8 @@ use crate::physics::mesh_rule;
 use crate::physics::parameter::{Parameter, Refusal, Value, number};
 use mesh::{next_fast, points_for};
 
-/// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one unit.
+/// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one
+/// unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// One line that names the scene.
@@ -112,7 +113,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// What a reader of the results must know, in words: jumps that belong to the mesh, waves of the ground that it cannot show.
+    /// What a reader of the results must know, in words: jumps that belong to the mesh, waves of
+    /// the ground that it cannot show.
     pub fn warning(&self) -> Option<String> {
         let law = (!mesh_rule::is_safe(self.mu_rho)).then(|| {
             format!(
@@ -128,16 +130,16 @@ impl Model {
     }
 }
 
-/// Most steps from the start to the turn. What an interrupted loop of so many states has computed is written within a second
-/// where nothing else keeps the machine busy.
+/// Most steps from the start to the turn. What an interrupted loop of so many states has computed
+/// is written within a second where nothing else keeps the machine busy.
 const STEPS_MAX: f64 = 2e5;
 
 /// The least step as a share of |u0|: a smaller one is lost in the digits of u0.
 const STEP_SHARE: f64 = 1e-10;
 
 impl Scene {
-    /// Where the approach is to go (length): to the turning point, or, where the sign of the stress ends it, far below anything a tip
-    /// under tension can need.
+    /// Where the approach is to go (length): to the turning point, or, where the sign of the stress
+    /// ends it, far below anything a tip under tension can need.
     pub fn depth(&self) -> f64 {
         let start = self.drive.start;
         match self.drive.turn {
@@ -156,10 +158,21 @@ impl Scene {
 
     /// Every number that the scene gives, with what is allowed of it.
     pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
-        let Self { cell, law, indenter, drive, accuracy, seed, .. } = self;
+        let Self {
+            cell,
+            law,
+            indenter,
+            drive,
+            accuracy,
+            seed,
+            ..
+        } = self;
         let mut numbers = vec![
             (&parameter::LENGTH, Value::Number(cell.length)),
-            (&parameter::SURFACE_ENERGY, Value::Number(law.surface_energy)),
+            (
+                &parameter::SURFACE_ENERGY,
+                Value::Number(law.surface_energy),
+            ),
             (&parameter::START, Value::Number(drive.start)),
             (&parameter::STEP, Value::Number(drive.step)),
             (&parameter::TARGET, Value::Number(*accuracy)),
@@ -192,7 +205,11 @@ impl Scene {
         self.check_drive()?;
         self.indenter.check()?;
         self.indenter.ground().check_in(self.cell.length)?;
-        let unit = Law { shape: self.law.shape, surface_energy: self.law.surface_energy, range: 1.0 };
+        let unit = Law {
+            shape: self.law.shape,
+            surface_energy: self.law.surface_energy,
+            range: 1.0,
+        };
         let (grid, reason) = self.mesh(&unit)?;
         let range = match self.law.range {
             Range::Length(range) => range,
@@ -202,15 +219,26 @@ impl Scene {
         let law = Law { range, ..unit };
         let mu_rho = mesh_rule::mu_rho(&law, grid.spacing());
         if !parameter::MU_RHO.range.contains(&mu_rho) {
-            let (low, high) = (parameter::MU_RHO.range.start(), parameter::MU_RHO.range.end());
-            let allowed = format!("a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}");
+            let (low, high) = (
+                parameter::MU_RHO.range.start(),
+                parameter::MU_RHO.range.end(),
+            );
+            let allowed = format!(
+                "a range at which mu_rho on this mesh, now {mu_rho:e}, is from {low:e} to {high:e}"
+            );
             return Err(Refusal::new("law.range", number(range), &allowed));
         }
         if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape) {
-            let level = self.indenter.height(&grid).and_then(|height| height.mean()).unwrap_or(0.0);
+            let level = self
+                .indenter
+                .height(&grid)
+                .and_then(|height| height.mean())
+                .unwrap_or(0.0);
             if turn <= level {
-                let allowed =
-                    format!("above {}, the mean height of the ground: the Mie law is infinite at zero gap", number(level));
+                let allowed = format!(
+                    "above {}, the mean height of the ground: the Mie law is infinite at zero gap",
+                    number(level)
+                );
                 return Err(Refusal::new("drive.turn", number(turn), &allowed));
             }
         }
@@ -227,17 +255,31 @@ impl Scene {
         if let Turn::ZeroLoad = self.drive.turn
             && range / self.drive.step > STEPS_MAX
         {
-            return Err(Refusal::new("drive.step", number(self.drive.step), "at least a 200,000th of law.range"));
+            return Err(Refusal::new(
+                "drive.step",
+                number(self.drive.step),
+                "at least a 200,000th of law.range",
+            ));
         }
-        Ok(Model { grid, law, indenter: self.indenter, mu_rho, reason })
+        Ok(Model {
+            grid,
+            law,
+            indenter: self.indenter,
+            mu_rho,
+            reason,
+        })
     }
 
     /// The mesh, and in words why; `unit` is the law with a range of 1.
     fn mesh(&self, unit: &Law) -> Result<(Grid, String), Refusal> {
         let length = self.cell.length;
         let range = match (self.cell.points, self.law.range) {
-            (Points::Square(n), _) => return Ok((Grid::square(length, even(n)?), "points given".to_owned())),
-            (Points::Line(n), _) => return Ok((Grid::line(length, even(n)?), "line cell given".to_owned())),
+            (Points::Square(n), _) => {
+                return Ok((Grid::square(length, even(n)?), "points given".to_owned()));
+            }
+            (Points::Line(n), _) => {
+                return Ok((Grid::line(length, even(n)?), "line cell given".to_owned()));
+            }
             (Points::Auto, Range::MuRho(mu)) => {
                 let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
                 return Err(Refusal::new("law.mu_rho", number(mu), allowed));
@@ -246,18 +288,26 @@ impl Scene {
         };
         self.indenter.ground().check_auto()?;
         let law = Law { range, ..*unit };
-        let n = points_for(&law, length, self.accuracy).max(next_fast(self.indenter.ground().points_needed(length)));
+        let n = points_for(&law, length, self.accuracy)
+            .max(next_fast(self.indenter.ground().points_needed(length)));
         if n > POINTS_MAX {
-            let allowed =
-                format!("this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length");
+            let allowed = format!(
+                "this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length"
+            );
             return Err(Refusal::new("cell.points", "auto", &allowed));
         }
         let mu = mesh_rule::mu_rho(&law, length / n as f64);
         // Elsewhere which jumps happen depends on the mesh, and no error of it is known.
         let reason = if self.indenter == Indenter::Flat && law.is_smooth() {
-            format!("mu_rho = {mu:.3} keeps the mesh error below the asked {}", self.accuracy)
+            format!(
+                "mu_rho = {mu:.3} keeps the mesh error below the asked {}",
+                self.accuracy
+            )
         } else {
-            format!("mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground", self.accuracy)
+            format!(
+                "mu_rho = {mu:.3}, as for the asked {} of a smooth law on flat ground",
+                self.accuracy
+            )
         };
         Ok((Grid::square(length, n), reason))
     }
@@ -265,12 +315,19 @@ impl Scene {
     fn check_drive(&self) -> Result<(), Refusal> {
         let Drive { start, turn, step } = self.drive;
         // At zero load u0 goes below the ground by no more than about the length of the cell.
-        let reach = start.abs() + if turn == Turn::ZeroLoad { self.cell.length } else { 0.0 };
+        let reach = start.abs()
+            + if turn == Turn::ZeroLoad {
+                self.cell.length
+            } else {
+                0.0
+            };
         if step < STEP_SHARE * reach {
             return Err(Refusal::new(
                 "drive.step",
                 number(step),
-                &format!("at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"),
+                &format!(
+                    "at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"
+                ),
             ));
         }
         if let Turn::At(turn) = turn {
@@ -278,19 +335,34 @@ impl Scene {
                 return Err(Refusal::new(
                     "drive.turn",
                     number(turn),
-                    &format!("a number below drive.start = {}, or \"zero_load\"", number(start)),
+                    &format!(
+                        "a number below drive.start = {}, or \"zero_load\"",
+                        number(start)
+                    ),
                 ));
             }
             if (start - turn) / step > STEPS_MAX {
-                return Err(Refusal::new("drive.step", number(step), "at least a 200,000th of drive.start - drive.turn"));
+                return Err(Refusal::new(
+                    "drive.step",
+                    number(step),
+                    "at least a 200,000th of drive.start - drive.turn",
+                ));
             }
         } else if self.indenter == Indenter::Flat {
-            return Err(Refusal::new("drive.turn", "zero_load", "a number on flat ground; zero_load is for uneven ground"));
+            return Err(Refusal::new(
+                "drive.turn",
+                "zero_load",
+                "a number on flat ground; zero_load is for uneven ground",
+            ));
         }
         Ok(())
     }
 }
 
 fn even(n: usize) -> Result<usize, Refusal> {
-    if n.is_multiple_of(2) { Ok(n) } else { Err(parameter::POINTS.refuse(n)) }
+    if n.is_multiple_of(2) {
+        Ok(n)
+    } else {
+        Err(parameter::POINTS.refuse(n))
+    }
 }

@@ -1,4 +1,5 @@
-//! The scene's own numbers. Those of a law or a ground stand with it ([`Own`](crate::physics::parameter::Own)).
+//! The scene's own numbers. Those of a law or a ground stand with it
+//! ([`Own`](crate::physics::parameter::Own)).
 //!
 //! What ties two values together (a turn below its start) is in [`super::Scene::model`].
 
@@ -47,16 +48,28 @@ parameters! {
 
 /// Every number of the scene file, in the order of its tables.
 pub fn all() -> Vec<&'static Parameter> {
-    let table = |name: &'static str| OWN.iter().copied().filter(move |parameter| parameter.key.starts_with(name));
+    let table = |name: &'static str| {
+        OWN.iter()
+            .copied()
+            .filter(move |parameter| parameter.key.starts_with(name))
+    };
     let mut all: Vec<_> = table("cell.").chain(table("law.")).collect();
     all.extend(Shape::all().iter().flat_map(Shape::parameters));
     all.extend(Indenter::all().iter().flat_map(Indenter::parameters));
-    all.extend(["drive.", "accuracy.", "noise."].into_iter().flat_map(table));
+    all.extend(
+        ["drive.", "accuracy.", "noise."]
+            .into_iter()
+            .flat_map(table),
+    );
     all
 }
 
 /// The guide's table of all parameters (Markdown).
 pub fn table() -> String {
-    let head = "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n".to_owned();
-    all().into_iter().fold(head, |text, parameter| text + &parameter.row())
+    let head =
+        "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n"
+            .to_owned();
+    all()
+        .into_iter()
+        .fold(head, |text, parameter| text + &parameter.row())
 }

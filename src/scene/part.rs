@@ -15,8 +15,9 @@ pub enum Part {
     HalfLine,
     /// The even quarter of a square cell. Modes of other symmetry are watched on all of it.
     Quarter,
-    /// The even quarter or half, held mirror-symmetric: what a surface does that is held so. On a coarse mesh single points let go; in
-    /// the whole cell their mirror images do so one by one, a little earlier or later.
+    /// The even quarter or half, held mirror-symmetric: what a surface does that is held so. On a
+    /// coarse mesh single points let go; in the whole cell their mirror images do so one by one, a
+    /// little earlier or later.
     Mirrored,
     /// All of a square cell.
     #[default]
@@ -48,7 +49,10 @@ impl Part {
 
     /// True if only even fields are solved.
     pub fn is_even(self) -> bool {
-        matches!(self, Part::Ridge | Part::HalfLine | Part::Quarter | Part::Mirrored)
+        matches!(
+            self,
+            Part::Ridge | Part::HalfLine | Part::Quarter | Part::Mirrored
+        )
     }
 }
 

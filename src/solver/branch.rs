@@ -3,7 +3,8 @@
 use crate::numerics::vector::{add, norm};
 use crate::physics::system::State;
 
-/// Largest sum of |weights| of an extrapolation; the uniform cubic has 15, anything wilder amplifies noise.
+/// Largest sum of |weights| of an extrapolation; the uniform cubic has 15, anything wilder
+/// amplifies noise.
 const WILDEST: f64 = 16.0;
 
 /// Up to four states of one branch, newest last.
@@ -21,7 +22,14 @@ impl History {
     }
 
     /// Adds a state; one at the same u0 is replaced.
-    pub fn push(&mut self, State { mean_displacement, amplitudes, .. }: &State) {
+    pub fn push(
+        &mut self,
+        State {
+            mean_displacement,
+            amplitudes,
+            ..
+        }: &State,
+    ) {
         self.states.retain(|(u, _)| u != mean_displacement);
         if self.states.len() == 4 {
             self.states.remove(0);
@@ -29,15 +37,17 @@ impl History {
         self.states.push((*mean_displacement, amplitudes.clone()));
     }
 
-    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not amplify noise; `None` where
-    /// not even a straight line through the last two may be trusted.
+    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not
+    /// amplify noise; `None` where not even a straight line through the last two may be trusted.
     pub fn predict(&self, u0: f64) -> Option<Vec<f64>> {
         (2..=self.states.len()).rev().find_map(|count| {
             let points = &self.states[self.states.len() - count..];
             let weights: Vec<f64> = (0..count)
                 .map(|i| {
                     let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-                    others.map(|(_, (u, _))| (u0 - u) / (points[i].0 - u)).product()
+                    others
+                        .map(|(_, (u, _))| (u0 - u) / (points[i].0 - u))
+                        .product()
                 })
                 .collect();
             if weights.iter().map(|w: &f64| w.abs()).sum::<f64>() > WILDEST {
@@ -52,7 +62,8 @@ impl History {
     }
 }
 
-/// Euclidean distance of two amplitude vectors: root mean square difference of the surfaces (length).
+/// Euclidean distance of two amplitude vectors: root mean square difference of the surfaces
+/// (length).
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     let mut d = a.to_vec();
     add(&mut d, -1.0, b);

@@ -28,7 +28,8 @@ pub struct Equilibrium {
     pub fields: Fields,
     /// max |residual traction| / max(sigma_max, max |traction|).
     pub residual: f64,
-    /// Smallest Hessian eigenvalue, sliding modes removed (E* per length); `None` while not measured.
+    /// Smallest Hessian eigenvalue, sliding modes removed (E* per length); `None` while not
+    /// measured.
     pub stiffness_min: Option<Stiffness>,
     /// The mode that belongs to it, normalised to mean(v^2) = 1; empty while not measured.
     pub soft_mode: Vec<f64>,
@@ -43,8 +44,9 @@ pub struct Equilibrium {
 pub struct Stiffness {
     /// A Rayleigh quotient: an upper bound. NaN if it was not found.
     pub value: f64,
-    /// Where `value` is positive, how far below it the smallest eigenvalue may lie, but for the chance stated by
-    /// [`CHANCE`](super::stability::CHANCE): never as far as zero. Where it is negative, some eigenvalue lies within this distance.
+    /// Where `value` is positive, how far below it the smallest eigenvalue may lie, but for the
+    /// chance stated by [`CHANCE`](super::stability::CHANCE): never as far as zero. Where it is
+    /// negative, some eigenvalue lies within this distance.
     pub error: f64,
 }
 
@@ -62,7 +64,10 @@ impl Stiffness {
             _ if all.value.is_nan() => all,
             true => all,
             // Seen more closely among some, and bounded among all.
-            false => Self { value: self.value, error: self.error.max(self.value - (all.value - all.error)) },
+            false => Self {
+                value: self.value,
+                error: self.error.max(self.value - (all.value - all.error)),
+            },
         }
     }
 }
@@ -71,7 +76,15 @@ impl Equilibrium {
     /// A state whose stability is not measured yet.
     pub fn unmeasured(at: Evaluation, residual: f64, stop: Stop, cost: Cost) -> Self {
         let Evaluation { state, fields, .. } = at;
-        Self { state, fields, residual, stiffness_min: None, soft_mode: Vec::new(), stop, cost }
+        Self {
+            state,
+            fields,
+            residual,
+            stiffness_min: None,
+            soft_mode: Vec::new(),
+            stop,
+            cost,
+        }
     }
 
     /// True if the surface is uniform to the last bit.
@@ -79,7 +92,8 @@ impl Equilibrium {
         self.state.amplitudes.iter().all(|z| *z == 0.0)
     }
 
-    /// Enters the measured stability; a state within tolerance is then known to be stable or not, or is refused.
+    /// Enters the measured stability; a state within tolerance is then known to be stable or not,
+    /// or is refused.
     pub fn measured(&mut self, stiffness: Stiffness, soft_mode: Vec<f64>) {
         if matches!(self.stop, Stop::Stable | Stop::Unstable) {
             self.stop = match stiffness.value {

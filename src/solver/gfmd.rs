@@ -1,7 +1,9 @@
-//! The paper's method: mass-weighted Green's function molecular dynamics with damping and a thermostat.
+//! The paper's method: mass-weighted Green's function molecular dynamics with damping and a
+//! thermostat.
 //!
-//! Each amplitude moves with inertia proportional to q E*/2 + k, which collapses the intrinsic frequencies (inertia must *grow* with
-//! q; the text of Sect. 2.2 says the inverse). An increment of u0 is a ramp of 50 time steps and 150 more to relax.
+//! Each amplitude moves with inertia proportional to q E*/2 + k, which collapses the intrinsic
+//! frequencies (inertia must *grow* with q; the text of Sect. 2.2 says the inverse). An increment
+//! of u0 is a ramp of 50 time steps and 150 more to relax.
 
 use super::Lost;
 use super::Stop;
@@ -16,7 +18,8 @@ use crate::physics::system::System;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// Time steps, damping and temperature of GFMD. Time is in units of the inverse frequency of a free wave, sqrt(inertia per stiffness).
+/// Time steps, damping and temperature of GFMD. Time is in units of the inverse frequency of a free
+/// wave, sqrt(inertia per stiffness).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GfmdBudget {
     /// Time steps during which u0 moves.
@@ -33,7 +36,13 @@ pub struct GfmdBudget {
 
 impl Default for GfmdBudget {
     fn default() -> Self {
-        Self { ramp: 50, relax: 150, time_step: 0.5, damping: 0.3, temperature: 1e-4 }
+        Self {
+            ramp: 50,
+            relax: 150,
+            time_step: 0.5,
+            damping: 0.3,
+            temperature: 1e-4,
+        }
     }
 }
 
@@ -57,12 +66,16 @@ impl Gfmd {
 
     /// Another budget.
     pub fn with_budget(budget: GfmdBudget, seed: u64) -> Self {
-        Self { budget, velocity: Vec::new(), rng: Pcg64::seed_from_u64(seed) }
+        Self {
+            budget,
+            velocity: Vec::new(),
+            rng: Pcg64::seed_from_u64(seed),
+        }
     }
 }
 
-/// The largest stable time step, 2/sqrt((max gamma'' + q1 E*/2)/(k + q1 E*/2)), where the stiffest point has `stiffness_max` and the
-/// inertia is q E*/2 + `k`.
+/// The largest stable time step, 2/sqrt((max gamma'' + q1 E*/2)/(k + q1 E*/2)), where the stiffest
+/// point has `stiffness_max` and the inertia is q E*/2 + `k`.
 pub fn time_step_limit(system: &System, stiffness_max: f64, k: f64) -> f64 {
     let elastic = system.grid().q1() / 2.0;
     2.0 / ((stiffness_max + elastic) / (k + elastic)).sqrt()
@@ -77,12 +90,27 @@ impl Method for Gfmd {
         false
     }
 
-    fn follow(&mut self, mechanics: &mut Mechanics, _branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
-        let (before, b, precision) = (mechanics.transforms(), self.budget, mechanics.system.precision());
-        let (first, start, total) = (&from.state.amplitudes, from.state.mean_displacement, b.ramp + b.relax);
+    fn follow(
+        &mut self,
+        mechanics: &mut Mechanics,
+        _branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+    ) -> Result<Equilibrium, Lost> {
+        let (before, b, precision) = (
+            mechanics.transforms(),
+            self.budget,
+            mechanics.system.precision(),
+        );
+        let (first, start, total) = (
+            &from.state.amplitudes,
+            from.state.mean_displacement,
+            b.ramp + b.relax,
+        );
         self.velocity.resize(first.len(), 0.0);
         let inverse_inertia = mechanics.preconditioner.diagonal().to_vec();
-        // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per amplitude.
+        // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per
+        // amplitude.
         let area = mechanics.system.grid().length.powi(2);
         let law = mechanics.system.law();
         let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
@@ -101,7 +129,8 @@ impl Method for Gfmd {
             let noise = random_amplitudes(&mechanics.system, &mut self.rng);
             let keep = 1.0 - b.damping * b.time_step;
             for (i, v) in self.velocity.iter_mut().enumerate() {
-                *v = keep * *v - b.time_step * inverse_inertia[i] * at.gradient[i] + amplitude[i] * noise[i];
+                *v = keep * *v - b.time_step * inverse_inertia[i] * at.gradient[i]
+                    + amplitude[i] * noise[i];
             }
             add(&mut at.state.amplitudes, b.time_step, &self.velocity);
             at.state.mean_displacement = if step < total { ramp(step + 1) } else { u0 };
@@ -110,10 +139,21 @@ impl Method for Gfmd {
         let residual = mechanics.residual(&at);
         if !residual.is_finite() || !at.state.energy.is_finite() {
             self.velocity.fill(0.0);
-            return Err(Lost::Diverged(if b.time_step < limit { TOO_HOT } else { TOO_LONG }));
+            return Err(Lost::Diverged(if b.time_step < limit {
+                TOO_HOT
+            } else {
+                TOO_LONG
+            }));
         }
-        let stop = if residual <= precision.tolerance() { Stop::Stable } else { Stop::NotConverged };
-        let cost = Cost { iterations: total, transforms: mechanics.transforms() - before };
+        let stop = if residual <= precision.tolerance() {
+            Stop::Stable
+        } else {
+            Stop::NotConverged
+        };
+        let cost = Cost {
+            iterations: total,
+            transforms: mechanics.transforms() - before,
+        };
         Ok(Equilibrium::unmeasured(at, residual, stop, cost))
     }
 }

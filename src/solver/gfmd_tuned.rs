@@ -1,7 +1,9 @@
-//! GFMD at its best: the same damped dynamics, from a predicted start, with the largest safe time step, until it has relaxed.
+//! GFMD at its best: the same damped dynamics, from a predicted start, with the largest safe time
+//! step, until it has relaxed.
 //!
-//! In place of a thermostat each increment begins with one tiny random push, so that a state that has lost its stability is left
-//! even where it is perfectly symmetric. The method goes wherever the dynamics goes: it locates nothing.
+//! In place of a thermostat each increment begins with one tiny random push, so that a state that
+//! has lost its stability is left even where it is perfectly symmetric. The method goes wherever
+//! the dynamics goes: it locates nothing.
 
 use super::Lost;
 use super::Stop;
@@ -22,11 +24,13 @@ const BUDGET: usize = 1000;
 const TIME_STEP: f64 = 0.75;
 /// Damping rate in units of the frequency of a free wave.
 const DAMPING: f64 = 0.5;
-/// Largest root mean square step of the surface, in ranges: in a jump an overshoot into the wall of the law would be the end of it.
+/// Largest root mean square step of the surface, in ranges: in a jump an overshoot into the wall of
+/// the law would be the end of it.
 const STEP_MAX: f64 = 0.05;
 /// Time steps after which the sliding directions are asked for again.
 const RECENTRE: usize = 50;
-/// Root mean square push at the start of an increment, in ranges: well above what the tolerance cannot see, well below any pattern.
+/// Root mean square push at the start of an increment, in ranges: well above what the tolerance
+/// cannot see, well below any pattern.
 const PUSH: f64 = 1e-4;
 
 /// Mass-weighted dynamics, tuned.
@@ -38,7 +42,9 @@ pub struct GfmdTuned {
 impl GfmdTuned {
     /// Pushes from `seed`.
     pub fn new(seed: u64) -> Self {
-        Self { rng: Pcg64::seed_from_u64(seed) }
+        Self {
+            rng: Pcg64::seed_from_u64(seed),
+        }
     }
 }
 
@@ -51,15 +57,28 @@ impl Method for GfmdTuned {
         false
     }
 
-    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+    fn follow(
+        &mut self,
+        mechanics: &mut Mechanics,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+    ) -> Result<Equilibrium, Lost> {
         let before = mechanics.transforms();
-        let (law, tolerance) = (*mechanics.system.law(), mechanics.system.precision().tolerance());
+        let (law, tolerance) = (
+            *mechanics.system.law(),
+            mechanics.system.precision().tolerance(),
+        );
         let guess = predicted(mechanics, branch, from, u0);
         let mut at = mechanics.at(guess, u0);
         let mut slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let mut push = random_smooth(&mechanics.system, &mut self.rng);
         project_out(&mut push, &slides);
-        add(&mut at.state.amplitudes, PUSH * law.range / norm(&push), &push);
+        add(
+            &mut at.state.amplitudes,
+            PUSH * law.range / norm(&push),
+            &push,
+        );
         let mut velocity = vec![0.0; push.len()];
         for step in 0.. {
             if mechanics.cancel.requested() {
@@ -70,19 +89,28 @@ impl Method for GfmdTuned {
             if !(force.is_finite() && at.state.energy.is_finite()) {
                 return Err(Lost::Diverged("a jump overshot into the wall of the law"));
             }
-            // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
+            // The mean square is a lower bound of the largest residual: only then the exact one is
+            // worth a transform.
             let goal = 0.5 * tolerance * tractions(&law, &at.fields);
             let near = force <= goal;
             if near || step == BUDGET {
                 let residual = mechanics.residual(&at);
                 if residual <= tolerance || step == BUDGET {
-                    let stop = if residual <= tolerance { Stop::Stable } else { Stop::NotConverged };
-                    let cost = Cost { iterations: step, transforms: mechanics.transforms() - before };
+                    let stop = if residual <= tolerance {
+                        Stop::Stable
+                    } else {
+                        Stop::NotConverged
+                    };
+                    let cost = Cost {
+                        iterations: step,
+                        transforms: mechanics.transforms() - before,
+                    };
                     return Ok(Equilibrium::unmeasured(at, residual, stop, cost));
                 }
             }
             if step % RECENTRE == 0 {
-                // Along them a pattern would creep for ever: the mesh holds it with next to nothing.
+                // Along them a pattern would creep for ever: the mesh holds it with next to
+                // nothing.
                 slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
             }
             project_out(&mut at.gradient, &slides);
@@ -94,7 +122,11 @@ impl Method for GfmdTuned {
             }
             let dt = TIME_STEP * 2.0 / stiffest(mechanics, &at.fields).sqrt();
             let keep = 1.0 - DAMPING * dt.min(1.0);
-            for ((v, g), m) in velocity.iter_mut().zip(&at.gradient).zip(mechanics.preconditioner.diagonal()) {
+            for ((v, g), m) in velocity
+                .iter_mut()
+                .zip(&at.gradient)
+                .zip(mechanics.preconditioner.diagonal())
+            {
                 *v = keep * *v - dt * m * g;
             }
             let moved = dt * norm(&velocity) / (STEP_MAX * law.range);

@@ -1,4 +1,5 @@
-//! The mechanics at hand: a system with all that solving it takes, so that nobody carries the pieces one by one.
+//! The mechanics at hand: a system with all that solving it takes, so that nobody carries the
+//! pieces one by one.
 
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
@@ -10,7 +11,8 @@ use ndarray::Array2;
 
 /// A system, an approximate inverse of its Hessian, whether its patterns slide, and working memory.
 ///
-/// The Hessian is that of the [`Fields`] it is given: an evaluation is a value, and no call depends on what was evaluated last.
+/// The Hessian is that of the [`Fields`] it is given: an evaluation is a value, and no call depends
+/// on what was evaluated last.
 #[derive(Clone, Debug)]
 pub struct Mechanics {
     /// Law, ground and cell.
@@ -19,41 +21,50 @@ pub struct Mechanics {
     pub preconditioner: Preconditioner,
     /// Whether patterns can slide.
     pub slides: Slides,
-    /// Symmetry of the surfaces that are solved, beside that of the system: forces and steps are projected onto it. A system that is not
-    /// even has none.
+    /// Symmetry of the surfaces that are solved, beside that of the system: forces and steps are
+    /// projected onto it. A system that is not even has none.
     pub class: Class,
     /// Interrupts what is being solved.
     pub cancel: Cancel,
     pub(super) workspace: Workspace,
 }
 
-/// Whether patterns can slide over the ground, which gives modes without stiffness that say nothing about stability.
+/// Whether patterns can slide over the ground, which gives modes without stiffness that say nothing
+/// about stability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slides {
     /// Uneven ground holds them.
     Never,
     /// Flat ground under a fine mesh.
     Freely,
-    /// Flat ground under a coarse mesh, which may pin them: where it does the modes are real and stay.
+    /// Flat ground under a coarse mesh, which may pin them: where it does the modes are real and
+    /// stay.
     UnlessPinned,
 }
 
-/// Stiffness of the preconditioner's diagonal as a share of that of the law's well: where patterns are made of both contact and gap.
+/// Stiffness of the preconditioner's diagonal as a share of that of the law's well: where patterns
+/// are made of both contact and gap.
 const SHARE: f64 = 0.25;
 /// The same on the whole cell of uneven ground, most of which is out of contact.
 const SHARE_UNEVEN: f64 = 0.04;
-/// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where nothing attracts. With five times as much a
-/// line of 16 points at mu_rho = 0.75 shows one of its 18 jumps of the mesh too few.
+/// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where
+/// nothing attracts. With five times as much a line of 16 points at mu_rho = 0.75 shows one of its
+/// 18 jumps of the mesh too few.
 const PINNED: f64 = 0.02;
-/// Share of the stiffness q1 of the longest wave below which a sliding mode, over the pattern it moves, is no motion of the pattern: a
-/// ridge carries a trace of its softest modulation, whose derivative is that modulation moved by a quarter wave; taken for a sliding
-/// mode it would hide the coming instability.
+/// Share of the stiffness q1 of the longest wave below which a sliding mode, over the pattern it
+/// moves, is no motion of the pattern: a ridge carries a trace of its softest modulation, whose
+/// derivative is that modulation moved by a quarter wave; taken for a sliding mode it would hide
+/// the coming instability.
 const TRACE: f64 = 1e-3;
 
 /// Stiffness k (E* per length) of the diagonal 1/(q E*/2 + k) of a system's preconditioner.
 pub fn preconditioner_stiffness(system: &System) -> f64 {
     let law = system.law();
-    let share = if system.is_flat() || system.is_even() { SHARE } else { SHARE_UNEVEN };
+    let share = if system.is_flat() || system.is_even() {
+        SHARE
+    } else {
+        SHARE_UNEVEN
+    };
     law.at(law.equilibrium_gap()).stiffness * share
 }
 
@@ -65,8 +76,19 @@ impl Mechanics {
     }
 
     /// The same with another preconditioner.
-    pub fn with_preconditioner(preconditioner: Preconditioner, system: System, slides: Slides) -> Self {
-        Self { workspace: system.workspace(), system, preconditioner, slides, class: Class::Even, cancel: Cancel::default() }
+    pub fn with_preconditioner(
+        preconditioner: Preconditioner,
+        system: System,
+        slides: Slides,
+    ) -> Self {
+        Self {
+            workspace: system.workspace(),
+            system,
+            preconditioner,
+            slides,
+            class: Class::Even,
+            cancel: Cancel::default(),
+        }
     }
 
     /// Transforms done so far.
@@ -89,7 +111,8 @@ impl Mechanics {
         at
     }
 
-    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two transforms.
+    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two
+    /// transforms.
     pub fn update(&mut self, at: &mut Evaluation) {
         self.system.update(at, &mut self.workspace);
         self.class.project(&self.system, &mut at.gradient);
@@ -107,12 +130,14 @@ impl Mechanics {
 
     /// [`System::stiffness_amplitudes`]. One transform.
     pub fn stiffness_amplitudes(&mut self, fields: &Fields, out: &mut [f64]) -> f64 {
-        self.system.stiffness_amplitudes(fields, out, &mut self.workspace)
+        self.system
+            .stiffness_amplitudes(fields, out, &mut self.workspace)
     }
 
     /// The preconditioner for a surface with these `fields`. One transform.
     pub fn refresh(&mut self, fields: &Fields) {
-        self.preconditioner.refresh(&self.system, fields, &mut self.workspace);
+        self.preconditioner
+            .refresh(&self.system, fields, &mut self.workspace);
     }
 
     /// The gap field of amplitudes `z` at mean displacement `u0`. One transform.
@@ -132,23 +157,49 @@ impl Mechanics {
         self.system.amplitudes(field, &mut self.workspace)
     }
 
-    /// Solves H x = b for the Hessian H of a surface with these `fields`, in the complement of the orthonormal `removed` directions. Two
-    /// transforms a product.
-    pub fn solve_linear(&mut self, fields: &Fields, b: &[f64], removed: &[Vec<f64>], limits: CgLimits) -> CgSolution {
-        let Self { system, preconditioner, workspace, class, cancel, .. } = self;
+    /// Solves H x = b for the Hessian H of a surface with these `fields`, in the complement of the
+    /// orthonormal `removed` directions. Two transforms a product.
+    pub fn solve_linear(
+        &mut self,
+        fields: &Fields,
+        b: &[f64],
+        removed: &[Vec<f64>],
+        limits: CgLimits,
+    ) -> CgSolution {
+        let Self {
+            system,
+            preconditioner,
+            workspace,
+            class,
+            cancel,
+            ..
+        } = self;
         let apply = |v: &[f64], out: &mut [f64]| system.hessian(fields, v, out, workspace);
-        let mut found = conjugate_gradients(apply, b, |r, out| preconditioner.apply(r, out), removed, limits, cancel);
+        let mut found = conjugate_gradients(
+            apply,
+            b,
+            |r, out| preconditioner.apply(r, out),
+            removed,
+            limits,
+            cancel,
+        );
         class.project(system, &mut found.x);
         found
     }
 
-    /// Orthonormal basis of the directions in which the pattern `z` with these `fields` slides; none for a flat surface, one for a ridge.
+    /// Orthonormal basis of the directions in which the pattern `z` with these `fields` slides;
+    /// none for a flat surface, one for a ridge.
     pub fn sliding_basis(&mut self, z: &[f64], fields: &Fields) -> Vec<Vec<f64>> {
         if self.slides == Slides::Never {
             return Vec::new();
         }
         let weakest = TRACE * self.system.grid().q1() * norm(z);
-        let modes = self.system.sliding_modes(z).into_iter().filter(|m| norm(m) > weakest).collect();
+        let modes = self
+            .system
+            .sliding_modes(z)
+            .into_iter()
+            .filter(|m| norm(m) > weakest)
+            .collect();
         let mut basis = orthonormalise(modes, 1e-6);
         if self.slides == Slides::UnlessPinned {
             let mut image = vec![0.0; z.len()];

@@ -1,4 +1,5 @@
-//! Every relaxation method: one row of the table `METHODS` each, and a variant of [`MethodKind`] to name it by.
+//! Every relaxation method: one row of the table `METHODS` each, and a variant of [`MethodKind`] to
+//! name it by.
 
 use super::descent::Descent;
 use super::gfmd::Gfmd;
@@ -30,7 +31,8 @@ struct Row {
     word: &'static str,
     /// Its name on the screen.
     title: &'static str,
-    /// Fourier transforms of an increment of Fig. 2, roughly: what a chart reckons with before it has measured.
+    /// Fourier transforms of an increment of Fig. 2, roughly: what a chart reckons with before it
+    /// has measured.
     transforms: f64,
     /// The method, its randomness seeded.
     build: fn(u64) -> Box<dyn Method>,
@@ -45,7 +47,13 @@ const METHODS: [Row; 6] = [
         transforms: 60.0,
         build: |_| Box::new(NewtonKrylov),
     },
-    Row { kind: MethodKind::Lbfgs, word: "lbfgs", title: "L-BFGS", transforms: 70.0, build: |_| Box::new(Descent::lbfgs()) },
+    Row {
+        kind: MethodKind::Lbfgs,
+        word: "lbfgs",
+        title: "L-BFGS",
+        transforms: 70.0,
+        build: |_| Box::new(Descent::lbfgs()),
+    },
     Row {
         kind: MethodKind::ConjugateGradients,
         word: "cg",
@@ -53,7 +61,13 @@ const METHODS: [Row; 6] = [
         transforms: 60.0,
         build: |_| Box::new(Descent::conjugate()),
     },
-    Row { kind: MethodKind::Fire, word: "fire", title: "FIRE", transforms: 110.0, build: |_| Box::new(Descent::fire()) },
+    Row {
+        kind: MethodKind::Fire,
+        word: "fire",
+        title: "FIRE",
+        transforms: 110.0,
+        build: |_| Box::new(Descent::fire()),
+    },
     Row {
         kind: MethodKind::GfmdTuned,
         word: "gfmd_tuned",

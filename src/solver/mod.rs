@@ -1,8 +1,9 @@
 //! Floor 2: equilibria along a branch, their stability, and the release after an instability.
 //!
-//! A [`State`](crate::physics::system::State) is a vector of amplitudes z at a mean displacement u0. Eigenvalues are of the Hessian
-//! per area in the metric mean(v^2), in E* per length; where a record says E*/L they are multiplied by L. Knows neither scenes nor
-//! clocks. May use `physics` and `numerics`.
+//! A [`State`](crate::physics::system::State) is a vector of amplitudes z at a mean displacement
+//! u0. Eigenvalues are of the Hessian per area in the metric mean(v^2), in E* per length; where a
+//! record says E*/L they are multiplied by L. Knows neither scenes nor clocks. May use `physics`
+//! and `numerics`.
 
 pub mod branch;
 pub mod descent;

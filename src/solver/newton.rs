@@ -1,4 +1,5 @@
-//! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to have negative curvature.
+//! Newton-Krylov: the nearest equilibrium to a good guess, refused wherever the Hessian is seen to
+//! have negative curvature.
 
 use super::Lost;
 use super::mechanics::Mechanics;
@@ -19,14 +20,16 @@ pub struct NewtonLimits {
     pub products: usize,
     /// Loosest linear solve of [`descend`], residual over right-hand side.
     pub forcing: f64,
-    /// Step of [`solve`] from which on each makes the preconditioner anew; that of the guess, or of the state before, serves until then.
+    /// Step of [`solve`] from which on each makes the preconditioner anew; that of the guess, or of
+    /// the state before, serves until then.
     pub refresh: usize,
 }
 
 /// Which residual tells that an equilibrium is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Residual {
-    /// max |residual traction| / max(sigma_max, max |traction|): the evidence for a state that is shown. One transform.
+    /// max |residual traction| / max(sigma_max, max |traction|): the evidence for a state that is
+    /// shown. One transform.
     Largest,
     /// The root mean square over sigma_max. No transform.
     Mean,
@@ -34,14 +37,24 @@ pub enum Residual {
 
 impl Default for NewtonLimits {
     fn default() -> Self {
-        Self { tolerance: 1e-6, residual: Residual::Largest, steps: 10, products: 80, forcing: 0.1, refresh: usize::MAX }
+        Self {
+            tolerance: 1e-6,
+            residual: Residual::Largest,
+            steps: 10,
+            products: 80,
+            forcing: 0.1,
+            refresh: usize::MAX,
+        }
     }
 }
 
 impl NewtonLimits {
     /// What can be asked for in the system's precision.
     pub fn of(system: &System) -> Self {
-        Self { tolerance: system.precision().tolerance(), ..Self::default() }
+        Self {
+            tolerance: system.precision().tolerance(),
+            ..Self::default()
+        }
     }
 }
 
@@ -88,12 +101,13 @@ impl NewtonState {
 
 /// Solves for equilibrium at `u0` from the guess `z`.
 ///
-/// Where patterns slide freely those directions are left out of the steps (not out of the residual).
+/// Where patterns slide freely those directions are left out of the steps (not out of the
+/// residual).
 pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimits) -> NewtonState {
     let scale = mechanics.system.law().traction_max();
-    // Root mean square force at which it may be an equilibrium. It is a lower bound of the largest residual: only then the exact one is
-    // worth a transform. Below the floor of the precision there is nothing but rounding to follow: whoever asks for less is told where
-    // it ends.
+    // Root mean square force at which it may be an equilibrium. It is a lower bound of the largest
+    // residual: only then the exact one is worth a transform. Below the floor of the precision
+    // there is nothing but rounding to follow: whoever asks for less is told where it ends.
     let goal = scale
         * match limits.residual {
             Residual::Largest => 0.5 * limits.tolerance.max(mechanics.system.precision().floor()),
@@ -103,7 +117,12 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
     let mut force = norm(&at.gradient);
     let mut before = f64::INFINITY;
     for step in 0..=limits.steps {
-        let end = |end, residual, at| NewtonState { at, residual, steps: step, end };
+        let end = |end, residual, at| NewtonState {
+            at,
+            residual,
+            steps: step,
+            end,
+        };
         if !force.is_finite() || !at.state.energy.is_finite() {
             return end(NewtonEnd::Stalled, f64::NAN, at);
         }
@@ -126,17 +145,24 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
         let removed = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let mut push = at.gradient.clone();
         project_out(&mut push, &removed);
-        // Quadratic convergence wants it to fall with the force; less than what is left to the goal is wasted.
+        // Quadratic convergence wants it to fall with the force; less than what is left to the goal
+        // is wasted.
         let forcing = (0.3 * goal / force).max((force / scale).min(0.1)).min(0.3);
-        let cg = CgLimits { tolerance: forcing, products: limits.products };
-        let CgSolution { x: dz, end: cg_end, .. } = mechanics.solve_linear(&at.fields, &push, &removed, cg);
+        let cg = CgLimits {
+            tolerance: forcing,
+            products: limits.products,
+        };
+        let CgSolution {
+            x: dz, end: cg_end, ..
+        } = mechanics.solve_linear(&at.fields, &push, &removed, cg);
         match cg_end {
             CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, at),
             CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, at),
             CgEnd::Converged | CgEnd::Budget => {}
         }
         before = force;
-        // A step that leaves the domain of the law (a Mie law at zero gap) is shortened, never taken.
+        // A step that leaves the domain of the law (a Mie law at zero gap) is shortened, never
+        // taken.
         let z = at.state.amplitudes.clone();
         let mut length = 1.0;
         loop {
@@ -153,12 +179,22 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
     unreachable!("the last step returns")
 }
 
-/// Descends to a minimum at `u0` from anywhere by Newton steps within a trust region: where the curvature is negative it goes to the
-/// region's edge along that direction (T. Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer
-/// than `radius` (root mean square, length).
-pub fn descend(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, radius: f64, limits: NewtonLimits) -> NewtonState {
+/// Descends to a minimum at `u0` from anywhere by Newton steps within a trust region: where the
+/// curvature is negative it goes to the region's edge along that direction (T. Steihaug, SIAM J.
+/// Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer than `radius` (root mean
+/// square, length).
+pub fn descend(
+    mechanics: &mut Mechanics,
+    z: Vec<f64>,
+    u0: f64,
+    radius: f64,
+    limits: NewtonLimits,
+) -> NewtonState {
     let (law, precision) = (*mechanics.system.law(), mechanics.system.precision());
-    let (scale, rounding) = (law.traction_max(), precision.rounding() * law.surface_energy);
+    let (scale, rounding) = (
+        law.traction_max(),
+        precision.rounding() * law.surface_energy,
+    );
     let mut at = mechanics.at(z, u0);
     let mut trial = at.clone();
     let mut reach = radius;
@@ -168,19 +204,33 @@ pub fn descend(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, radius: f64, lim
         let end = match residual <= limits.tolerance {
             true => Some(NewtonEnd::Converged),
             false if mechanics.cancel.requested() => Some(NewtonEnd::Cancelled),
-            false if step == limits.steps || !residual.is_finite() || reach < 1e-9 * radius => Some(NewtonEnd::Stalled),
+            false if step == limits.steps || !residual.is_finite() || reach < 1e-9 * radius => {
+                Some(NewtonEnd::Stalled)
+            }
             false => None,
         };
         if let Some(end) = end {
-            return NewtonState { at, residual, steps: step, end };
+            return NewtonState {
+                at,
+                residual,
+                steps: step,
+                end,
+            };
         }
         let removed = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
-        let cg = CgLimits { tolerance: (force / scale).sqrt().clamp(1e-4, limits.forcing), products: limits.products };
+        let cg = CgLimits {
+            tolerance: (force / scale).sqrt().clamp(1e-4, limits.forcing),
+            products: limits.products,
+        };
         let found = mechanics.solve_linear(&at.fields, &at.gradient, &removed, cg);
         let mut dz = found.x;
         if found.end == CgEnd::NegativeCurvature {
             // To the edge: |x + t p| = reach.
-            let (pp, xp, xx) = (dot(&found.direction, &found.direction), dot(&dz, &found.direction), dot(&dz, &dz));
+            let (pp, xp, xx) = (
+                dot(&found.direction, &found.direction),
+                dot(&dz, &found.direction),
+                dot(&dz, &dz),
+            );
             let t = (-xp + (xp * xp + pp * (reach * reach - xx).max(0.0)).sqrt()) / pp;
             add(&mut dz, t, &found.direction);
         }
@@ -190,7 +240,8 @@ pub fn descend(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, radius: f64, lim
         add(&mut trial.state.amplitudes, -share, &dz);
         mechanics.update(&mut trial);
         let (before, after) = (at.state.energy, trial.state.energy);
-        if after < before - rounding || after <= before + rounding && norm(&trial.gradient) < force {
+        if after < before - rounding || after <= before + rounding && norm(&trial.gradient) < force
+        {
             std::mem::swap(&mut at, &mut trial);
             reach = (2.0 * reach).min(radius);
         } else {
@@ -200,8 +251,9 @@ pub fn descend(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, radius: f64, lim
     unreachable!("the last step returns")
 }
 
-/// `z` moved by less than a mesh spacing so that the pattern's centre lies, along each axis, on a mesh point or `between` two. There the
-/// mesh's own weak pinning vanishes by symmetry; elsewhere it would keep the residual from converging.
+/// `z` moved by less than a mesh spacing so that the pattern's centre lies, along each axis, on a
+/// mesh point or `between` two. There the mesh's own weak pinning vanishes by symmetry; elsewhere
+/// it would keep the residual from converging.
 pub fn centred(system: &System, z: &[f64], between: [bool; 2]) -> Vec<f64> {
     let half = between.map(|between| if between { 0.5 } else { 0.0 });
     placed(system, z, |axis, x0| (x0 - half[axis]).round() + half[axis])

@@ -1,26 +1,32 @@
-//! The release after an instability: down the steepest way at fixed u0, until Newton can take over nearby.
+//! The release after an instability: down the steepest way at fixed u0, until Newton can take over
+//! nearby.
 //!
-//! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over it; where it then comes to rest is a
-//! matter of luck. Here the velocity always points along the force.
+//! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over
+//! it; where it then comes to rest is a matter of luck. Here the velocity always points along the
+//! force.
 
 use super::mechanics::{Mechanics, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::system::Evaluation;
 
-/// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law would be the end of it.
+/// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law
+/// would be the end of it.
 const STEP_MAX: f64 = 0.05;
 /// Time step in units of the inverse largest frequency (the stability limit is 2).
 const TIME_STEP: f64 = 1.2;
 /// Steps after which a release is given up: hundreds are normal.
 const STEPS_MAX: usize = 20_000;
-/// Share of the longest step below which the steepest way creeps, on a saddle or along a valley, and Newton steps go on.
+/// Share of the longest step below which the steepest way creeps, on a saddle or along a valley,
+/// and Newton steps go on.
 const CREEP: f64 = 0.2;
 /// Steps that the steepest way is given before that is asked.
 const STEEPEST: usize = 12;
-/// Newton steps then, each within a trust region of the longest step, so that they follow the valley.
+/// Newton steps then, each within a trust region of the longest step, so that they follow the
+/// valley.
 const DESCENT: usize = 4;
-/// Energy, in gamma, that such a descent must release: what slides from between mesh points gives less.
+/// Energy, in gamma, that such a descent must release: what slides from between mesh points gives
+/// less.
 const LEAST_GAIN: f64 = 1e-10;
 /// Newton steps of a pattern that is let slide.
 const SLIDING: usize = 40;
@@ -71,7 +77,10 @@ impl Release {
             moved: 0.0,
             since_newton: 0,
             patience: STEEPEST,
-            limits: NewtonLimits { steps: DESCENT, ..NewtonLimits::default() },
+            limits: NewtonLimits {
+                steps: DESCENT,
+                ..NewtonLimits::default()
+            },
         }
     }
 
@@ -86,7 +95,8 @@ impl Release {
         self.limits.tolerance
     }
 
-    /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of the preconditioner), so that all waves move alike.
+    /// Does up to `count` time steps. Inertia is q E*/2 + k (the inverse of the preconditioner), so
+    /// that all waves move alike.
     pub fn advance(&mut self, mechanics: &mut Mechanics, count: usize) -> Slice {
         let (law, precision) = (*mechanics.system.law(), mechanics.system.precision());
         for _ in 0..count {
@@ -97,7 +107,9 @@ impl Release {
                 return Slice::Stuck;
             }
             let rounding = precision.rounding().max(1e-9) * law.surface_energy;
-            if !(self.at.state.energy <= self.energy + rounding) || !norm(&self.at.gradient).is_finite() {
+            if !(self.at.state.energy <= self.energy + rounding)
+                || !norm(&self.at.gradient).is_finite()
+            {
                 if !self.undo() {
                     return Slice::Stuck;
                 }
@@ -117,19 +129,35 @@ impl Release {
         Slice::Moving
     }
 
-    /// A few Newton steps where the steepest way creeps; `None` if they do not settle it: then from where they got to.
+    /// A few Newton steps where the steepest way creeps; `None` if they do not settle it: then from
+    /// where they got to.
     ///
-    /// What slides is left out at first. Where nothing else is left to gain, and the mesh still pulls, it is let slide.
+    /// What slides is left out at first. Where nothing else is left to gain, and the mesh still
+    /// pulls, it is let slide.
     fn newton(&mut self, mechanics: &mut Mechanics) -> Option<Slice> {
-        let (law, u0, slides) = (*mechanics.system.law(), self.at.state.mean_displacement, mechanics.slides);
+        let (law, u0, slides) = (
+            *mechanics.system.law(),
+            self.at.state.mean_displacement,
+            mechanics.slides,
+        );
         let least = mechanics.system.precision().rounding().max(LEAST_GAIN) * law.surface_energy;
         let cap = STEP_MAX * law.range;
         self.since_newton = 0;
-        let mut state = descend(mechanics, self.at.state.amplitudes.clone(), u0, cap, self.limits);
-        let stalled = state.end == NewtonEnd::Stalled && !(state.at.state.energy < self.energy - least);
+        let mut state = descend(
+            mechanics,
+            self.at.state.amplitudes.clone(),
+            u0,
+            cap,
+            self.limits,
+        );
+        let stalled =
+            state.end == NewtonEnd::Stalled && !(state.at.state.energy < self.energy - least);
         if stalled && slides != Slides::Never {
             mechanics.slides = Slides::Never;
-            let limits = NewtonLimits { steps: SLIDING, ..self.limits };
+            let limits = NewtonLimits {
+                steps: SLIDING,
+                ..self.limits
+            };
             state = descend(mechanics, state.at.state.amplitudes, u0, cap, limits);
             mechanics.slides = slides;
         }
@@ -170,13 +198,17 @@ impl Release {
         }
         self.moved = moved.min(cap);
         std::mem::swap(&mut self.previous, &mut self.at);
-        self.at.state.amplitudes.copy_from_slice(&self.previous.state.amplitudes);
+        self.at
+            .state
+            .amplitudes
+            .copy_from_slice(&self.previous.state.amplitudes);
         add(&mut self.at.state.amplitudes, dt, &self.velocity);
         mechanics.update(&mut self.at);
         self.shrink = (self.shrink * 1.02).min(1.0);
     }
 
-    /// Takes the last step back, comes to rest and halves the next step; false when there is nothing left to halve.
+    /// Takes the last step back, comes to rest and halves the next step; false when there is
+    /// nothing left to halve.
     fn undo(&mut self) -> bool {
         if self.steps == 0 || self.shrink < 1e-6 {
             return false;

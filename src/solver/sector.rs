@@ -1,7 +1,9 @@
-//! Equilibria of one symmetry on flat ground: ridges on half a line, bulges and dimples on the symmetric part of a quarter cell.
+//! Equilibria of one symmetry on flat ground: ridges on half a line, bulges and dimples on the
+//! symmetric part of a quarter cell.
 //!
-//! With the symmetry imposed there is no sliding and little left to compute: an exact block of the longest waves leaves a Newton
-//! step two to four products. Every node carries its tangent along u0, and how soft it is in each way its branch can end.
+//! With the symmetry imposed there is no sliding and little left to compute: an exact block of the
+//! longest waves leaves a Newton step two to four products. Every node carries its tangent along
+//! u0, and how soft it is in each way its branch can end.
 
 mod fold;
 
@@ -21,8 +23,9 @@ use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{Evaluation, Fields, State, System, carried};
 use crate::physics::theory::flat;
 
-/// Root mean square force over sigma_max of a node between the ends of a branch. The energy is stationary, and the stress is
-/// corrected along the tangent: the errors of both are second order in this.
+/// Root mean square force over sigma_max of a node between the ends of a branch. The energy is
+/// stationary, and the stress is corrected along the tangent: the errors of both are second order
+/// in this.
 pub const NODE: f64 = 2e-4;
 /// The same for the ends, whose place must be known, and for states that are shown.
 const SHARP: f64 = 1e-8;
@@ -34,11 +37,36 @@ const DESCENTS: usize = 12;
 const STEPS: usize = 9;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
-/// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can soften on a flat surface: pattern
-/// edges are sharper than that. At most 180 waves of one class, whose factorisation costs as much as a dozen transforms.
-const REACH: f64 = 3.3;
+/// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can
+/// soften on a flat surface: pattern edges are sharper than that. At most 180 waves of one class,
+/// whose factorisation costs as much as a dozen transforms.
+const BLOCK_REACH: f64 = 3.3;
 const LEAST_REACH: f64 = 8.0;
 const MOST_REACH: f64 = 20.0;
+
+/// An end of a branch along u0, and the way towards it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Smaller u0.
+    Lower,
+    /// Larger u0.
+    Upper,
+}
+
+impl Side {
+    /// Both, by their index.
+    pub const BOTH: [Self; 2] = [Side::Lower, Side::Upper];
+
+    /// Place in a pair of ends.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Sign of du0 on the way.
+    pub fn sign(self) -> f64 {
+        if self == Side::Upper { 1.0 } else { -1.0 }
+    }
+}
 
 /// One equilibrium with its first derivatives along the branch.
 #[derive(Clone, Debug)]
@@ -53,7 +81,8 @@ pub struct Node {
     pub own: f64,
     /// Smallest eigenvalue among modes that break it (E* per length).
     pub breaking: f64,
-    /// At a fold d2u0/da2 along the null vector, at the end where symmetry breaks d breaking/du0; NaN elsewhere.
+    /// At a fold d2u0/da2 along the null vector, at the end where symmetry breaks d breaking/du0;
+    /// NaN elsewhere.
     pub bend: f64,
     /// True if that mode is odd, a ridge about to meander: beyond the reach of every even model.
     pub breaks_oddly: bool,
@@ -106,7 +135,8 @@ pub struct Sector {
     partial: bool,
 }
 
-/// Amplitudes and mean of gamma'' at a surface: the derivatives of its forces and of its stress with u0.
+/// Amplitudes and mean of gamma'' at a surface: the derivatives of its forces and of its stress
+/// with u0.
 struct Rates {
     forces: Vec<f64>,
     stress: f64,
@@ -116,7 +146,8 @@ impl Sector {
     /// Ridges: fields of x alone.
     pub fn ridge(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::line(length, n), law, &Indenter::Flat);
-        let modulations = [Class::Varicose, Class::Sinuous].map(|class| LowBlock::new(&system, class, f64::INFINITY));
+        let modulations = [Class::Varicose, Class::Sinuous]
+            .map(|class| LowBlock::new(&system, class, f64::INFINITY));
         Self::new(system, Class::Even, modulations.into(), f64::INFINITY)
     }
 
@@ -124,18 +155,23 @@ impl Sector {
     pub fn square(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
         let periods = length / flat::critical_length(&law);
-        let reach = (REACH * periods).clamp(LEAST_REACH, MOST_REACH);
+        let reach = (BLOCK_REACH * periods).clamp(LEAST_REACH, MOST_REACH);
         let block = LowBlock::new(&system, Class::Antisymmetric, reach);
         let mut sector = Self::new(system, Class::Symmetric, vec![block], reach);
-        sector.partial = REACH * periods > MOST_REACH;
+        sector.partial = BLOCK_REACH * periods > MOST_REACH;
         sector
     }
 
     fn new(system: System, class: Class, breaking: Vec<LowBlock>, reach: f64) -> Self {
-        let preconditioner = Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
+        let preconditioner =
+            Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
         let mut mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
         mechanics.class = class;
-        Self { mechanics, partial: false, breaking }
+        Self {
+            mechanics,
+            partial: false,
+            breaking,
+        }
     }
 
     /// The mechanics.
@@ -155,21 +191,45 @@ impl Sector {
     /// The derivatives with u0. One transform.
     fn rates(&mut self, fields: &Fields) -> Rates {
         let mut forces = vec![0.0; self.system().dimension()];
-        Rates { stress: self.mechanics.stiffness_amplitudes(fields, &mut forces), forces }
+        Rates {
+            stress: self.mechanics.stiffness_amplitudes(fields, &mut forces),
+            forces,
+        }
     }
 
     /// These, with the exact block made of them.
     fn refresh(&mut self, fields: &Fields) -> Rates {
         let rates = self.rates(fields);
-        let Mechanics { system, preconditioner, .. } = &mut self.mechanics;
-        let block = preconditioner.low_block_mut().expect("an even system has a block");
+        let Mechanics {
+            system,
+            preconditioner,
+            ..
+        } = &mut self.mechanics;
+        let block = preconditioner
+            .low_block_mut()
+            .expect("an even system has a block");
         block.assemble(system, &rates.forces, rates.stress);
         rates
     }
 
-    /// Solves P H P x = P b for the Hessian H of a surface with these `fields`, P removing the unit vectors `removed`.
-    fn solve(&mut self, fields: &Fields, b: &[f64], removed: &[Vec<f64>], tolerance: f64) -> Result<Vec<f64>, Lost> {
-        let found = self.mechanics.solve_linear(fields, b, removed, CgLimits { tolerance, products: PRODUCTS });
+    /// Solves P H P x = P b for the Hessian H of a surface with these `fields`, P removing the unit
+    /// vectors `removed`.
+    fn solve(
+        &mut self,
+        fields: &Fields,
+        b: &[f64],
+        removed: &[Vec<f64>],
+        tolerance: f64,
+    ) -> Result<Vec<f64>, Lost> {
+        let found = self.mechanics.solve_linear(
+            fields,
+            b,
+            removed,
+            CgLimits {
+                tolerance,
+                products: PRODUCTS,
+            },
+        );
         match found.end {
             CgEnd::NegativeCurvature => return Err(Lost::Unstable),
             CgEnd::Cancelled => return Err(Lost::Cancelled),
@@ -178,13 +238,23 @@ impl Sector {
         Ok(found.x)
     }
 
-    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields; the force below `tolerance`
-    /// ([`NODE`]).
+    /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields;
+    /// the force below `tolerance` ([`NODE`]).
     ///
     /// # Errors
     /// No equilibrium near, or negative curvature on the way.
-    pub fn node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<(Node, Fields), Lost> {
-        let Evaluation { mut state, gradient, fields } = self.converge(u0, z, tolerance)?;
+    pub fn node(
+        &mut self,
+        u0: f64,
+        z: Vec<f64>,
+        before: Option<&Node>,
+        tolerance: f64,
+    ) -> Result<(Node, Fields), Lost> {
+        let Evaluation {
+            mut state,
+            gradient,
+            fields,
+        } = self.converge(u0, z, tolerance)?;
         let rates = self.refresh(&fields);
         let mut tangent = self.solve(&fields, &rates.forces, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
@@ -199,19 +269,31 @@ impl Sector {
     ///
     /// # Errors
     /// As [`Sector::node`].
-    pub fn sharp_node(&mut self, u0: f64, z: Vec<f64>, before: Option<&Node>) -> Result<Node, Lost> {
+    pub fn sharp_node(
+        &mut self,
+        u0: f64,
+        z: Vec<f64>,
+        before: Option<&Node>,
+    ) -> Result<Node, Lost> {
         let (mut node, fields) = self.node(u0, z, before, SHARP)?;
         self.sharpen(&mut node, &fields);
         Ok(node)
     }
 
-    /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses too far for [`Sector::node`].
+    /// Down to the minimum at `u0` in whose valley `z` lies; `None` if it is not found. For guesses
+    /// too far for [`Sector::node`].
     pub fn settle(&mut self, u0: f64, mut z: Vec<f64>) -> Option<Vec<f64>> {
         let radius = SETTLING * self.system().law().range;
         for _ in 0..DESCENTS {
             let at = self.mechanics.at(z, u0);
             self.refresh(&at.fields);
-            let limits = NewtonLimits { tolerance: NODE, steps: 6, products: PRODUCTS, forcing: 0.3, ..NewtonLimits::default() };
+            let limits = NewtonLimits {
+                tolerance: NODE,
+                steps: 6,
+                products: PRODUCTS,
+                forcing: 0.3,
+                ..NewtonLimits::default()
+            };
             let found = descend(&mut self.mechanics, at.state.amplitudes, u0, radius, limits);
             z = found.at.state.amplitudes;
             match found.end {
@@ -225,7 +307,11 @@ impl Sector {
 
     /// Newton's method at fixed u0, down to a root mean square force of `tolerance` (sigma_max).
     fn converge(&mut self, u0: f64, z: Vec<f64>, tolerance: f64) -> Result<Evaluation, Lost> {
-        let ready = self.mechanics.preconditioner.low_block().is_some_and(LowBlock::is_ready);
+        let ready = self
+            .mechanics
+            .preconditioner
+            .low_block()
+            .is_some_and(LowBlock::is_ready);
         // The block of the node before serves a first step, and often the second.
         let refresh = if ready { 2 } else { 0 };
         let limits = NewtonLimits {
@@ -236,18 +322,29 @@ impl Sector {
             refresh,
             ..NewtonLimits::default()
         };
-        solve(&mut self.mechanics, z, u0, limits).converged().map(|found| found.at)
+        solve(&mut self.mechanics, z, u0, limits)
+            .converged()
+            .map(|found| found.at)
     }
 
-    /// Fills in how soft the node is, for which the block was refreshed: from the blocks, and where those leave out waves that matter from
-    /// the whole Hessian, starting from the modes of the node before.
+    /// Fills in how soft the node is, for which the block was refreshed: from the blocks, and where
+    /// those leave out waves that matter from the whole Hessian, starting from the modes of the
+    /// node before.
     fn soften(&mut self, node: &mut Node, before: Option<&Node>, fields: &Fields, rates: &Rates) {
-        let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
+        let block = self
+            .mechanics
+            .preconditioner
+            .low_block()
+            .expect("an even system has a block");
         let known = before.map(|n| &n.own_waves[..]);
         let own;
         (own, node.own_waves) = block.softest(known);
         let all_positive = block.negative() == 0;
-        node.own = if all_positive { own } else { own.min(-f64::MIN_POSITIVE) };
+        node.own = if all_positive {
+            own
+        } else {
+            own.min(-f64::MIN_POSITIVE)
+        };
         node.breaking = f64::INFINITY;
         let is_ridge = self.is_ridge();
         for (i, block) in self.breaking.iter_mut().enumerate() {
@@ -263,11 +360,28 @@ impl Sector {
             node.breaking_mode = self.breaking[0].mode(&node.breaking_waves[0], self.system());
         }
         if self.partial {
-            let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
+            let block = self
+                .mechanics
+                .preconditioner
+                .low_block()
+                .expect("an even system has a block");
             node.own_mode = block.mode(&node.own_waves, self.system());
-            let limits = EigenLimits { pairs: 1, least: 1, most: 4, relative: 0.05, absolute: 1e-3 * self.system().grid().q1() };
-            let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| known.into_iter().chain([mode]).cloned().collect();
-            let own = self.refine(fields, Class::Symmetric, start(&node.own_mode, before.map(|n| &n.own_mode)), limits);
+            let limits = EigenLimits {
+                pairs: 1,
+                least: 1,
+                most: 4,
+                relative: 0.05,
+                absolute: 1e-3 * self.system().grid().q1(),
+            };
+            let start = |mode: &Vec<f64>, known: Option<&Vec<f64>>| {
+                known.into_iter().chain([mode]).cloned().collect()
+            };
+            let own = self.refine(
+                fields,
+                Class::Symmetric,
+                start(&node.own_mode, before.map(|n| &n.own_mode)),
+                limits,
+            );
             (node.own, node.own_mode, _) = own;
             let start = start(&node.breaking_mode, before.map(|n| &n.breaking_mode));
             let breaking = self.refine(fields, Class::Antisymmetric, start, limits);
@@ -276,8 +390,24 @@ impl Sector {
     }
 
     /// The smallest eigenpair of one class, with its residual, over all waves of the mesh.
-    fn refine(&mut self, fields: &Fields, class: Class, start: Vec<Vec<f64>>, limits: EigenLimits) -> (f64, Vec<f64>, f64) {
-        let Self { mechanics: Mechanics { system, preconditioner, workspace, .. }, breaking, .. } = self;
+    fn refine(
+        &mut self,
+        fields: &Fields,
+        class: Class,
+        start: Vec<Vec<f64>>,
+        limits: EigenLimits,
+    ) -> (f64, Vec<f64>, f64) {
+        let Self {
+            mechanics:
+                Mechanics {
+                    system,
+                    preconditioner,
+                    workspace,
+                    ..
+                },
+            breaking,
+            ..
+        } = self;
         let apply = |v: &[f64], out: &mut [f64]| {
             system.hessian(fields, v, out, workspace);
             class.project(system, out);
@@ -292,22 +422,37 @@ impl Sector {
             breaking[0].precondition(r, out);
         };
         let mut found = smallest(apply, start, &[], precondition, limits, &Cancel::default());
-        (found.values[0], found.vectors.swap_remove(0), found.residual)
+        (
+            found.values[0],
+            found.vectors.swap_remove(0),
+            found.residual,
+        )
     }
 
-    /// The eigenvalue `breaking` of a `node` with these `fields` over all waves of the mesh, not only the longest, and closely. On a
-    /// line the block is complete already.
+    /// The eigenvalue `breaking` of a `node` with these `fields` over all waves of the mesh, not
+    /// only the longest, and closely. On a line the block is complete already.
     pub fn sharpen(&mut self, node: &mut Node, fields: &Fields) {
         if self.is_ridge() {
             return;
         }
-        let limits = EigenLimits { pairs: 1, least: 1, most: 10, relative: 0.02, absolute: 3e-4 * self.system().grid().q1() };
-        (node.breaking, node.breaking_mode, _) =
-            self.refine(fields, Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+        let limits = EigenLimits {
+            pairs: 1,
+            least: 1,
+            most: 10,
+            relative: 0.02,
+            absolute: 3e-4 * self.system().grid().q1(),
+        };
+        (node.breaking, node.breaking_mode, _) = self.refine(
+            fields,
+            Class::Antisymmetric,
+            vec![node.breaking_mode.clone()],
+            limits,
+        );
     }
 
-    /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a modulation of a ridge, or the
-    /// mode of a square state carried over. Of a meandering ridge nothing is in it.
+    /// The mode in which `node` breaks its symmetry, as amplitudes of a square even system `to`: a
+    /// modulation of a ridge, or the mode of a square state carried over. Of a meandering ridge
+    /// nothing is in it.
     pub fn breaking_mode(&self, node: &Node, to: &System) -> Vec<f64> {
         if self.is_ridge() {
             self.breaking[0].mode(&node.breaking_waves[0], to)
@@ -316,12 +461,19 @@ impl Sector {
         }
     }
 
-    /// The state at `u0` next to the guess, with the evidence for it: residual below `tolerance`, and the smallest eigenvalue among
-    /// the modes that keep its symmetry or break it along y, over all waves of the mesh.
+    /// The state at `u0` next to the guess, with the evidence for it: residual below `tolerance`,
+    /// and the smallest eigenvalue among the modes that keep its symmetry or break it along y, over
+    /// all waves of the mesh.
     ///
     /// # Errors
     /// As [`Sector::node`].
-    pub fn measure(&mut self, u0: f64, guess: Vec<f64>, before: Option<&Node>, tolerance: f64) -> Result<Measured, Lost> {
+    pub fn measure(
+        &mut self,
+        u0: f64,
+        guess: Vec<f64>,
+        before: Option<&Node>,
+        tolerance: f64,
+    ) -> Result<Measured, Lost> {
         let mut mean = 0.5 * tolerance;
         let mut at = self.converge(u0, guess, mean)?;
         let mut residual = self.mechanics.residual(&at);
@@ -338,17 +490,43 @@ impl Sector {
         let rates = self.refresh(&fields);
         let mut node = Node::bare(state, f64::NAN, Vec::new());
         self.soften(&mut node, before, &fields, &rates);
-        let mut stiffness = Stiffness { value: node.own.min(node.breaking), error: 1e-4 * node.own.abs().min(node.breaking.abs()) };
+        let mut stiffness = Stiffness {
+            value: node.own.min(node.breaking),
+            error: 1e-4 * node.own.abs().min(node.breaking.abs()),
+        };
         if !self.is_ridge() {
-            let limits = EigenLimits { pairs: 1, least: 1, most: 12, relative: 0.02, absolute: 1e-4 * self.system().grid().q1() };
-            let block = self.mechanics.preconditioner.low_block().expect("an even system has a block");
+            let limits = EigenLimits {
+                pairs: 1,
+                least: 1,
+                most: 12,
+                relative: 0.02,
+                absolute: 1e-4 * self.system().grid().q1(),
+            };
+            let block = self
+                .mechanics
+                .preconditioner
+                .low_block()
+                .expect("an even system has a block");
             let start = vec![block.mode(&node.own_waves, self.system())];
             let own = self.refine(&fields, Class::Symmetric, start, limits);
-            let breaking = self.refine(&fields, Class::Antisymmetric, vec![node.breaking_mode.clone()], limits);
+            let breaking = self.refine(
+                &fields,
+                Class::Antisymmetric,
+                vec![node.breaking_mode.clone()],
+                limits,
+            );
             (node.own, node.breaking) = (own.0, breaking.0);
             let softest = if own.0 < breaking.0 { own } else { breaking };
-            stiffness = Stiffness { value: softest.0, error: softest.2 };
+            stiffness = Stiffness {
+                value: softest.0,
+                error: softest.2,
+            };
         }
-        Ok(Measured { node, fields, residual, stiffness })
+        Ok(Measured {
+            node,
+            fields,
+            residual,
+            stiffness,
+        })
     }
 }

@@ -1,12 +1,15 @@
-//! The smallest Hessian eigenvalue: followed from state to state as an upper bound, and proved from below.
+//! The smallest Hessian eigenvalue: followed from state to state as an upper bound, and proved from
+//! below.
 //!
-//! A mode that is carried along finds *its* eigenvalue, however well it converges, and not the smallest one: the value from above is a
-//! Rayleigh quotient and no more. From below the Hessian less a shift, H - t, is looked at through Lanczos vectors of a random start
-//! ([`lowest`]), in coordinates in which the preconditioner is one: H and F^T H F have negative eigenvalues together, and the second
-//! has few near zero. Either no eigenvalue lies below t, but for a chance of [`CHANCE`], or a softer mode has been found.
+//! A mode that is carried along finds *its* eigenvalue, however well it converges, and not the
+//! smallest one: the value from above is a Rayleigh quotient and no more. From below the Hessian
+//! less a shift, H - t, is looked at through Lanczos vectors of a random start ([`lowest`]), in
+//! coordinates in which the preconditioner is one: H and F^T H F have negative eigenvalues
+//! together, and the second has few near zero. Either no eigenvalue lies below t, but for a chance
+//! of [`CHANCE`], or a softer mode has been found.
 //!
-//! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh (H. Weyl): where that leaves room the
-//! last proof still holds, and costs nothing.
+//! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh
+//! (H. Weyl): where that leaves room the last proof still holds, and costs nothing.
 
 use super::equilibrium::Stiffness;
 use super::mechanics::Mechanics;
@@ -26,13 +29,14 @@ pub struct Tracker {
     modes: Vec<Vec<f64>>,
     rng: Pcg64,
     proof: Option<Proof>,
-    /// A coarser mesh of the same cell. Soft modes are long waves: what resolves the pattern resolves them, and the mesh in use may be
-    /// finer than that by far.
+    /// A coarser mesh of the same cell. Soft modes are long waves: what resolves the pattern
+    /// resolves them, and the mesh in use may be finer than that by far.
     coarse: Option<Mechanics>,
     spent: usize,
 }
 
-/// That no eigenvalue lay below `least` (E* per length) beside the `removed` modes, where gamma'' was `stiffness`.
+/// That no eigenvalue lay below `least` (E* per length) beside the `removed` modes, where gamma''
+/// was `stiffness`.
 #[derive(Clone, Debug)]
 struct Proof {
     least: f64,
@@ -47,14 +51,17 @@ struct Place<'a> {
     removed: Vec<Vec<f64>>,
 }
 
-/// Chance that an eigenvalue lies below a proof all the same. A loop has some hundred proofs, ten thousand at most: below 1e-6 a loop.
+/// Chance that an eigenvalue lies below a proof all the same. A loop has some hundred proofs, ten
+/// thousand at most: below 1e-6 a loop.
 pub const CHANCE: f64 = 1e-10;
 /// The same in single precision, whose products hide what is a ten-millionth of the start.
 const CHANCE_SINGLE: f64 = 1e-3;
-/// What is proved, as a share of the value from above. A larger share costs more products and is more often refuted by the inexact
-/// value; a smaller one leaves less room for drift. From 0.5 to 0.8 a loop of Fig. 2 costs 116, 104 and 113 transforms a state.
+/// What is proved, as a share of the value from above. A larger share costs more products and is
+/// more often refuted by the inexact value; a smaller one leaves less room for drift. From 0.5 to
+/// 0.8 a loop of Fig. 2 costs 116, 104 and 113 transforms a state.
 const PROVED: f64 = 0.65;
-/// Below this value, in units of q1, the sign alone is proved: no residual tells such values to a share of themselves.
+/// Below this value, in units of q1, the sign alone is proved: no residual tells such values to a
+/// share of themselves.
 const SIGN_ALONE: f64 = 5e-3;
 /// The share to which it may fall by drift before it is proved anew.
 const KEPT: f64 = 0.25;
@@ -63,24 +70,36 @@ const PRODUCTS: usize = 1000;
 /// Softer modes that may be found one after the other at one state.
 const FINDS: usize = 12;
 
-/// When a mode is good enough: its error over its value, for one known from the state before and for one found afresh.
+/// When a mode is good enough: its error over its value, for one known from the state before and
+/// for one found afresh.
 const TRACKED: f64 = 0.25;
 const AFRESH: f64 = 0.02;
 /// The same in units of q1, near an instability.
 const NEAR_ZERO: f64 = 1e-4;
-/// How much better than that modes on the coarse mesh must be, so that the fine one finds them good enough.
+/// How much better than that modes on the coarse mesh must be, so that the fine one finds them good
+/// enough.
 const REFINED: f64 = 0.4;
 
 impl Tracker {
     /// Knows nothing yet; `rng` gives the random directions.
     pub fn new(rng: Pcg64) -> Self {
-        Self { modes: Vec::new(), rng, proof: None, coarse: None, spent: 0 }
+        Self {
+            modes: Vec::new(),
+            rng,
+            proof: None,
+            coarse: None,
+            spent: 0,
+        }
     }
 
-    /// The same, looking for modes on `coarse` first, a mesh of the same flat cell. The fine mesh then measures their eigenvalue, an
-    /// upper bound, and its error by one product, and goes on from there only if that is too large.
+    /// The same, looking for modes on `coarse` first, a mesh of the same flat cell. The fine mesh
+    /// then measures their eigenvalue, an upper bound, and its error by one product, and goes on
+    /// from there only if that is too large.
     pub fn with_coarse(self, coarse: Mechanics) -> Self {
-        Self { coarse: Some(coarse), ..self }
+        Self {
+            coarse: Some(coarse),
+            ..self
+        }
     }
 
     /// Transforms on the coarse mesh spent.
@@ -99,31 +118,68 @@ impl Tracker {
         self.proof = None;
     }
 
-    /// The smallest eigenvalue and its mode at the surface `z` with these `fields`; the value is NaN if it was not found within the
-    /// budget, or cancelled. Sliding modes are removed.
+    /// The smallest eigenvalue and its mode at the surface `z` with these `fields`; the value is
+    /// NaN if it was not found within the budget, or cancelled. Sliding modes are removed.
     ///
-    /// The first check after a reset starts from random vectors; later ones from the modes of the state before.
-    pub fn check(&mut self, mechanics: &mut Mechanics, z: &[f64], fields: &Fields) -> (Stiffness, Vec<f64>) {
-        let mut fine = Place { removed: mechanics.sliding_basis(z, fields), mechanics, fields };
+    /// The first check after a reset starts from random vectors; later ones from the modes of the
+    /// state before.
+    pub fn check(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+    ) -> (Stiffness, Vec<f64>) {
+        let mut fine = Place {
+            removed: mechanics.sliding_basis(z, fields),
+            mechanics,
+            fields,
+        };
         let Some(mut coarse) = self.coarse.take() else {
             return self.at(&mut fine, 1.0);
         };
-        let relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
+        let relative = if self.modes.is_empty() {
+            AFRESH
+        } else {
+            TRACKED
+        };
         let rough = shortened(&mut coarse, z, &fine);
         let removed = coarse.sliding_basis(&rough.state.amplitudes, &rough.fields);
-        let (rough, mode) = self.at(&mut Place { removed, mechanics: &mut coarse, fields: &rough.fields }, REFINED);
+        let (rough, mode) = self.at(
+            &mut Place {
+                removed,
+                mechanics: &mut coarse,
+                fields: &rough.fields,
+            },
+            REFINED,
+        );
         let (seen, mode) = fine.measured(carried(&mode, &coarse.system, &fine.mechanics.system));
-        // Where the coarse mesh does not resolve the mode, what it proved is not of the fine one either.
-        let (goal, apart) = (fine.goal(relative, seen.value), (seen.value - rough.value).abs());
-        let decided = seen.value < 0.0 || rough.value >= 0.0 && apart <= REFINED * TRACKED * seen.value;
-        let found = if decided && seen.error <= goal && apart <= REFINED * goal || fine.cancelled() {
-            (Stiffness { value: seen.value, error: apart + rough.error }, mode)
+        // Where the coarse mesh does not resolve the mode, what it proved is not of the fine one
+        // either.
+        let (goal, apart) = (
+            fine.goal(relative, seen.value),
+            (seen.value - rough.value).abs(),
+        );
+        let decided =
+            seen.value < 0.0 || rough.value >= 0.0 && apart <= REFINED * TRACKED * seen.value;
+        let found = if decided && seen.error <= goal && apart <= REFINED * goal || fine.cancelled()
+        {
+            (
+                Stiffness {
+                    value: seen.value,
+                    error: apart + rough.error,
+                },
+                mode,
+            )
         } else {
             let up = |mode: &Vec<f64>| carried(mode, &coarse.system, &fine.mechanics.system);
             self.modes = self.modes.iter().map(up).collect();
             self.proof = None;
             let found = self.at(&mut fine, 1.0);
-            self.modes = self.modes.iter().map(|mode| carried(mode, &fine.mechanics.system, &coarse.system)).collect();
+            self.modes = self
+                .modes
+                .iter()
+                .map(|mode| carried(mode, &fine.mechanics.system, &coarse.system))
+                .collect();
             self.proof = None;
             found
         };
@@ -131,32 +187,66 @@ impl Tracker {
         found
     }
 
-    /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from below.
+    /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from
+    /// below.
     fn at(&mut self, place: &mut Place<'_>, sharp: f64) -> (Stiffness, Vec<f64>) {
-        let room = self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| proof.room(place));
+        let room = self
+            .proof
+            .as_ref()
+            .map_or(f64::NEG_INFINITY, |proof| proof.room(place));
         if room > 0.0
             && let Some(softest) = self.modes.first()
         {
             let (seen, mode) = place.measured(softest.clone());
             if seen.error <= sharp * place.goal(TRACKED, seen.value) && room >= KEPT * seen.value {
-                return (Stiffness { value: seen.value, error: (seen.value - room).max(0.0) }, mode);
+                return (
+                    Stiffness {
+                        value: seen.value,
+                        error: (seen.value - room).max(0.0),
+                    },
+                    mode,
+                );
             }
         }
-        let mut relative = if self.modes.is_empty() { AFRESH } else { TRACKED };
-        // Rounding may say softer, and not find it: an eigenvalue so close to zero is the end of the branch.
+        let mut relative = if self.modes.is_empty() {
+            AFRESH
+        } else {
+            TRACKED
+        };
+        // Rounding may say softer, and not find it: an eigenvalue so close to zero is the end of
+        // the branch.
         let mut undecided = f64::NAN;
         for find in 0..FINDS {
-            let found = place.softest(std::mem::take(&mut self.modes), &mut self.rng, sharp * relative);
+            let found = place.softest(
+                std::mem::take(&mut self.modes),
+                &mut self.rng,
+                sharp * relative,
+            );
             self.modes = found.vectors;
             let (value, mode) = (found.values[0], self.modes[0].clone());
             // A negative Rayleigh quotient is proof by itself.
             if value < 0.0 || place.cancelled() {
-                return (Stiffness { value, error: found.residual }, mode);
+                return (
+                    Stiffness {
+                        value,
+                        error: found.residual,
+                    },
+                    mode,
+                );
             }
             if room >= KEPT * value {
-                return (Stiffness { value, error: (value - room).max(0.0) }, mode);
+                return (
+                    Stiffness {
+                        value,
+                        error: (value - room).max(0.0),
+                    },
+                    mode,
+                );
             }
-            let (before, soft) = (place.mechanics.transforms(), value < SIGN_ALONE * place.q1());
+            let (before, soft) = (
+                place.mechanics.transforms(),
+                value < SIGN_ALONE * place.q1(),
+            );
             let sign_alone = soft || find + 2 >= FINDS;
             let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng);
             self.spent += place.mechanics.transforms() - before;
@@ -177,7 +267,13 @@ impl Tracker {
                 }
             }
         }
-        (Stiffness { value: undecided, error: undecided.abs() }, self.modes.first().cloned().unwrap_or_default())
+        (
+            Stiffness {
+                value: undecided,
+                error: undecided.abs(),
+            },
+            self.modes.first().cloned().unwrap_or_default(),
+        )
     }
 }
 
@@ -194,14 +290,25 @@ enum Proved {
 impl Proof {
     /// Below which no eigenvalue lies at another state of the same system (E* per length).
     ///
-    /// By as much as gamma'' falls on some point an eigenvalue may fall. Sliding modes that were left out then, and are not quite
-    /// those that are left out now, had no stiffness.
+    /// By as much as gamma'' falls on some point an eigenvalue may fall. Sliding modes that were
+    /// left out then, and are not quite those that are left out now, had no stiffness.
     fn room(&self, place: &Place<'_>) -> f64 {
-        let fallen = self.stiffness.iter().zip(&place.fields.stiffness).fold(0.0, |most: f64, (then, now)| most.max(then - now));
+        let fallen = self
+            .stiffness
+            .iter()
+            .zip(&place.fields.stiffness)
+            .fold(0.0, |most: f64, (then, now)| most.max(then - now));
         let kept = |row: &Vec<f64>| row.iter().map(|c| c * c).sum::<f64>();
-        let tilt: f64 = products(&self.removed, &place.removed).iter().map(|row| 1.0 - kept(row)).sum();
+        let tilt: f64 = products(&self.removed, &place.removed)
+            .iter()
+            .map(|row| 1.0 - kept(row))
+            .sum();
         // With none to compare with, those left out then are all back.
-        let tilt = if place.removed.is_empty() { self.removed.len() as f64 } else { tilt };
+        let tilt = if place.removed.is_empty() {
+            self.removed.len() as f64
+        } else {
+            tilt
+        };
         self.least * (1.0 - tilt) - fallen
     }
 }
@@ -231,27 +338,66 @@ impl Place<'_> {
 
     /// The softest modes, from the `known` ones of the state before or from random vectors.
     fn softest(&mut self, known: Vec<Vec<f64>>, rng: &mut Pcg64, relative: f64) -> EigenPairs {
-        let Self { mechanics, fields, removed } = self;
-        let Mechanics { system, preconditioner, cancel, workspace, .. } = &mut **mechanics;
-        let (strangers, least, most) = if known.is_empty() { (6, 8, 80) } else { (0, 1, 12) };
+        let Self {
+            mechanics,
+            fields,
+            removed,
+        } = self;
+        let Mechanics {
+            system,
+            preconditioner,
+            cancel,
+            workspace,
+            ..
+        } = &mut **mechanics;
+        let (strangers, least, most) = if known.is_empty() {
+            (6, 8, 80)
+        } else {
+            (0, 1, 12)
+        };
         let mut start = known;
         start.iter_mut().for_each(|mode| system.make_real(mode));
         start.extend((0..strangers).map(|_| random_smooth(system, rng)));
-        let limits = EigenLimits { pairs: 2, least, most, relative, absolute: NEAR_ZERO * system.grid().q1() };
+        let limits = EigenLimits {
+            pairs: 2,
+            least,
+            most,
+            relative,
+            absolute: NEAR_ZERO * system.grid().q1(),
+        };
         let precondition = |r: &[f64], out: &mut [f64]| {
             preconditioner.apply(r, out);
-            // Amplitudes that belong to no real field have elastic energy alone. In deep compression that is less than any real mode
-            // has, and they would grow out of the rounding.
+            // Amplitudes that belong to no real field have elastic energy alone. In deep
+            // compression that is less than any real mode has, and they would grow out of the
+            // rounding.
             system.make_real(out);
         };
-        smallest(|v, out| system.hessian(fields, v, out, workspace), start, removed, precondition, limits, cancel)
+        smallest(
+            |v, out| system.hessian(fields, v, out, workspace),
+            start,
+            removed,
+            precondition,
+            limits,
+            cancel,
+        )
     }
 
-    /// Whether an eigenvalue lies below `shift`: one run from a start drawn evenly from all real fields, in the coordinates y of
-    /// amplitudes F y. Removed modes are made as stiff as the preconditioner takes them for.
+    /// Whether an eigenvalue lies below `shift`: one run from a start drawn evenly from all real
+    /// fields, in the coordinates y of amplitudes F y. Removed modes are made as stiff as the
+    /// preconditioner takes them for.
     fn prove(&mut self, shift: f64, rng: &mut Pcg64) -> Proved {
-        let Self { mechanics, fields, removed } = self;
-        let Mechanics { system, preconditioner, cancel, workspace, .. } = &mut **mechanics;
+        let Self {
+            mechanics,
+            fields,
+            removed,
+        } = self;
+        let Mechanics {
+            system,
+            preconditioner,
+            cancel,
+            workspace,
+            ..
+        } = &mut **mechanics;
         let noise = Array2::from_shape_simple_fn(system.shape(), || StandardNormal.sample(rng));
         let start = system.amplitudes(&noise, workspace);
         let stiffened: Vec<f64> = removed
@@ -262,7 +408,11 @@ impl Place<'_> {
                 1.0 / dot(mode, &softened)
             })
             .collect();
-        let (mut x, mut image, mut real) = (vec![0.0; start.len()], vec![0.0; start.len()], vec![0.0; start.len()]);
+        let (mut x, mut image, mut real) = (
+            vec![0.0; start.len()],
+            vec![0.0; start.len()],
+            vec![0.0; start.len()],
+        );
         let mut shifted = |y: &[f64], out: &mut [f64]| {
             real.copy_from_slice(y);
             system.make_real(&mut real);
@@ -277,15 +427,30 @@ impl Place<'_> {
             }
             system.make_real(&mut image);
             preconditioner.gather(&image, out);
-            // Amplitudes that belong to no real field come from rounding alone. With an eigenvalue of one they stay there; with one near
-            // zero they would grow as the bound does.
+            // Amplitudes that belong to no real field come from rounding alone. With an eigenvalue
+            // of one they stay there; with one near zero they would grow as the bound does.
             add(out, 1.0, y);
             add(out, -1.0, &real);
         };
-        let chance = if system.precision() == Precision::Double { CHANCE } else { CHANCE_SINGLE };
-        let bound = lowest(&mut shifted, &start, chance, PRODUCTS, |lower, upper| lower > 0.0 || upper < 0.0, cancel);
+        let chance = if system.precision() == Precision::Double {
+            CHANCE
+        } else {
+            CHANCE_SINGLE
+        };
+        let bound = lowest(
+            &mut shifted,
+            &start,
+            chance,
+            PRODUCTS,
+            |lower, upper| lower > 0.0 || upper < 0.0,
+            cancel,
+        );
         if bound.lower > 0.0 {
-            return Proved::Least(Proof { least: shift, stiffness: fields.stiffness.clone(), removed: removed.clone() });
+            return Proved::Least(Proof {
+                least: shift,
+                stiffness: fields.stiffness.clone(),
+                removed: removed.clone(),
+            });
         }
         if !(bound.upper < 0.0) {
             return Proved::Nothing;
@@ -307,7 +472,13 @@ impl Place<'_> {
         let value = dot(&mode, &image);
         add(&mut image, -value, &mode);
         project_out(&mut image, &self.removed);
-        (Stiffness { value, error: norm(&image) }, mode)
+        (
+            Stiffness {
+                value,
+                error: norm(&image),
+            },
+            mode,
+        )
     }
 }
 
@@ -324,7 +495,9 @@ pub fn random_smooth(system: &System, rng: &mut Pcg64) -> Vec<f64> {
 
 /// White noise of variance 1/3 per amplitude with the symmetry of a real field, without mean.
 pub fn random_amplitudes(system: &System, rng: &mut Pcg64) -> Vec<f64> {
-    let mut z: Vec<f64> = (0..system.dimension()).map(|_| rng.random_range(-1.0..1.0)).collect();
+    let mut z: Vec<f64> = (0..system.dimension())
+        .map(|_| rng.random_range(-1.0..1.0))
+        .collect();
     system.make_real(&mut z);
     z
 }

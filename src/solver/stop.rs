@@ -11,7 +11,8 @@ pub enum Stop {
     Unstable,
     /// Budget spent with the residual above tolerance.
     NotConverged,
-    /// Read off between states that were solved and are stable; not solved itself, and so without a residual.
+    /// Read off between states that were solved and are stable; not solved itself, and so without a
+    /// residual.
     ReadOff,
     /// Somebody asked to stop.
     Cancelled,

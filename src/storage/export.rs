@@ -1,6 +1,7 @@
 //! The tables of a walk as CSV.
 //!
-//! Numbers are written with as many digits as bring back the same number; one that is not finite is written `NaN` or `inf`.
+//! Numbers are written with as many digits as bring back the same number; one that is not finite is
+//! written `NaN` or `inf`.
 
 use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -8,13 +9,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// First line of `loop.csv`.
-pub const LOOP_COLUMNS: &str =
-    "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds";
+pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds";
 
 /// First line of `events.csv`.
 pub const EVENT_COLUMNS: &str = "branch,mean_displacement,from,to,released_energy,cause";
 
-/// Writes the states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy per area in E* times length.
+/// Writes the states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy
+/// per area in E* times length.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -47,7 +48,14 @@ pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure
     let mut text = format!("{EVENT_COLUMNS}\n");
     for jump in jumps {
         let (u0, released) = (number(jump.mean_displacement), number(jump.released_energy));
-        let _ = writeln!(text, "{},{u0},{},{},{released},{}", jump.direction, jump.from, jump.to, quoted(&jump.cause_words()));
+        let _ = writeln!(
+            text,
+            "{},{u0},{},{},{released},{}",
+            jump.direction,
+            jump.from,
+            jump.to,
+            quoted(&jump.cause_words())
+        );
     }
     files::write_whole(path, text.as_bytes())
 }
@@ -59,7 +67,11 @@ pub(super) fn number(value: f64) -> String {
 
 /// A cell in quotes if it needs them.
 pub(super) fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
 }
 
 #[cfg(test)]

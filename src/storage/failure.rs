@@ -46,7 +46,9 @@ pub enum Failure {
         allowed: String,
     },
     /// A scene file is not TOML.
-    #[error("{file}, line {line}, column {column}: not TOML ({message}): mend this line, as in length = 256.0")]
+    #[error(
+        "{file}, line {line}, column {column}: not TOML ({message}): mend this line, as in length = 256.0"
+    )]
     Syntax {
         /// The scene file.
         file: String,
@@ -88,7 +90,9 @@ pub enum Failure {
         remedy: String,
     },
     /// A word names neither a preset nor a file.
-    #[error("{name}: no such preset or scene file{near}: give the path of a file, or a preset: {presets}")]
+    #[error(
+        "{name}: no such preset or scene file{near}: give the path of a file, or a preset: {presets}"
+    )]
     NoScene {
         /// The word.
         name: String,
@@ -102,13 +106,18 @@ pub enum Failure {
 impl Failure {
     /// A failure of the system to write `path`.
     pub fn write(path: &Path, reason: impl std::fmt::Display) -> Self {
-        let remedy = "choose a folder that exists or can be made, that you may write to, with free space";
+        let remedy =
+            "choose a folder that exists or can be made, that you may write to, with free space";
         Self::refused(path, &reason.to_string(), remedy)
     }
 
     /// A path that is not to be written to.
     pub fn refused(path: &Path, reason: &str, remedy: &str) -> Self {
-        Self::Write { file: path.display().to_string(), reason: reason.to_owned(), remedy: remedy.to_owned() }
+        Self::Write {
+            file: path.display().to_string(),
+            reason: reason.to_owned(),
+            remedy: remedy.to_owned(),
+        }
     }
 }
 
@@ -127,7 +136,9 @@ pub(super) fn near<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>
     if word.len() > QUOTE_MAX {
         return String::new();
     }
-    let scored = candidates.into_iter().map(|candidate| (strsim::jaro_winkler(word, candidate), candidate));
+    let scored = candidates
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate));
     match scored.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((score, candidate)) if score > 0.8 => format!(", did you mean {candidate}"),
         _ => String::new(),

@@ -19,27 +19,42 @@ pub fn at_rest() -> Option<RwLockWriteGuard<'static, ()>> {
     WRITING.try_write().ok()
 }
 
-/// The path that somebody typed: a `~` at its beginning is the home folder, where no shell has put that in its place.
+/// The path that somebody typed: a `~` at its beginning is the home folder, where no shell has put
+/// that in its place.
 ///
 /// # Errors
 /// An empty path, a `~` without a home folder, or `~name` that is no file.
 pub fn typed(path: &Path) -> Result<PathBuf, Failure> {
     let refuse = |reason: &str, remedy: &str| {
-        Err(Failure::Path { path: path.display().to_string(), reason: reason.to_owned(), remedy: remedy.to_owned() })
+        Err(Failure::Path {
+            path: path.display().to_string(),
+            reason: reason.to_owned(),
+            remedy: remedy.to_owned(),
+        })
     };
     if path.as_os_str().is_empty() {
         return refuse("the path is empty", "give the path of a file or folder");
     }
     let mut parts = path.components();
     match parts.next() {
-        Some(Component::Normal(first)) if first == "~" => match std::env::home_dir().filter(|home| !home.as_os_str().is_empty()) {
-            // A join with nothing would end in a slash.
-            Some(home) if parts.as_path().as_os_str().is_empty() => Ok(home),
-            Some(home) => Ok(home.join(parts.as_path())),
-            None => refuse("~ is the home folder, and HOME is not set", "write the path out"),
-        },
-        Some(Component::Normal(first)) if first.as_encoded_bytes().starts_with(b"~") && !path.exists() => {
-            refuse("~ with a name is somebody's home folder", "write the path out, or put ./ before a name that begins with ~")
+        Some(Component::Normal(first)) if first == "~" => {
+            match std::env::home_dir().filter(|home| !home.as_os_str().is_empty()) {
+                // A join with nothing would end in a slash.
+                Some(home) if parts.as_path().as_os_str().is_empty() => Ok(home),
+                Some(home) => Ok(home.join(parts.as_path())),
+                None => refuse(
+                    "~ is the home folder, and HOME is not set",
+                    "write the path out",
+                ),
+            }
+        }
+        Some(Component::Normal(first))
+            if first.as_encoded_bytes().starts_with(b"~") && !path.exists() =>
+        {
+            refuse(
+                "~ with a name is somebody's home folder",
+                "write the path out, or put ./ before a name that begins with ~",
+            )
         }
         _ => Ok(path.to_owned()),
     }
@@ -65,14 +80,15 @@ pub fn effect(path: &Path) -> Effect {
     }
 }
 
-/// Writes `bytes` to `path`, making its folder: into a temporary file beside it first, which then takes its name.
+/// Writes `bytes` to `path`, making its folder: into a temporary file beside it first, which then
+/// takes its name.
 ///
-/// Through a symbolic link the file is replaced (or made) that it points to, not the link. A file that is replaced hands on its
-/// permissions.
+/// Through a symbolic link the file is replaced (or made) that it points to, not the link. A file
+/// that is replaced hands on its permissions.
 ///
 /// # Errors
-/// A folder or file that cannot be written, that is read-only, or that is no file (a folder, a device, a pipe). What is there is
-/// then untouched.
+/// A folder or file that cannot be written, that is read-only, or that is no file (a folder, a
+/// device, a pipe). What is there is then untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let _writing = WRITING.read();
     let target = target(path)?;
@@ -91,18 +107,31 @@ pub(super) fn target(path: &Path) -> Result<PathBuf, Failure> {
         match fs::read_link(&here) {
             Ok(next) => here = folder_of(&here).join(next),
             Err(_) if here != path && !folder_of(&here).is_dir() => {
-                let reason = format!("it is a link to {}, whose folder is not there", here.display());
-                return Err(Failure::refused(path, &reason, "make that folder, or remove the link"));
+                let reason = format!(
+                    "it is a link to {}, whose folder is not there",
+                    here.display()
+                );
+                return Err(Failure::refused(
+                    path,
+                    &reason,
+                    "make that folder, or remove the link",
+                ));
             }
             Err(_) => return Ok(here),
         }
     }
-    Err(Failure::refused(path, "its links lead in a circle", "remove the link"))
+    Err(Failure::refused(
+        path,
+        "its links lead in a circle",
+        "remove the link",
+    ))
 }
 
 /// The permissions of a file that may be replaced; `None` if there is none yet.
 fn replaceable(path: &Path, target: &Path) -> Result<Option<fs::Permissions>, Failure> {
-    let Ok(there) = fs::metadata(target) else { return Ok(None) };
+    let Ok(there) = fs::metadata(target) else {
+        return Ok(None);
+    };
     if there.is_dir() {
         return Err(no_file(path, "is a folder"));
     }
@@ -110,13 +139,21 @@ fn replaceable(path: &Path, target: &Path) -> Result<Option<fs::Permissions>, Fa
         return Err(no_file(path, "is a device or a pipe"));
     }
     if there.permissions().readonly() {
-        return Err(Failure::refused(path, "it is read-only", "allow writing to it, or choose another path"));
+        return Err(Failure::refused(
+            path,
+            "it is read-only",
+            "allow writing to it, or choose another path",
+        ));
     }
     Ok(Some(there.permissions()))
 }
 
 fn no_file(path: &Path, what: &str) -> Failure {
-    Failure::refused(path, &format!("it {what}, not a file"), "choose another path, or move it out of the way")
+    Failure::refused(
+        path,
+        &format!("it {what}, not a file"),
+        "choose another path, or move it out of the way",
+    )
 }
 
 fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> io::Result<()> {
@@ -135,13 +172,17 @@ fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) ->
 
 /// The folder in which a path lies.
 fn folder_of(path: &Path) -> PathBuf {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or_else(|| PathBuf::from("."), Path::to_owned)
+    path.parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .map_or_else(|| PathBuf::from("."), Path::to_owned)
 }
 
-/// A temporary file with the permissions of any other new file; gone when dropped. The lock on it lives as long as the process
-/// that writes it, so that what killed ones have left can be told.
+/// A temporary file with the permissions of any other new file; gone when dropped. The lock on it
+/// lives as long as the process that writes it, so that what killed ones have left can be told.
 pub(super) fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let file = tempfile::Builder::new().prefix(TEMPORARY).make_in(folder, |path| fs::File::create_new(path))?;
+    let file = tempfile::Builder::new()
+        .prefix(TEMPORARY)
+        .make_in(folder, |path| fs::File::create_new(path))?;
     // Where there are no locks nothing is swept either.
     let _ = file.as_file().try_lock();
     Ok(file)
@@ -150,7 +191,10 @@ pub(super) fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 /// Removes the temporary files in `folder` that nobody writes any more.
 pub(super) fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let left = entry.file_name().as_encoded_bytes().starts_with(TEMPORARY.as_bytes());
+        let left = entry
+            .file_name()
+            .as_encoded_bytes()
+            .starts_with(TEMPORARY.as_bytes());
         if !left || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
             continue;
         }
@@ -168,7 +212,8 @@ pub(super) fn sweep(folder: &Path) {
 /// A file that is missing, unreadable, longer than `limit`, or not UTF-8.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, Failure> {
     let bytes = read_bytes(path, limit)?;
-    String::from_utf8(bytes).map_err(|_| unreadable(path, "not UTF-8".to_owned(), "save it as UTF-8 text"))
+    String::from_utf8(bytes)
+        .map_err(|_| unreadable(path, "not UTF-8".to_owned(), "save it as UTF-8 text"))
 }
 
 /// Reads at most `limit` bytes.
@@ -176,16 +221,34 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, Failure> {
 /// # Errors
 /// A file that is missing, unreadable, or longer than `limit`.
 pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
-    let missing = |error: io::Error| unreadable(path, error.to_string(), "check the path, and that you may read it");
+    let missing = |error: io::Error| {
+        unreadable(
+            path,
+            error.to_string(),
+            "check the path, and that you may read it",
+        )
+    };
     let mut bytes = Vec::new();
-    fs::File::open(path).map_err(missing)?.take(limit + 1).read_to_end(&mut bytes).map_err(missing)?;
+    fs::File::open(path)
+        .map_err(missing)?
+        .take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(missing)?;
     if bytes.len() as u64 > limit {
         let reason = format!("longer than {limit} bytes");
-        return Err(unreadable(path, reason, "a scene file is a page of text; check that this is one"));
+        return Err(unreadable(
+            path,
+            reason,
+            "a scene file is a page of text; check that this is one",
+        ));
     }
     Ok(bytes)
 }
 
 fn unreadable(path: &Path, reason: String, remedy: &str) -> Failure {
-    Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() }
+    Failure::Read {
+        file: path.display().to_string(),
+        reason,
+        remedy: remedy.to_owned(),
+    }
 }

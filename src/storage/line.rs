@@ -1,8 +1,10 @@
-//! Somebody else's words (titles, sources, file names) where they meet a terminal, a picture or a page: one rule for all of them.
+//! Somebody else's words (titles, sources, file names) where they meet a terminal, a picture or a
+//! page: one rule for all of them.
 
-/// The text on one line: line breaks and tabs are spaces, and what has no sign of its own is written by its number, as in
-/// `\u{1b}`. That is what could steer a terminal or spoil an XML text: control characters, marks that turn the direction of
-/// writing, code points that are no characters.
+/// The text on one line: line breaks and tabs are spaces, and what has no sign of its own is
+/// written by its number, as in `\u{1b}`. That is what could steer a terminal or spoil an XML text:
+/// control characters, marks that turn the direction of writing, code points that are no
+/// characters.
 pub fn line(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -28,7 +30,10 @@ mod tests {
 
     #[test]
     fn what_steers_a_terminal_is_written_by_its_number() {
-        assert_eq!(line("\u{1b}[31mred\u{7}\u{9b}"), "\\u{1b}[31mred\\u{7}\\u{9b}");
+        assert_eq!(
+            line("\u{1b}[31mred\u{7}\u{9b}"),
+            "\\u{1b}[31mred\\u{7}\\u{9b}"
+        );
         assert_eq!(line("one\ntwo\tthree\r"), "one two three ");
         assert_eq!(
             line("M\u{fc}ser \u{3c1}\u{303} \u{4e2d} \u{5d0} \u{1f600}"),

@@ -1,8 +1,10 @@
 //! Floor 7: the only room that touches the file system.
 //!
-//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`], [`summary`], [`picture`], [`chart`], [`drawing`], [`report`]).
-//! Every file is written whole or not at all ([`files`]), and one folder holds one run ([`folder`]); everything that can go wrong is a [`Failure`], one sentence that names
-//! the file and says how to mend it. May use `paper` and all below it; computes nothing, opens no dialogs.
+//! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`],
+//! [`summary`], [`picture`], [`chart`], [`drawing`], [`report`]). Every file is written whole or
+//! not at all ([`files`]), and one folder holds one run ([`folder`]); everything that can go wrong
+//! is a [`Failure`], one sentence that names the file and says how to mend it. May use `paper` and
+//! all below it; computes nothing, opens no dialogs.
 
 pub mod chart;
 pub mod drawing;

@@ -40,7 +40,8 @@ pub fn titled(title: &str) -> Option<&'static Preset> {
     ALL.iter().find(|preset| preset.title() == title)
 }
 
-/// The scene that a word of the command line means: a preset's name, or else the path of a scene file.
+/// The scene that a word of the command line means: a preset's name, or else the path of a scene
+/// file.
 ///
 /// # Errors
 /// A word that is neither or cannot be a path, or a file that is not an allowed scene.
@@ -53,7 +54,11 @@ pub fn resolve(word: &str) -> Result<Scene, Failure> {
         return scene_file::load(&path);
     }
     let names: Vec<_> = ALL.iter().map(|preset| preset.name).collect();
-    Err(Failure::NoScene { name: word.to_owned(), near: near(word, names.iter().copied()), presets: names.join(", ") })
+    Err(Failure::NoScene {
+        name: word.to_owned(),
+        near: near(word, names.iter().copied()),
+        presets: names.join(", "),
+    })
 }
 
 impl Preset {
@@ -67,7 +72,10 @@ impl Preset {
 
     /// The title in its file.
     fn title(&self) -> &'static str {
-        let title = self.text.lines().find_map(|line| line.strip_prefix("title = \"")?.strip_suffix('"'));
+        let title = self
+            .text
+            .lines()
+            .find_map(|line| line.strip_prefix("title = \"")?.strip_suffix('"'));
         title.unwrap_or_default()
     }
 
@@ -80,8 +88,12 @@ impl Preset {
     /// The same without these words, as a sentence of its own.
     pub fn look_for(&self) -> String {
         let hint = self.hint();
-        let words = hint.split_once(": ").map_or(hint.as_str(), |(_, words)| words);
+        let words = hint
+            .split_once(": ")
+            .map_or(hint.as_str(), |(_, words)| words);
         let mut rest = words.chars();
-        rest.next().map(|first| first.to_uppercase().chain(rest).collect()).unwrap_or_default()
+        rest.next()
+            .map(|first| first.to_uppercase().chain(rest).collect())
+            .unwrap_or_default()
     }
 }

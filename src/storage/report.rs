@@ -1,4 +1,5 @@
-//! The report: every figure with its words and findings, the tables, the errata, as one HTML page that needs nothing else.
+//! The report: every figure with its words and findings, the tables, the errata, as one HTML page
+//! that needs nothing else.
 
 use super::drawing::{escaped, page_svg};
 use super::{Failure, files};
@@ -70,7 +71,13 @@ fn page(report: &Report<'_>) -> String {
 
 /// How many findings agree, what is missing, and where to find what.
 fn summary(out: &mut String, report: &Report<'_>) {
-    let all = || report.figures.iter().flat_map(|(f, _)| &f.findings).chain(report.tables.iter().flat_map(|t| &t.findings));
+    let all = || {
+        report
+            .figures
+            .iter()
+            .flat_map(|(f, _)| &f.findings)
+            .chain(report.tables.iter().flat_map(|t| &t.findings))
+    };
     let judged = all().filter(|f| f.agrees().is_some()).count();
     let agree = all().filter(|f| f.agrees() == Some(true)).count();
     let _ = writeln!(
@@ -84,10 +91,20 @@ fn summary(out: &mut String, report: &Report<'_>) {
     }
     out.push_str("<nav><ul>\n");
     for (figure, _) in &report.figures {
-        let _ = writeln!(out, "<li><a href=\"#figure-{0}\">Fig. {0}: {1}</a></li>", figure.number, set(&figure.title));
+        let _ = writeln!(
+            out,
+            "<li><a href=\"#figure-{0}\">Fig. {0}: {1}</a></li>",
+            figure.number,
+            set(&figure.title)
+        );
     }
     for table in &report.tables {
-        let _ = writeln!(out, "<li><a href=\"#table-{0}\">Table {0}: {1}</a></li>", table.number, set(&table.title));
+        let _ = writeln!(
+            out,
+            "<li><a href=\"#table-{0}\">Table {0}: {1}</a></li>",
+            table.number,
+            set(&table.title)
+        );
     }
     if !report.errata.is_empty() {
         out.push_str("<li><a href=\"#errata\">What the print got wrong</a></li>\n");
@@ -97,7 +114,11 @@ fn summary(out: &mut String, report: &Report<'_>) {
 
 fn figure(out: &mut String, figure: &Figure, look_for: &str) {
     let number = figure.number;
-    let _ = writeln!(out, "<section class=\"figure\" id=\"figure-{number}\">\n<h2>Fig. {number}: {}</h2>", set(&figure.title));
+    let _ = writeln!(
+        out,
+        "<section class=\"figure\" id=\"figure-{number}\">\n<h2>Fig. {number}: {}</h2>",
+        set(&figure.title)
+    );
     let _ = writeln!(out, "<p class=\"look\">{}</p>", set(look_for));
     let _ = writeln!(out, "<figure>\n{}</figure>", page_svg(&figure.page()));
     paragraph(out, &figure.words);
@@ -107,13 +128,20 @@ fn figure(out: &mut String, figure: &Figure, look_for: &str) {
 
 fn table(out: &mut String, table: &Table) {
     let number = table.number;
-    let _ = writeln!(out, "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>\n<table>\n<thead><tr>", set(&table.title));
+    let _ = writeln!(
+        out,
+        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>\n<table>\n<thead><tr>",
+        set(&table.title)
+    );
     for column in &table.columns {
         let _ = write!(out, "<th>{}</th>", set(column));
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
-        let cells: String = row.iter().map(|cell| format!("<td>{}</td>", set(cell))).collect();
+        let cells: String = row
+            .iter()
+            .map(|cell| format!("<td>{}</td>", set(cell)))
+            .collect();
         let _ = writeln!(out, "<tr>{cells}</tr>");
     }
     out.push_str("</tbody>\n</table>\n");
@@ -142,7 +170,12 @@ fn findings(out: &mut String, findings: &[Finding]) {
             Some(false) => ("no", "no"),
             None => ("stated", "stated only"),
         };
-        let [found, expected, deviation] = [finding.found, finding.expected, finding.found - finding.expected].map(number);
+        let [found, expected, deviation] = [
+            finding.found,
+            finding.expected,
+            finding.found - finding.expected,
+        ]
+        .map(number);
         let _ = writeln!(
             out,
             "<tr><td>{}</td><td class=\"number\">{found}</td><td class=\"number\">{expected}</td><td>{}</td>\
@@ -178,7 +211,8 @@ fn errata(out: &mut String, errata: &[Erratum]) {
             "<table>\n<thead><tr><th>evidence</th><th>found</th><th>by the print</th><th>right</th></tr></thead>\n<tbody>\n",
         );
         for evidence in &erratum.evidence {
-            let [found, printed, right] = [evidence.found, evidence.printed, evidence.right].map(number);
+            let [found, printed, right] =
+                [evidence.found, evidence.printed, evidence.right].map(number);
             let _ = writeln!(
                 out,
                 "<tr><td>{}</td><td class=\"number\">{found}</td><td class=\"number\">{printed}</td><td class=\"number\">{right}</td></tr>",
@@ -210,7 +244,13 @@ mod tests {
     use crate::paper::errata::Evidence;
 
     fn finding(found: f64, tolerance: Option<f64>) -> Finding {
-        Finding { quantity: "u_c/rho <b>".to_owned(), found, expected: 1.0, source: "Eq. 8 & more".to_owned(), tolerance }
+        Finding {
+            quantity: "u_c/rho <b>".to_owned(),
+            found,
+            expected: 1.0,
+            source: "Eq. 8 & more".to_owned(),
+            tolerance,
+        }
     }
 
     #[test]
@@ -219,12 +259,32 @@ mod tests {
             number: 4,
             title: "a < b".to_owned(),
             words: "<script>alert(1)</script>".to_owned(),
-            findings: vec![finding(1.01, Some(0.1)), finding(1.5, Some(0.1)), finding(2.0, None)],
+            findings: vec![
+                finding(1.01, Some(0.1)),
+                finding(1.5, Some(0.1)),
+                finding(2.0, None),
+            ],
             ..Figure::default()
         };
-        let table = Table { number: 1, rows: vec![vec!["<i>".to_owned()]], ..Table::default() };
-        let evidence = vec![Evidence { quantity: "vhat_c", found: 0.400643, printed: 0.4204, right: 0.400643, tolerance: 1e-6 }];
-        let errata = [Erratum { place: "Eq. 24", printed: "<0.42>", right: "0.40", because: "", evidence }];
+        let table = Table {
+            number: 1,
+            rows: vec![vec!["<i>".to_owned()]],
+            ..Table::default()
+        };
+        let evidence = vec![Evidence {
+            quantity: "vhat_c",
+            found: 0.400643,
+            printed: 0.4204,
+            right: 0.400643,
+            tolerance: 1e-6,
+        }];
+        let errata = [Erratum {
+            place: "Eq. 24",
+            printed: "<0.42>",
+            right: "0.40",
+            because: "",
+            evidence,
+        }];
         let report = Report {
             figures: vec![(&figure, "look <here>")],
             tables: vec![&table],
@@ -256,7 +316,8 @@ mod tests {
         }
         for tag in ["section", "table", "tbody", "figure", "nav", "ul", "tr"] {
             let (open, close) = (
-                page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count(),
+                page.matches(&format!("<{tag}>")).count()
+                    + page.matches(&format!("<{tag} ")).count(),
                 page.matches(&format!("</{tag}>")).count(),
             );
             assert_eq!(open, close, "{tag}");

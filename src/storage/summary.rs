@@ -14,7 +14,11 @@ pub struct Number(pub f64);
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // Adding zero turns -0.0, the sum of nothing, into 0.0.
-        if self.0.is_finite() { serializer.serialize_f64(self.0 + 0.0) } else { serializer.serialize_str(NOT_AVAILABLE) }
+        if self.0.is_finite() {
+            serializer.serialize_f64(self.0 + 0.0)
+        } else {
+            serializer.serialize_str(NOT_AVAILABLE)
+        }
     }
 }
 
@@ -33,10 +37,12 @@ pub struct Summary {
     pub scene: SceneSummary,
     /// The model that was chosen, and why.
     pub plan: PlanSummary,
-    /// Relative error to be expected of the dissipated energy and of the jumps' u0, as a finer mesh tells it (what the plan expects,
-    /// where that was not asked); not available where nothing is known.
+    /// Relative error to be expected of the dissipated energy and of the jumps' u0, as a finer mesh
+    /// tells it (what the plan expects, where that was not asked); not available where nothing is
+    /// known.
     pub predicted_error: Number,
-    /// The same against a walk on the next finer mesh; not available unless asked for with --verify.
+    /// The same against a walk on the next finer mesh; not available unless asked for with
+    /// --verify.
     pub measured_error: Number,
     /// "newton", "gfmd" or another method's word.
     pub method: &'static str,
@@ -52,16 +58,19 @@ pub struct Summary {
     pub open_reason: Option<String>,
     /// What to change then.
     pub open_remedy: Option<String>,
-    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of a method whose states are no
-    /// equilibria, the loop integral); not available unless the loop is closed.
+    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of
+    /// a method whose states are no equilibria, the loop integral); not available unless the loop
+    /// is closed.
     pub dissipated_energy: Number,
-    /// Its relative error: that of the mesh and that of locating the jumps; not available where no accuracy is promised.
+    /// Its relative error: that of the mesh and that of locating the jumps; not available where no
+    /// accuracy is promised.
     pub stated_error: Number,
     /// Sum of the energies released in jumps, per area over gamma.
     pub released_energy_sum: Number,
     /// How far that sum may be off because ends of branches are located only so well, over gamma.
     pub released_energy_error: Number,
-    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop is closed.
+    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop
+    /// is closed.
     pub loop_integral: Number,
     /// |loop integral - sum of releases| over the loss; not available where nothing is dissipated.
     pub ledger_mismatch: Number,
@@ -191,7 +200,8 @@ pub struct Yardstick {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_summary(path: &Path, summary: &Summary) -> Result<(), Failure> {
-    let mut text = serde_json::to_string_pretty(summary).map_err(|error| Failure::write(path, error))?;
+    let mut text =
+        serde_json::to_string_pretty(summary).map_err(|error| Failure::write(path, error))?;
     text.push('\n');
     files::write_whole(path, text.as_bytes())
 }
@@ -202,7 +212,15 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_finite_is_said_in_words() {
-        let json = serde_json::to_string(&[Number(0.5), Number(f64::NAN), Number(f64::INFINITY), Number::from(None)]);
-        assert_eq!(json.ok().as_deref(), Some(r#"[0.5,"not available","not available","not available"]"#));
+        let json = serde_json::to_string(&[
+            Number(0.5),
+            Number(f64::NAN),
+            Number(f64::INFINITY),
+            Number::from(None),
+        ]);
+        assert_eq!(
+            json.ok().as_deref(),
+            Some(r#"[0.5,"not available","not available","not available"]"#)
+        );
     }
 }

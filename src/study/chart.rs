@@ -1,7 +1,9 @@
-//! Speed against accuracy: every relaxation method on the same loop, measured against a finer solution of the same problem.
+//! Speed against accuracy: every relaxation method on the same loop, measured against a finer
+//! solution of the same problem.
 //!
-//! A [`Point`] says what is measured, [`measure`] walks its loop, [`Judged`] compares it with the [`Reference`]. Failures are
-//! results like any other. [`run`] does it all within a budget of processor time, and says what it left out.
+//! A [`Point`] says what is measured, [`measure`] walks its loop, [`Judged`] compares it with the
+//! [`Reference`]. Failures are results like any other. [`run`] does it all within a budget of
+//! processor time, and says what it left out.
 
 mod atlas;
 mod front;
@@ -54,7 +56,11 @@ impl fmt::Display for Skipped {
         if self.beyond_reference {
             return f.write_str("a reference fine enough to judge it is beyond the budget");
         }
-        write!(f, "it would take {:.1} processor seconds, and {:.1} are left for it", self.predicted_seconds, self.allowed_seconds)
+        write!(
+            f,
+            "it would take {:.1} processor seconds, and {:.1} are left for it",
+            self.predicted_seconds, self.allowed_seconds
+        )
     }
 }
 
@@ -80,53 +86,66 @@ pub enum News<'a> {
 ///
 /// # Errors
 /// The first value of the scene that is not allowed. Failures of methods are rows.
-pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnMut(News<'_>)) -> Result<Chart, Refusal> {
+pub fn run(
+    scene: &Scene,
+    effort: Effort,
+    cancel: &Cancel,
+    observe: &mut dyn FnMut(News<'_>),
+) -> Result<Chart, Refusal> {
     let scene = points::with_fixed_law(scene)?;
     let (list, finest) = points::points(&scene, effort)?;
-    let mut predictor = Predictor::new(&scene)?;
-    let total: f64 = list.iter().chain(&finest).map(|p| predictor.seconds(p)).sum();
-    let (mut done, mut spent) = (0.0, 0.0);
+    let predictor = Predictor::new(&scene)?;
+    let total = list
+        .iter()
+        .chain(&finest)
+        .map(|p| predictor.seconds(p))
+        .sum();
+    let mut work = Work {
+        scene: &scene,
+        effort,
+        cancel,
+        predictor,
+        total,
+        done: 0.0,
+        spent: 0.0,
+    };
     let mut chart = Chart::default();
-    let mut loops = Vec::new();
-    for point in &finest {
-        observe(News::Begun { what: *point, reference: true });
-        let expected = predictor.seconds(point);
-        let loop_ = measure(&scene, point, points::REFERENCE * effort.seconds() - spent, cancel, &mut |f| {
-            observe(News::Fraction((done + f * expected) / total));
-        })?;
-        done += expected;
-        spent += loop_.processor_seconds;
-        predictor.learn(&loop_);
-        loops.push(loop_);
-    }
-    if cancel.requested() {
+    let Some(reference) = work.reference(&finest, observe)? else {
         chart.cancelled = true;
         return Ok(chart);
-    }
-    let Ok(loops) = <[Measured; 3]>::try_from(loops) else { unreachable!("a loop for each of three") };
-    let reference = Reference::new(loops);
-    for point in points::own(&scene)?.into_iter().filter(|own| matches!(effort, Effort::Full { .. }) && !list.contains(own)) {
-        let allowed_seconds = effort.seconds() * points::SHARE;
-        skip(
-            &mut chart,
-            observe,
-            Skipped { point, predicted_seconds: predictor.seconds(&point), allowed_seconds, beyond_reference: true },
-        );
+    };
+    for point in points::own(&scene)?
+        .into_iter()
+        .filter(|own| matches!(effort, Effort::Full { .. }) && !list.contains(own))
+    {
+        let skipped = Skipped {
+            point,
+            predicted_seconds: work.predictor.seconds(&point),
+            allowed_seconds: effort.seconds() * points::SHARE,
+            beyond_reference: true,
+        };
+        skip(&mut chart, observe, skipped);
     }
     for point in list {
-        let predicted_seconds = predictor.seconds(&point);
-        let allowed_seconds = (effort.seconds() - spent).clamp(0.0, effort.seconds() * points::SHARE);
+        let predicted_seconds = work.predictor.seconds(&point);
+        let allowed_seconds =
+            (effort.seconds() - work.spent).clamp(0.0, effort.seconds() * points::SHARE);
         if predicted_seconds > allowed_seconds {
-            skip(&mut chart, observe, Skipped { point, predicted_seconds, allowed_seconds, beyond_reference: false });
+            let skipped = Skipped {
+                point,
+                predicted_seconds,
+                allowed_seconds,
+                beyond_reference: false,
+            };
+            skip(&mut chart, observe, skipped);
             continue;
         }
-        observe(News::Begun { what: point, reference: false });
-        let share = |f: f64| ((done + f * predicted_seconds) / total).min(1.0);
-        let measured = measure(&scene, &point, allowed_seconds, cancel, &mut |f| observe(News::Fraction(share(f))))?;
-        done += predicted_seconds;
-        spent += measured.processor_seconds;
-        predictor.learn(&measured);
-        let judged = reference.judge(&measured, points::is_plan(&scene, &point)?, points::is_paper_budget(&scene, &point)?);
+        let measured = work.measured(&point, allowed_seconds, observe)?;
+        let judged = reference.judge(
+            &measured,
+            points::is_plan(&scene, &point)?,
+            points::is_paper_budget(&scene, &point)?,
+        );
         observe(News::Measured(&judged));
         chart.rows.push(judged);
         if cancel.requested() {
@@ -137,6 +156,82 @@ pub fn run(scene: &Scene, effort: Effort, cancel: &Cancel, observe: &mut dyn FnM
     front::mark(&mut chart.rows, reference.errors.dissipated_energy);
     chart.reference = Some(reference);
     Ok(chart)
+}
+
+/// What is measured, and how much of it is done.
+struct Work<'a> {
+    scene: &'a Scene,
+    effort: Effort,
+    cancel: &'a Cancel,
+    predictor: Predictor,
+    /// All loops (predicted processor seconds).
+    total: f64,
+    /// The loops that are done (predicted processor seconds).
+    done: f64,
+    /// What they took (processor seconds).
+    spent: f64,
+}
+
+impl Work<'_> {
+    /// Measures the reference's three loops; `None` if the chart was cancelled by then.
+    fn reference(
+        &mut self,
+        finest: &[Point; 3],
+        observe: &mut dyn FnMut(News<'_>),
+    ) -> Result<Option<Reference>, Refusal> {
+        let mut loops = Vec::new();
+        for point in finest {
+            observe(News::Begun {
+                what: *point,
+                reference: true,
+            });
+            let (done, total) = (self.done, self.total);
+            let expected = self.predictor.seconds(point);
+            let loop_ = measure(
+                self.scene,
+                point,
+                points::REFERENCE * self.effort.seconds() - self.spent,
+                self.cancel,
+                &mut |f| observe(News::Fraction((done + f * expected) / total)),
+            )?;
+            self.finish(expected, &loop_);
+            loops.push(loop_);
+        }
+        if self.cancel.requested() {
+            return Ok(None);
+        }
+        let Ok(loops) = <[Measured; 3]>::try_from(loops) else {
+            unreachable!("a loop for each of three")
+        };
+        Ok(Some(Reference::new(loops)))
+    }
+
+    /// Measures the loop of a point of the chart.
+    fn measured(
+        &mut self,
+        point: &Point,
+        allowed_seconds: f64,
+        observe: &mut dyn FnMut(News<'_>),
+    ) -> Result<Measured, Refusal> {
+        observe(News::Begun {
+            what: *point,
+            reference: false,
+        });
+        let (done, total) = (self.done, self.total);
+        let expected = self.predictor.seconds(point);
+        let share = |f: f64| ((done + f * expected) / total).min(1.0);
+        let measured = measure(self.scene, point, allowed_seconds, self.cancel, &mut |f| {
+            observe(News::Fraction(share(f)));
+        })?;
+        self.finish(expected, &measured);
+        Ok(measured)
+    }
+
+    fn finish(&mut self, expected: f64, measured: &Measured) {
+        self.done += expected;
+        self.spent += measured.processor_seconds;
+        self.predictor.learn(measured);
+    }
 }
 
 fn skip(chart: &mut Chart, observe: &mut dyn FnMut(News<'_>), skipped: Skipped) {

@@ -1,8 +1,10 @@
 //! Where the next jump is to be expected, from the smallest eigenvalue along the branch so far.
 //!
-//! Near a fold the eigenvalue falls like the square root of the distance, so that its square is linear in u0; near a symmetry breaking
-//! the eigenvalue itself is linear. Which of them lies ahead is not known, so both are drawn on to zero, with the curvature of the last
-//! three states where there are as many, and the bracket spans them all. It is wide far away and closes as the jump comes nearer.
+//! Near a fold the eigenvalue falls like the square root of the distance, so that its square is
+//! linear in u0; near a symmetry breaking the eigenvalue itself is linear. Which of them lies ahead
+//! is not known, so both are drawn on to zero, with the curvature of the last three states where
+//! there are as many, and the bracket spans them all. It is wide far away and closes as the jump
+//! comes nearer.
 
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::indenter::Indenter;
@@ -10,16 +12,19 @@ use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::scene::Model;
 
-/// The bracket reaches this much nearer and farther than the extrapolations do, whose third differences are not known.
+/// The bracket reaches this much nearer and farther than the extrapolations do, whose third
+/// differences are not known.
 const NEARER: f64 = 0.75;
 const FARTHER: f64 = 1.25;
-/// States closer together than this, in ranges, say nothing new about the slope; nor is an end located better.
+/// States closer together than this, in ranges, say nothing new about the slope; nor is an end
+/// located better.
 const SPACING: f64 = 2e-4;
 /// How far, in ranges, the located end of a branch may lie behind the zero of the eigenvalue.
-const LOCATED: f64 = 5e-4;
+const BEHIND: f64 = 5e-4;
 /// No extrapolation farther than this, in ranges.
-const REACH: f64 = 0.5;
-/// A state off the line through the two before by more than this share of the eigenvalue follows another mode.
+const FARTHEST: f64 = 0.5;
+/// A state off the line through the two before by more than this share of the eigenvalue follows
+/// another mode.
 const KINK: f64 = 0.5;
 
 /// A bracket of the mean displacement at which the present branch is expected to give way.
@@ -31,33 +36,58 @@ pub struct Forecast {
     pub farthest: f64,
 }
 
-/// The next jump in the direction of motion. `None` where the eigenvalue grows, is unknown, or will not vanish nearby.
+/// The next jump in the direction of motion. `None` where the eigenvalue grows, is unknown, or will
+/// not vanish nearby.
 ///
 /// The flat state's limit is known exactly ([`flat::limits`]).
 pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
     let now = record.states.last()?;
-    let way = if now.direction == Direction::Approach { -1.0 } else { 1.0 };
+    let way = if now.direction == Direction::Approach {
+        -1.0
+    } else {
+        1.0
+    };
     if now.pattern == Pattern::Flat && model.indenter == Indenter::Flat {
         let (lower, upper) = flat::limits(&model.law, model.grid.length)?;
-        let limit = if now.direction == Direction::Approach { upper } else { lower };
-        return (way * (limit - now.mean_displacement) >= 0.0).then_some(Forecast { nearest: limit, farthest: limit });
+        let limit = if now.direction == Direction::Approach {
+            upper
+        } else {
+            lower
+        };
+        return (way * (limit - now.mean_displacement) >= 0.0).then_some(Forecast {
+            nearest: limit,
+            farthest: limit,
+        });
     }
     let rho = model.law.range;
     let samples = samples(record, way, SPACING * rho);
     let (near, far) = distances(&samples)?;
-    if near > REACH * rho {
+    if near > FARTHEST * rho {
         return None;
     }
     let at = |distance: f64| now.mean_displacement + way * distance;
-    Some(Forecast { nearest: at(NEARER * near), farthest: at(FARTHER * far + LOCATED * rho) })
+    Some(Forecast {
+        nearest: at(NEARER * near),
+        farthest: at(FARTHER * far + BEHIND * rho),
+    })
 }
 
-/// Up to three states of the present branch, newest first, as (distance gone in the direction of motion, eigenvalue).
+/// Up to three states of the present branch, newest first, as (distance gone in the direction of
+/// motion, eigenvalue).
 fn samples(record: &LoopRecord, way: f64, spacing: f64) -> Vec<[f64; 2]> {
-    let landed = record.jumps.last().map(|jump| (jump.direction, jump.mean_displacement));
+    let landed = record
+        .jumps
+        .last()
+        .map(|jump| (jump.direction, jump.mean_displacement));
     let mut found: Vec<[f64; 2]> = Vec::new();
     let mut newest = None;
-    for StateRecord { direction, mean_displacement, stiffness_min, .. } in record.states.iter().rev() {
+    for StateRecord {
+        direction,
+        mean_displacement,
+        stiffness_min,
+        ..
+    } in record.states.iter().rev()
+    {
         let gone = way * mean_displacement;
         if *newest.get_or_insert(*direction) != *direction || !stiffness_min.is_finite() {
             break;
@@ -74,12 +104,17 @@ fn samples(record: &LoopRecord, way: f64, spacing: f64) -> Vec<[f64; 2]> {
 
 /// The nearest and the farthest extrapolated distance to the eigenvalue's zero.
 fn distances(samples: &[[f64; 2]]) -> Option<(f64, f64)> {
-    let &[[x, y], [x1, y1], ref rest @ ..] = samples else { return None };
+    let &[[x, y], [x1, y1], ref rest @ ..] = samples else {
+        return None;
+    };
     if !(y > 0.0 && y < y1) {
         return None;
     }
     // Of the eigenvalue and of its square, the zero of the line through the last two states.
-    let mut zeros = vec![y * (x - x1) / (y1 - y), y * y * (x - x1) / (y1 * y1 - y * y)];
+    let mut zeros = vec![
+        y * (x - x1) / (y1 - y),
+        y * y * (x - x1) / (y1 * y1 - y * y),
+    ];
     if let [[x0, y0], ..] = *rest {
         let line = y1 + (y1 - y0) / (x1 - x0) * (x - x1);
         if (y - line).abs() > KINK * y1 {
@@ -87,13 +122,23 @@ fn distances(samples: &[[f64; 2]]) -> Option<(f64, f64)> {
         }
         let farthest = 3.0 * zeros[0];
         let at = [x0 - x, x1 - x];
-        let curved = [parabola_zero(at, [y0, y1, y]), parabola_zero(at, [y0 * y0, y1 * y1, y * y])];
+        let curved = [
+            parabola_zero(at, [y0, y1, y]),
+            parabola_zero(at, [y0 * y0, y1 * y1, y * y]),
+        ];
         zeros.extend(curved.into_iter().flatten().filter(|zero| *zero < farthest));
     }
-    Some(zeros.into_iter().fold((f64::INFINITY, 0.0), |(near, far), zero| (near.min(zero), far.max(zero))))
+    Some(
+        zeros
+            .into_iter()
+            .fold((f64::INFINITY, 0.0), |(near, far), zero| {
+                (near.min(zero), far.max(zero))
+            }),
+    )
 }
 
-/// The first zero beyond 0 of the parabola through (x0, y0), (x1, y1) and (0, y2), or its lowest point if it turns just above zero.
+/// The first zero beyond 0 of the parabola through (x0, y0), (x1, y1) and (0, y2), or its lowest
+/// point if it turns just above zero.
 fn parabola_zero([x0, x1]: [f64; 2], [y0, y1, y2]: [f64; 3]) -> Option<f64> {
     let (early, late) = ((y1 - y0) / (x1 - x0), (y2 - y1) / -x1);
     let a = (late - early) / -x0;
@@ -103,7 +148,10 @@ fn parabola_zero([x0, x1]: [f64; 2], [y0, y1, y2]: [f64; 3]) -> Option<f64> {
         return (a > 0.0 && b < 0.0).then(|| -b / (2.0 * a));
     }
     let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-    [q / a, y2 / q].into_iter().filter(|zero| *zero > 0.0).min_by(f64::total_cmp)
+    [q / a, y2 / q]
+        .into_iter()
+        .filter(|zero| *zero > 0.0)
+        .min_by(f64::total_cmp)
 }
 
 #[cfg(test)]
@@ -142,6 +190,13 @@ mod tests {
         assert_eq!(of(&[0.10, 0.12, 0.14], |d| 1.0 - d), None);
         assert_eq!(of(&[0.10], |d| d), None);
         assert_eq!(of(&[0.10, 0.12], |_| f64::NAN), None);
-        assert_eq!(of(&[0.10, 0.12, 0.14], |d| if d < 0.11 { 0.2 } else { 2.0 - d }), None);
+        assert_eq!(
+            of(&[0.10, 0.12, 0.14], |d| if d < 0.11 {
+                0.2
+            } else {
+                2.0 - d
+            }),
+            None
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a parameter, and to say where the surface
-//! will stand before the walk has gone there.
+//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
+//! parameter, and to say where the surface will stand before the walk has gone there.
 
 use super::planned::rivals;
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
@@ -52,12 +52,13 @@ pub struct Sample {
 
 /// A branch of stable states between its two ends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct Segment {
     /// Its pattern.
     pub pattern: Pattern,
     /// By growing u0.
     pub samples: Vec<Sample>,
-    /// The stretch on which the surface lands when this one ends below, and above; `None` where the loop does not end it.
+    /// The segment on which the surface lands when this one ends below, and above; `None` where the
+    /// loop does not end it.
     pub next: [Option<usize>; 2],
 }
 
@@ -66,8 +67,8 @@ pub struct Stretch {
 pub struct Leg {
     /// Direction of the drive.
     pub direction: Direction,
-    /// Index of the stretch.
-    pub stretch: usize,
+    /// Index of the segment.
+    pub segment: usize,
     /// u0 where it begins (length).
     pub from: f64,
     /// u0 where it ends (length).
@@ -80,14 +81,15 @@ pub struct LiveLoop {
     /// The law it belongs to, for the scales.
     pub law: Law,
     /// The branches it visits.
-    pub stretches: Vec<Stretch>,
+    pub segments: Vec<Segment>,
     /// Its pieces in order.
     pub legs: Vec<Leg>,
     /// Its jumps in order.
     pub jumps: Vec<JumpRecord>,
     /// Sum of the released energies, in units of gamma.
     pub dissipated_energy: f64,
-    /// The loops of other landings, if it is contested where the surface lands; looked at when the hand rests.
+    /// The loops of other landings, if it is contested where the surface lands; looked at when the
+    /// hand rests.
     pub rivals: Vec<RivalLoop>,
     /// Expected relative error of that and of the jumps' u0; 1 where nothing is promised.
     pub predicted_error: f64,
@@ -95,7 +97,8 @@ pub struct LiveLoop {
     pub points: usize,
 }
 
-/// Live loops one after the other: where law and cell are only a little different the last atlas is taken over.
+/// Live loops one after the other: where law and cell are only a little different the last atlas is
+/// taken over.
 #[derive(Debug, Default)]
 pub struct LiveLoops {
     last: Option<(Atlas, Vec<Place>)>,
@@ -105,17 +108,29 @@ pub struct LiveLoops {
 impl LiveLoops {
     /// Loops whose computation `cancel` interrupts; what is under way is then refused.
     pub fn obeying(cancel: &Cancel) -> Self {
-        Self { last: None, cancel: cancel.clone() }
+        Self {
+            last: None,
+            cancel: cancel.clone(),
+        }
     }
 
-    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over are then learnt again.
+    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over
+    /// are then learnt again.
     ///
     /// # Errors
     /// Why the atlas does not hold this scene; the walk does.
-    pub fn next(&mut self, scene: &Scene, model: &Model, fineness: Fineness) -> Result<LiveLoop, Unmapped> {
+    pub fn next(
+        &mut self,
+        scene: &Scene,
+        model: &Model,
+        fineness: Fineness,
+    ) -> Result<LiveLoop, Unmapped> {
         let (meshes, turn) = meshes_of(scene, model, fineness)?;
         let start = scene.drive.start;
-        let last = self.last.take().filter(|(atlas, _)| fineness == Fineness::Coarse && is_near(atlas.meshes(), &meshes));
+        let last = self
+            .last
+            .take()
+            .filter(|(atlas, _)| fineness == Fineness::Coarse && is_near(atlas.meshes(), &meshes));
         let adapted = last.and_then(|(atlas, order)| {
             let mut atlas = atlas.adapted(meshes).ok()?;
             let cycle = atlas.cycle(start, turn).ok()?;
@@ -139,13 +154,16 @@ impl LiveLoops {
     }
 }
 
-/// Largest change of law or cell, as a ratio, over which an atlas is taken over; over larger ones its branches are mostly not found again.
+/// Largest change of law or cell, as a ratio, over which an atlas is taken over; over larger ones
+/// its branches are mostly not found again.
 const NEAR: f64 = 1.03;
 
 fn is_near(a: &Meshes, b: &Meshes) -> bool {
     let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;
     let same = a.law.shape == b.law.shape;
-    same && close(a.law.range, b.law.range) && close(a.law.surface_energy, b.law.surface_energy) && close(a.length, b.length)
+    same && close(a.law.range, b.law.range)
+        && close(a.law.surface_energy, b.law.surface_energy)
+        && close(a.length, b.length)
 }
 
 fn places(cycle: &Cycle) -> Vec<Place> {
@@ -154,14 +172,20 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    let Turn::At(turn) = scene.drive.turn else { return Err(unmapped("the drive has no fixed turning point")) };
+    let Turn::At(turn) = scene.drive.turn else {
+        return Err(unmapped("the drive has no fixed turning point"));
+    };
     if model.indenter != Indenter::Flat || model.grid.is_line() {
         return Err(unmapped("the atlas holds square cells on flat ground"));
     }
     let (length, law) = (model.grid.length, model.law);
-    let points = mesh::next_fast((mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32));
+    let points = mesh::next_fast(
+        (mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32),
+    );
     if points > POINTS_MAX {
-        return Err(unmapped(&format!("a live loop would need {points} points a side")));
+        return Err(unmapped(&format!(
+            "a live loop would need {points} points a side"
+        )));
     }
     Ok((Meshes::new(&law, length, points), turn))
 }
@@ -176,42 +200,67 @@ impl LiveLoop {
     }
 
     fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
-        let Meshes { law, length, square, .. } = *atlas.meshes();
+        let Meshes {
+            law,
+            length,
+            square,
+            ..
+        } = *atlas.meshes();
         let mut this = Self {
             law,
-            stretches: Vec::new(),
+            segments: Vec::new(),
             legs: Vec::new(),
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
             rivals: Vec::new(),
-            predicted_error: mesh::flat_error(&law, length, mesh_rule::mu_rho(&law, length / square as f64)),
+            predicted_error: mesh::flat_error(
+                &law,
+                length,
+                mesh_rule::mu_rho(&law, length / square as f64),
+            ),
             points: square,
         };
         let mut known: Vec<(Place, bool)> = Vec::new();
         for leg in &cycle.legs {
             // The flat state is stable far away and pressed, and nothing in between.
-            let pressed = leg.place == Place::Flat && atlas.flat_limits().is_some_and(|(low, _)| leg.from.min(leg.to) <= low);
+            let pressed = leg.place == Place::Flat
+                && atlas
+                    .flat_limits()
+                    .is_some_and(|(low, _)| leg.from.min(leg.to) <= low);
             let key = (leg.place, pressed);
-            let stretch = known.iter().position(|k| *k == key).unwrap_or_else(|| {
+            let segment = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
-                this.stretches.push(stretch(atlas, leg.place, pressed, turn, start));
+                this.segments
+                    .push(segment(atlas, leg.place, pressed, turn, start));
                 known.len() - 1
             });
-            this.legs.push(Leg { direction: leg.direction, stretch, from: leg.from, to: leg.to });
+            this.legs.push(Leg {
+                direction: leg.direction,
+                segment,
+                from: leg.from,
+                to: leg.to,
+            });
         }
-        for pair in this.legs.windows(2).filter(|pair| pair[0].stretch != pair[1].stretch) {
+        for pair in this
+            .legs
+            .windows(2)
+            .filter(|pair| pair[0].segment != pair[1].segment)
+        {
             let side = usize::from(pair[0].direction == Direction::Retraction);
-            this.stretches[pair[0].stretch].next[side] = Some(pair[1].stretch);
+            this.segments[pair[0].segment].next[side] = Some(pair[1].segment);
         }
         this
     }
 
     /// The points (u0, stress) of a piece, in the order they are passed.
     pub fn points_of(&self, leg: &Leg) -> Vec<[f64; 2]> {
-        let stretch = &self.stretches[leg.stretch];
+        let segment = &self.segments[leg.segment];
         let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
-        let inner = stretch.samples.iter().filter(|s| s.mean_displacement > low && s.mean_displacement < high);
-        let at = |u0: f64| [u0, stretch.at(u0).stress];
+        let inner = segment
+            .samples
+            .iter()
+            .filter(|s| s.mean_displacement > low && s.mean_displacement < high);
+        let at = |u0: f64| [u0, segment.at(u0).stress];
         let mut points: Vec<[f64; 2]> = inner.map(|s| [s.mean_displacement, s.stress]).collect();
         points.insert(0, at(low));
         points.push(at(high));
@@ -221,35 +270,46 @@ impl LiveLoop {
         points
     }
 
-    /// Where the surface will stand at `target` if it goes there from `now`, with all jumps on the way. `None` if `now` is on none of
-    /// the loop's branches.
+    /// Where the surface will stand at `target` if it goes there from `now`, with all jumps on the
+    /// way. `None` if `now` is on none of the loop's branches.
     pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
         let here = now.mean_displacement;
-        let off = |s: &Stretch| (s.at(here).stress - now.stress).abs();
-        let same = |s: &&Stretch| s.pattern == now.pattern && s.covers(here, 0.01 * self.law.range);
-        let start = self.stretches.iter().filter(same).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let off = |s: &Segment| (s.at(here).stress - now.stress).abs();
+        let same = |s: &&Segment| s.pattern == now.pattern && s.covers(here, 0.01 * self.law.range);
+        let start = self
+            .segments
+            .iter()
+            .filter(same)
+            .min_by(|a, b| off(a).total_cmp(&off(b)))?;
         if off(start) > 0.05 * self.law.traction_max() {
             return None;
         }
         let side = usize::from(target > here);
-        let mut stretch = start;
+        let mut segment = start;
         // Every jump leads to a branch not yet passed.
-        for _ in 0..=self.stretches.len() {
-            let (low, high) = stretch.extent();
-            let beyond = if side == 1 { target > high } else { target < low };
-            match stretch.next[side].filter(|_| beyond) {
-                Some(next) => stretch = &self.stretches[next],
-                None => return Some((stretch.pattern, stretch.at(target))),
+        for _ in 0..=self.segments.len() {
+            let (low, high) = segment.extent();
+            let beyond = if side == 1 {
+                target > high
+            } else {
+                target < low
+            };
+            match segment.next[side].filter(|_| beyond) {
+                Some(next) => segment = &self.segments[next],
+                None => return Some((segment.pattern, segment.at(target))),
             }
         }
         None
     }
 }
 
-impl Stretch {
+impl Segment {
     /// u0 of its lower and its upper end (length).
     pub fn extent(&self) -> (f64, f64) {
-        (self.samples[0].mean_displacement, self.samples[self.samples.len() - 1].mean_displacement)
+        (
+            self.samples[0].mean_displacement,
+            self.samples[self.samples.len() - 1].mean_displacement,
+        )
     }
 
     fn covers(&self, u0: f64, margin: f64) -> bool {
@@ -259,10 +319,17 @@ impl Stretch {
 
     /// Between its samples, or at its nearer end.
     pub fn at(&self, u0: f64) -> Sample {
-        let i = self.samples.partition_point(|s| s.mean_displacement < u0).clamp(1, self.samples.len() - 1);
+        let i = self
+            .samples
+            .partition_point(|s| s.mean_displacement < u0)
+            .clamp(1, self.samples.len() - 1);
         let (a, b) = (self.samples[i - 1], self.samples[i]);
         let width = b.mean_displacement - a.mean_displacement;
-        let t = if width > 0.0 { ((u0 - a.mean_displacement) / width).clamp(0.0, 1.0) } else { 0.0 };
+        let t = if width > 0.0 {
+            ((u0 - a.mean_displacement) / width).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         Sample {
             mean_displacement: u0,
             stress: a.stress + t * (b.stress - a.stress),
@@ -276,7 +343,7 @@ fn unmapped(why: &str) -> Unmapped {
 }
 
 /// Samples a place, densely towards both ends, where folds are steep.
-fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) -> Stretch {
+fn segment(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) -> Segment {
     let meshes = *atlas.meshes();
     let (pattern, low, high) = match (place, atlas.flat_limits()) {
         (Place::On(i), _) => {
@@ -291,9 +358,13 @@ fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) ->
         Place::Flat => flat::stiffness_min(&meshes.law, meshes.length, u0),
         Place::On(i) => {
             let nodes = &atlas.branches()[i].nodes;
-            let k = nodes.partition_point(|n| n.state.mean_displacement < u0).clamp(1, nodes.len() - 1);
+            let k = nodes
+                .partition_point(|n| n.state.mean_displacement < u0)
+                .clamp(1, nodes.len() - 1);
             let (a, b) = (&nodes[k - 1], &nodes[k]);
-            let t = ((u0 - a.state.mean_displacement) / (b.state.mean_displacement - a.state.mean_displacement)).clamp(0.0, 1.0);
+            let t = ((u0 - a.state.mean_displacement)
+                / (b.state.mean_displacement - a.state.mean_displacement))
+                .clamp(0.0, 1.0);
             let softest = |n: &crate::solver::sector::Node| n.own.min(n.breaking) * meshes.length;
             softest(a) + t * (softest(b) - softest(a))
         }
@@ -301,8 +372,16 @@ fn stretch(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) ->
     let samples = (0..=SAMPLES)
         .map(|k| {
             let u0 = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
-            Sample { mean_displacement: u0, stress: atlas.at(place, u0).stress, stiffness_min: stiffness(u0) }
+            Sample {
+                mean_displacement: u0,
+                stress: atlas.at(place, u0).stress,
+                stiffness_min: stiffness(u0),
+            }
         })
         .collect();
-    Stretch { pattern, samples, next: [None; 2] }
+    Segment {
+        pattern,
+        samples,
+        next: [None; 2],
+    }
 }

@@ -1,5 +1,5 @@
-//! Floor 4: what is done with loops: the plan and the run that follows it, the error bar, the chart of speed against accuracy, the live loop
-//! of a dragged parameter, and what is ahead of a surface.
+//! Floor 4: what is done with loops: the plan and the run that follows it, the error bar, the chart
+//! of speed against accuracy, the live loop of a dragged parameter, and what is ahead of a surface.
 //!
 //! May use `follow` and all below it; no threads, channels or files.
 

@@ -1,4 +1,5 @@
-//! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the cost it expects.
+//! The plan: the cheapest model that meets the asked accuracy, in words, with the error and the
+//! cost it expects.
 
 use crate::follow::atlas::Meshes;
 use crate::physics::indenter::Indenter;
@@ -14,8 +15,9 @@ pub struct Plan {
     pub road: Road,
     /// In one sentence: which models, on which meshes, and why.
     pub words: String,
-    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger; 1 where nothing can be promised (a
-    /// coarse mesh, a law whose stiffness jumps), NaN where nothing is known (uneven ground).
+    /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger;
+    /// 1 where nothing can be promised (a coarse mesh, a law whose stiffness jumps), NaN where
+    /// nothing is known (uneven ground).
     pub predicted_error: f64,
     /// Expected seconds for the loop, to a factor of two or three, on one core.
     pub predicted_seconds: f64,
@@ -24,20 +26,32 @@ pub struct Plan {
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 
-/// Decides how to compute the loop of `scene`, whose open choices are made in `model`; what is `asked` overrules the plan.
+/// Decides how to compute the loop of `scene`, whose open choices are made in `model`; what is
+/// `asked` overrules the plan.
 pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
     let n = model.grid.nx;
     let flat = model.indenter == Indenter::Flat;
-    let whole = if model.grid.is_line() { format!("line cell of {n} points") } else { format!("whole cell of {n} x {n} points") };
+    let whole = if model.grid.is_line() {
+        format!("line cell of {n} points")
+    } else {
+        format!("whole cell of {n} x {n} points")
+    };
     let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
     let one_crest = model.indenter.ground().has_one_crest() && !model.grid.is_line();
-    let mesh = if flat { flat_error(&model.law, model.grid.length, model.mu_rho) } else { f64::NAN };
+    let mesh = if flat {
+        flat_error(&model.law, model.grid.length, model.mu_rho)
+    } else {
+        f64::NAN
+    };
     let increments = 2.0 * travel(scene, model) / scene.drive.step;
     let transform = |points: f64| 2.5e-9 * points * points.log2().max(1.0);
     let points = (model.grid.points()) as f64;
     let by_walk = |part: Part, why: &str| {
         let (place, seconds) = if part.is_even() {
-            (format!("even quarter of {n} x {n} points"), 60.0 * transform(points / 4.0))
+            (
+                format!("even quarter of {n} x {n} points"),
+                60.0 * transform(points / 4.0),
+            )
         } else {
             (whole.clone(), 45.0 * transform(points))
         };
@@ -54,11 +68,16 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
         }
         (Some(Road::Walk(part)), _) => by_walk(part, "asked for"),
         (None, Some(why)) if one_crest && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
-            by_walk(Part::Quarter, &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"))
+            by_walk(
+                Part::Quarter,
+                &format!("{why}, and a single crest keeps its mirror symmetry at this mu_rho"),
+            )
         }
         (None, Some(why)) => by_walk(Part::Whole, &why),
         // What is asked overrules the plan, not the scene.
-        (Some(Road::Atlas), _) if no_atlas.is_some() => by_walk(Part::Whole, &no_atlas.unwrap_or_default()),
+        (Some(Road::Atlas), _) if no_atlas.is_some() => {
+            by_walk(Part::Whole, &no_atlas.unwrap_or_default())
+        }
         (Some(Road::Atlas), _) | (None, None) => {
             let meshes = Meshes::new(&model.law, model.grid.length, n);
             let side = meshes.square;
@@ -79,7 +98,9 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
 
 /// What is promised of a number, in words; `error` is relative.
 pub fn promise(error: Option<f64>) -> String {
-    let Some(error) = error.filter(|error| *error < 1.0) else { return "no accuracy is promised".to_owned() };
+    let Some(error) = error.filter(|error| *error < 1.0) else {
+        return "no accuracy is promised".to_owned();
+    };
     // One significant digit.
     let percent = 100.0 * error;
     let digits = (-percent.log10().floor()).max(0.0) as usize;
@@ -114,7 +135,10 @@ fn obstacle(scene: &Scene, model: &Model) -> Option<String> {
     } else if !model.law.is_smooth() {
         Some("this law's stiffness jumps, and branches with it".to_owned())
     } else if !mesh_rule::is_safe(model.mu_rho) {
-        Some(format!("at mu_rho = {:.2} the mesh makes jumps of its own", model.mu_rho))
+        Some(format!(
+            "at mu_rho = {:.2} the mesh makes jumps of its own",
+            model.mu_rho
+        ))
     } else {
         None
     }

@@ -1,8 +1,9 @@
 //! Which time steps GFMD survives along the approach: measured, beside the bound that predicts it.
 //!
-//! At each of a row of equilibria a tiny perturbation is let go, without drive, damping and thermostat, for each of a list of time
-//! steps. The explicit scheme keeps it bounded or blows it up. Damping lowers the limit slightly (by a share of a quarter of the
-//! damping per time step); the bound of [`time_step_limit`] leaves it out too.
+//! At each of a row of equilibria a tiny perturbation is let go, without drive, damping and
+//! thermostat, for each of a list of time steps. The explicit scheme keeps it bounded or blows it
+//! up. Damping lowers the limit slightly (by a share of a quarter of the damping per time step);
+//! the bound of [`time_step_limit`] leaves it out too.
 
 use crate::follow::walk::{Progress as Walked, Walk};
 use crate::numerics::cancel::Cancel;
@@ -27,9 +28,11 @@ const ROWS: usize = 20;
 const TIME_STEPS: (f64, f64) = (0.15, 2.6);
 /// Time steps run in one piece of work, and in all.
 const SLICE: usize = 20;
-// Long enough to tell a limit to a fraction of a per cent, and too short for a pattern that slides off slowly to look unstable.
+// Long enough to tell a limit to a fraction of a per cent, and too short for a pattern that slides
+// off slowly to look unstable.
 const RUN: usize = 100;
-/// Root mean square of the perturbation, in ranges, and the growth that counts as unstable. Together they stay in the linear regime.
+/// Root mean square of the perturbation, in ranges, and the growth that counts as unstable.
+/// Together they stay in the linear regime.
 const PERTURBATION: f64 = 1e-4;
 const GROWTH: f64 = 30.0;
 
@@ -40,7 +43,8 @@ pub struct TimeStepMap {
     pub displacements: Vec<f64>,
     /// Time steps of the rows, ascending, in units of the inverse frequency of a free wave.
     pub time_steps: Vec<f64>,
-    /// Column by column: true where the perturbation stayed bounded. The last column may be unfinished.
+    /// Column by column: true where the perturbation stayed bounded. The last column may be
+    /// unfinished.
     pub stable: Vec<bool>,
     /// The bound at each column.
     pub bounds: Vec<f64>,
@@ -51,7 +55,9 @@ pub struct TimeStepMap {
 impl TimeStepMap {
     /// Whether `row` was stable in `column`, if measured.
     pub fn at(&self, column: usize, row: usize) -> Option<bool> {
-        self.stable.get(column * self.time_steps.len() + row).copied()
+        self.stable
+            .get(column * self.time_steps.len() + row)
+            .copied()
     }
 
     /// Share that is done, 0 to 1.
@@ -99,7 +105,8 @@ struct Run {
 }
 
 impl Survey {
-    /// A measurement along the approach from the start of the scene's drive down to `turn` (length).
+    /// A measurement along the approach from the start of the scene's drive down to `turn`
+    /// (length).
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
@@ -111,10 +118,14 @@ impl Survey {
         mechanics.slides = Slides::Freely;
         let ratio = (TIME_STEPS.1 / TIME_STEPS.0).powf(1.0 / (ROWS - 1) as f64);
         Ok(Self {
-            targets: (0..COLUMNS).map(|i| from - down * (i as f64 + 0.5) / COLUMNS as f64).collect(),
+            targets: (0..COLUMNS)
+                .map(|i| from - down * (i as f64 + 0.5) / COLUMNS as f64)
+                .collect(),
             map: TimeStepMap {
                 displacements: Vec::new(),
-                time_steps: (0..ROWS).map(|i| TIME_STEPS.0 * ratio.powi(i as i32)).collect(),
+                time_steps: (0..ROWS)
+                    .map(|i| TIME_STEPS.0 * ratio.powi(i as i32))
+                    .collect(),
                 stable: Vec::new(),
                 bounds: Vec::new(),
                 columns: COLUMNS,
@@ -157,14 +168,20 @@ impl Survey {
 
     fn begin_column(&mut self) {
         let (system, here) = (self.walk.system(), self.walk.here());
-        let stiffest = here.fields.stiffness.iter().fold(f64::NEG_INFINITY, |most, k| most.max(*k));
+        let stiffest = here
+            .fields
+            .stiffness
+            .iter()
+            .fold(f64::NEG_INFINITY, |most, k| most.max(*k));
         // The first wave's entry of the inverse inertia 1/(q E*/2 + k) tells k.
         let first = 2 * system.grid().ny;
         let k = 1.0 / self.mechanics.preconditioner.diagonal()[first] - system.elastic()[first];
         // Where nothing is stiffer than k, not the longest wave sets the limit but the shortest.
         let shortest = system.elastic().iter().fold(0.0f64, |most, e| most.max(*e));
         let limit = 2.0 / ((stiffest + shortest) / (k + shortest)).sqrt();
-        self.map.bounds.push(limit.min(time_step_limit(system, stiffest, k)));
+        self.map
+            .bounds
+            .push(limit.min(time_step_limit(system, stiffest, k)));
         self.map.displacements.push(here.state.mean_displacement);
     }
 
@@ -176,19 +193,38 @@ impl Survey {
         scale(&mut kick, size / length);
         let mut state = self.walk.here().clone();
         add(&mut state.state.amplitudes, 1.0, &kick);
-        let budget = GfmdBudget { ramp: 0, relax: SLICE, time_step, damping: 0.0, temperature: 0.0 };
-        Run { gfmd: Gfmd::with_budget(budget, 0), state, size, steps: 0 }
+        let budget = GfmdBudget {
+            ramp: 0,
+            relax: SLICE,
+            time_step,
+            damping: 0.0,
+            temperature: 0.0,
+        };
+        Run {
+            gfmd: Gfmd::with_budget(budget, 0),
+            state,
+            size,
+            steps: 0,
+        }
     }
 
     fn go_on(&mut self, mut run: Run, cancel: &Cancel) -> Progress {
         let u0 = run.state.state.mean_displacement;
         self.mechanics.cancel = cancel.clone();
-        let grown = match run.gfmd.follow(&mut self.mechanics, &History::default(), &run.state, u0) {
+        let grown = match run
+            .gfmd
+            .follow(&mut self.mechanics, &History::default(), &run.state, u0)
+        {
             Ok(state) => {
                 run.state = state;
                 let (mut away, here) = (run.state.state.amplitudes.clone(), self.walk.here());
                 add(&mut away, -1.0, &here.state.amplitudes);
-                project_out(&mut away, &self.mechanics.sliding_basis(&here.state.amplitudes, &here.fields));
+                project_out(
+                    &mut away,
+                    &self
+                        .mechanics
+                        .sliding_basis(&here.state.amplitudes, &here.fields),
+                );
                 norm(&away) > GROWTH * run.size
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,

@@ -1,4 +1,5 @@
-//! Speed against accuracy: every method on the scene's loop, one mark each, and what nothing else beats.
+//! Speed against accuracy: every method on the scene's loop, one mark each, and what nothing else
+//! beats.
 
 use super::action::{Action, Measurement, ViewOptions};
 use super::diagram;
@@ -27,9 +28,20 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (response, transform) = (shown.response, shown.transform);
     let distance = |row: &Judged, at: Pos2| {
         let [x, y] = drawn.place(row)?.map(f64::log10);
-        Some(transform.position_from_point(&PlotPoint::new(x, y)).distance(at)).filter(|distance| *distance <= NEAR)
+        Some(
+            transform
+                .position_from_point(&PlotPoint::new(x, y))
+                .distance(at),
+        )
+        .filter(|distance| *distance <= NEAR)
     };
-    let near = |at: Pos2| chart.rows.iter().enumerate().filter_map(move |(i, row)| Some((i, distance(row, at)?)));
+    let near = |at: Pos2| {
+        chart
+            .rows
+            .iter()
+            .enumerate()
+            .filter_map(move |(i, row)| Some((i, distance(row, at)?)))
+    };
     let nearest = |at: Pos2| near(at).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     if let Some(index) = response.hover_pos().and_then(nearest) {
         if response.clicked() {
@@ -37,11 +49,23 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         }
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         // At once, and not when the pointer has rested: the marks are close together.
-        let tip = Tooltip::always_open(ui.ctx().clone(), response.layer_id, response.id, PopupAnchor::Pointer);
+        let tip = Tooltip::always_open(
+            ui.ctx().clone(),
+            response.layer_id,
+            response.id,
+            PopupAnchor::Pointer,
+        );
         tip.show(|ui| ui.label(words(&chart.rows[index])));
     }
-    let failed = chart.rows.iter().filter(|row| matches!(row.verdict, Verdict::Failed { .. })).count();
-    let sentence = format!("Speed against accuracy: {} points measured, {failed} of them failed", chart.rows.len());
+    let failed = chart
+        .rows
+        .iter()
+        .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
+        .count();
+    let sentence = format!(
+        "Speed against accuracy: {} points measured, {failed} of them failed",
+        chart.rows.len()
+    );
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
 }
 
@@ -49,16 +73,32 @@ fn controls(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         if let Some(job) = state.chart.as_ref().filter(|job| job.is_running()) {
-            if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {
+            if ui
+                .button("Cancel")
+                .on_hover_text("what is measured stays")
+                .clicked()
+            {
                 actions.push(Action::StopMeasuring);
             }
-            ui.add(ProgressBar::new(job.fraction as f32).desired_width(60.0).desired_height(14.0));
+            ui.add(
+                ProgressBar::new(job.fraction as f32)
+                    .desired_width(60.0)
+                    .desired_height(14.0),
+            );
             ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
             return;
         }
         for (word, what, hover) in [
-            ("Run quick", Measurement::QuickChart, "coarse meshes and long steps, about half a minute"),
-            ("Run full", Measurement::FullChart, "several meshes and steps of every method, two minutes of processor time"),
+            (
+                "Run quick",
+                Measurement::QuickChart,
+                "coarse meshes and long steps, about half a minute",
+            ),
+            (
+                "Run full",
+                Measurement::FullChart,
+                "several meshes and steps of every method, two minutes of processor time",
+            ),
         ] {
             if ui.button(word).on_hover_text(hover).clicked() {
                 actions.push(Action::Measure(what));
@@ -77,9 +117,15 @@ fn words(row: &Judged) -> String {
     let mut words = row.point.to_string();
     match &row.verdict {
         Verdict::Failed { message, .. } => words.push_str(&format!("\nfailed: {message}")),
-        verdict => words.push_str(&format!("\n{verdict}: error {:.1e}", row.errors.dissipated_energy)),
+        verdict => words.push_str(&format!(
+            "\n{verdict}: error {:.1e}",
+            row.errors.dissipated_energy
+        )),
     }
-    words.push_str(&format!("\n{:.2} s of the processor, {} transforms", row.processor_seconds, row.transforms));
+    words.push_str(&format!(
+        "\n{:.2} s of the processor, {} transforms",
+        row.processor_seconds, row.transforms
+    ));
     words.push_str("\nClick: the scene runs with these settings.");
     words
 }

@@ -141,16 +141,19 @@ impl FileTask {
         }
     }
 
-    /// The two sides of an export, with the words of their choice; empty where there is nothing to choose.
+    /// The two sides of an export, with the words of their choice; empty where there is nothing to
+    /// choose.
     pub fn variants(self) -> &'static [(FileTask, &'static str)] {
         match self {
             FileTask::OpenScene | FileTask::SaveScene => &[],
-            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => {
-                &[(FileTask::ExportLoopCsv, "states (loop.csv)"), (FileTask::ExportEventsCsv, "jumps (events.csv)")]
-            }
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => {
-                &[(FileTask::ExportLoopPng, "stress curve"), (FileTask::ExportGapPng, "gap map")]
-            }
+            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => &[
+                (FileTask::ExportLoopCsv, "states (loop.csv)"),
+                (FileTask::ExportEventsCsv, "jumps (events.csv)"),
+            ],
+            FileTask::ExportLoopPng | FileTask::ExportGapPng => &[
+                (FileTask::ExportLoopPng, "stress curve"),
+                (FileTask::ExportGapPng, "gap map"),
+            ],
         }
     }
 }
@@ -158,7 +161,8 @@ impl FileTask {
 /// Along which line the profile is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum ProfileLine {
-    /// Through the middle of the contact, or of the hole in it, along the axis on which the gap varies more.
+    /// Through the middle of the contact, or of the hole in it, along the axis on which the gap
+    /// varies more.
     #[default]
     Auto,
     /// Along x at this share of the height, 0 to 1.

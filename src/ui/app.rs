@@ -101,8 +101,12 @@ impl App {
 
     /// Takes in the file that was being opened, if it is there.
     fn open(&mut self) {
-        let Some(end) = self.opening.as_mut().and_then(|(_, job)| job.poll()) else { return };
-        let Some((path, mut job)) = self.opening.take() else { return };
+        let Some(end) = self.opening.as_mut().and_then(|(_, job)| job.poll()) else {
+            return;
+        };
+        let Some((path, mut job)) = self.opening.take() else {
+            return;
+        };
         match (job.so_far.take(), end) {
             (Some(Ok(scene)), _) => {
                 self.dialogs.close();
@@ -116,15 +120,29 @@ impl App {
                 self.fail(&failure, "Choose another path, or mend the file.");
             }
             (None, end) => {
-                let message = format!("{} could not be read: {}", path.display(), end.err().unwrap_or_default());
-                self.state.messages.failure = Some(Failure { message, remedy: "Please report the file.".to_owned() });
+                let message = format!(
+                    "{} could not be read: {}",
+                    path.display(),
+                    end.err().unwrap_or_default()
+                );
+                self.state.messages.failure = Some(Failure {
+                    message,
+                    remedy: "Please report the file.".to_owned(),
+                });
             }
         }
     }
 
     fn announce(&mut self, ctx: &Context) {
         let now = ctx.input(|input| input.time);
-        let words = self.state.run.record.jumps.last().map(|jump| self.state.say_jump(jump)).unwrap_or_default();
+        let words = self
+            .state
+            .run
+            .record
+            .jumps
+            .last()
+            .map(|jump| self.state.say_jump(jump))
+            .unwrap_or_default();
         if words != self.announced.0 && now - self.announced.1 >= ANNOUNCE_EVERY {
             self.announced = (words, now);
         }
@@ -138,11 +156,14 @@ impl App {
         }
         // Dragging belongs to sliders, map and plots.
         let source = ScrollSource::SCROLL_BAR | ScrollSource::MOUSE_WHEEL;
-        ScrollArea::both().auto_shrink(false).scroll_source(source).show(ui, |ui| {
-            let size = room.max(LAYOUT);
-            let (_, rect) = ui.allocate_space(size);
-            self.panels(&mut ui.new_child(UiBuilder::new().max_rect(rect)), actions);
-        });
+        ScrollArea::both()
+            .auto_shrink(false)
+            .scroll_source(source)
+            .show(ui, |ui| {
+                let size = room.max(LAYOUT);
+                let (_, rect) = ui.allocate_space(size);
+                self.panels(&mut ui.new_child(UiBuilder::new().max_rect(rect)), actions);
+            });
     }
 
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
@@ -154,9 +175,13 @@ impl App {
             ui.add_space(3.0);
         });
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
-        Panel::left("controls").default_size(260.0).size_range(236.0..=360.0).show(ui, |ui| controls::show(ui, state, actions));
+        Panel::left("controls")
+            .default_size(260.0)
+            .size_range(236.0..=360.0)
+            .show(ui, |ui| controls::show(ui, state, actions));
         let rest = width - 270.0;
-        // A width drawn by hand is kept for windows of about that size: one from a small window would cut the lists of a large one.
+        // A width drawn by hand is kept for windows of about that size: one from a small window
+        // would cut the lists of a large one.
         let right = Panel::right(("curve", (width / 200.0) as u32))
             .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
@@ -169,7 +194,11 @@ impl App {
             } else {
                 0.62
             };
-            let height = (share * whole).max(if state.view.tab == Tab::Paper { 215.0 } else { 230.0 });
+            let height = (share * whole).max(if state.view.tab == Tab::Paper {
+                215.0
+            } else {
+                230.0
+            });
             loop_plot::show(ui, state, actions, height);
             ui.separator();
             tabs::show(ui, state, actions, &self.announced.0);
@@ -212,7 +241,11 @@ impl App {
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
             Action::ToggleTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
-                ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+                ctx.set_theme(if dark {
+                    egui::Theme::Light
+                } else {
+                    egui::Theme::Dark
+                });
             }
             Action::Fit(to_data) => state.fit_axes(to_data),
             Action::SetView(view) => state.view = view,
@@ -236,7 +269,8 @@ impl App {
             Action::ClearSelection => state.run.selection = None,
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));
-                state.messages.notice = Some("scene copied as text: paste it here, or into a mail".to_owned());
+                state.messages.notice =
+                    Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
             Action::PasteScene(text) => match scene_file::pasted(&text) {
                 Ok(scene) => state.open_scene(scene),
@@ -253,16 +287,21 @@ impl App {
     }
 
     fn load_preset(&mut self, index: usize) {
-        let Some(preset) = presets::all().get(index) else { return };
+        let Some(preset) = presets::all().get(index) else {
+            return;
+        };
         match scene_file::parse(preset.text, preset.name) {
             Ok(scene) => self.state.open_scene(scene),
             Err(failure) => self.fail(&failure, "This preset is broken; choose another one."),
         }
     }
 
-    /// Does what the open dialog was opened for. It stays open if that fails, so that the path can be mended.
+    /// Does what the open dialog was opened for. It stays open if that fails, so that the path can
+    /// be mended.
     fn use_path(&mut self, ctx: &Context, path: &Path) {
-        let Some(task) = self.dialogs.task() else { return };
+        let Some(task) = self.dialogs.task() else {
+            return;
+        };
         let state = &self.state;
         let done = match task {
             FileTask::OpenScene => {
@@ -281,11 +320,14 @@ impl App {
             FileTask::ExportLoopPng => {
                 let ledger = state.run.record.ledger(state.model.law.surface_energy);
                 let error = ledger.stated_error(state.predicted_error());
-                let page = loop_panel::page(&state.run.record, &state.model, &state.scene.title, error);
-                drawing::write_page_png(path, &page).and_then(|()| picture::attach_scene(path, &state.scene))
+                let page =
+                    loop_panel::page(&state.run.record, &state.model, &state.scene.title, error);
+                drawing::write_page_png(path, &page)
+                    .and_then(|()| picture::attach_scene(path, &state.scene))
             }
             FileTask::ExportGapPng => match &state.frame {
-                Some(frame) => picture::write_gap_png(path, &frame.gap).and_then(|()| picture::attach_scene(path, &state.scene)),
+                Some(frame) => picture::write_gap_png(path, &frame.gap)
+                    .and_then(|()| picture::attach_scene(path, &state.scene)),
                 None => return,
             },
         };
@@ -300,7 +342,10 @@ impl App {
     }
 
     fn fail(&mut self, failure: &storage::Failure, remedy: &str) {
-        self.state.messages.failure = Some(Failure { message: failure.to_string(), remedy: remedy.to_owned() });
+        self.state.messages.failure = Some(Failure {
+            message: failure.to_string(),
+            remedy: remedy.to_owned(),
+        });
     }
 }
 
@@ -310,6 +355,9 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.solver.send(Envelope { run: self.state.run.id, message: Command::Quit });
+        self.solver.send(Envelope {
+            run: self.state.run.id,
+            message: Command::Quit,
+        });
     }
 }

@@ -1,4 +1,5 @@
-//! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the keyboard.
+//! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
+//! keyboard.
 
 use super::action::{Action, FileTask, Tab, ViewOptions};
 use super::number;
@@ -12,7 +13,9 @@ use crate::scene::part::Road;
 use crate::solver::methods::MethodKind;
 use crate::storage::presets;
 use crate::worker::protocol::{Page, Sweep};
-use egui::{Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window};
+use egui::{
+    Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
+};
 
 /// Something that can be done now.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,16 +30,35 @@ pub struct Command {
 
 impl Command {
     fn new(name: &str, keys: &'static str, action: Action) -> Self {
-        Self { name: name.to_owned(), keys, actions: vec![action] }
+        Self {
+            name: name.to_owned(),
+            keys,
+            actions: vec![action],
+        }
     }
 }
 
 /// Everything that can be done in this state.
 fn all(state: &ViewState) -> Vec<Command> {
     let one = Command::new;
-    let view = Action::SetView;
-    let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
-    let mut list = vec![
+    let mut list = motions(state);
+    list.extend(files());
+    list.extend([
+        one("Undo", "Ctrl+Z", Action::Undo),
+        one("Redo", "Ctrl+Y", Action::Redo),
+    ]);
+    list.extend(views(state));
+    list.push(one("Quit", "Ctrl+Q", Action::Quit));
+    list.extend(scenes(state));
+    list.extend(choices(state));
+    list.extend(pages(state));
+    list
+}
+
+/// What moves u0, and what goes along the loop.
+fn motions(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    vec![
         one("Play approach", "", Action::Play(Sweep::Approach)),
         one("Play retract", "", Action::Play(Sweep::Retract)),
         one("Play loop", "", Action::Play(Sweep::Loop)),
@@ -44,57 +66,186 @@ fn all(state: &ViewState) -> Vec<Command> {
         one("Stop", "Esc", Action::Stop),
         one("Reverse", "R", Action::Reverse),
         one("One increment onwards", ".", Action::Increment),
-        one("Go to the start of u₀", "Home", Action::SetTarget(state.limits.1)),
-        one("Go to the turning point of u₀", "End", Action::SetTarget(state.limits.0)),
+        one(
+            "Go to the start of u₀",
+            "Home",
+            Action::SetTarget(state.limits.1),
+        ),
+        one(
+            "Go to the turning point of u₀",
+            "End",
+            Action::SetTarget(state.limits.0),
+        ),
         one("Reset to rest at the start", "", Action::Reset),
         one("Look at the next jump", "J", Action::StepJump(true)),
         one("Look at the jump before", "K", Action::StepJump(false)),
         one(
-            if state.plots.kept.is_some() { "Let go of the kept loop" } else { "Keep this loop on the plot" },
+            if state.plots.kept.is_some() {
+                "Let go of the kept loop"
+            } else {
+                "Keep this loop on the plot"
+            },
             "L",
             Action::ToggleKept,
         ),
-        one("Open a scene", "Ctrl+O", Action::AskFile(FileTask::OpenScene)),
-        one("Save the scene", "Ctrl+S", Action::AskFile(FileTask::SaveScene)),
+    ]
+}
+
+/// What reads and writes scenes and results.
+fn files() -> Vec<Command> {
+    let one = Command::new;
+    vec![
+        one(
+            "Open a scene",
+            "Ctrl+O",
+            Action::AskFile(FileTask::OpenScene),
+        ),
+        one(
+            "Save the scene",
+            "Ctrl+S",
+            Action::AskFile(FileTask::SaveScene),
+        ),
         one("Copy the scene as text", "Ctrl+C", Action::CopyScene),
-        one("Export states as CSV", "", Action::AskFile(FileTask::ExportLoopCsv)),
-        one("Export jumps as CSV", "", Action::AskFile(FileTask::ExportEventsCsv)),
-        one("Export the stress curve as PNG", "S", Action::AskFile(FileTask::ExportLoopPng)),
-        one("Export the gap map as PNG", "", Action::AskFile(FileTask::ExportGapPng)),
-        one("Undo", "Ctrl+Z", Action::Undo),
-        one("Redo", "Ctrl+Y", Action::Redo),
+        one(
+            "Export states as CSV",
+            "",
+            Action::AskFile(FileTask::ExportLoopCsv),
+        ),
+        one(
+            "Export jumps as CSV",
+            "",
+            Action::AskFile(FileTask::ExportEventsCsv),
+        ),
+        one(
+            "Export the stress curve as PNG",
+            "S",
+            Action::AskFile(FileTask::ExportLoopPng),
+        ),
+        one(
+            "Export the gap map as PNG",
+            "",
+            Action::AskFile(FileTask::ExportGapPng),
+        ),
+    ]
+}
+
+/// What changes how things are shown.
+fn views(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    let view = Action::SetView;
+    let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
+    vec![
         one("Fit the axes to the data", "", Action::Fit(true)),
         one("Axes of the scene", "", Action::Fit(false)),
-        one(&on("theory over the live plot", state.paper.overlay), "", Action::OverlayTheory(!state.paper.overlay)),
+        one(
+            &on("theory over the live plot", state.paper.overlay),
+            "",
+            Action::OverlayTheory(!state.paper.overlay),
+        ),
         one(
             &on("the soft mode on the map", state.view.soft_mode),
             "",
-            view(ViewOptions { soft_mode: !state.view.soft_mode, ..state.view }),
+            view(ViewOptions {
+                soft_mode: !state.view.soft_mode,
+                ..state.view
+            }),
         ),
         one("Switch between light and dark", "", Action::ToggleTheme),
         one("Restore layout", "", Action::RestoreLayout),
         one("Keys and marks", "?", Action::ToggleHelp),
-        one("Quit", "Ctrl+Q", Action::Quit),
-    ];
+    ]
+}
+
+/// The presets, and the scene with another law.
+fn scenes(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    let mut list = Vec::new();
     list.extend(presets::all().iter().enumerate().map(|(i, preset)| {
         const KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
-        one(&format!("Preset {}", preset.name), KEYS.get(i).unwrap_or(&""), Action::LoadPreset(i))
+        one(
+            &format!("Preset {}", preset.name),
+            KEYS.get(i).unwrap_or(&""),
+            Action::LoadPreset(i),
+        )
     }));
     list.extend(Shape::all().into_iter().map(|shape| {
         let scene = edit::with_shape(&state.scene, &state.model, shape);
-        one(&format!("Cohesive law: {}", shape.word().replace('_', " ")), "", Action::EditScene(Box::new(scene)))
+        one(
+            &format!("Cohesive law: {}", shape.word().replace('_', " ")),
+            "",
+            Action::EditScene(Box::new(scene)),
+        )
     }));
-    list.extend(SPEEDS.map(|(speed, _, words)| one(&format!("Speed: {words}"), "", view(ViewOptions { speed, ..state.view }))));
-    let models = [(None, "as planned"), (Some(Road::WHOLE), "whole cell"), (Some(Road::QUARTER), "quarter")];
-    list.extend(models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetRoad(asked))));
-    list.extend(MethodKind::ALL.map(|method| one(&format!("Method: {}", method.title()), "", Action::SetMethod(method))));
-    list.extend(TABS.map(|(tab, name, _)| one(&format!("Tab: {name}"), "", view(ViewOptions { tab, ..state.view }))));
+    list
+}
+
+/// The speed, the model and the method of the walk.
+fn choices(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    let view = Action::SetView;
+    let mut list = Vec::new();
+    list.extend(SPEEDS.map(|(speed, _, words)| {
+        one(
+            &format!("Speed: {words}"),
+            "",
+            view(ViewOptions {
+                speed,
+                ..state.view
+            }),
+        )
+    }));
+    let models = [
+        (None, "as planned"),
+        (Some(Road::WHOLE), "whole cell"),
+        (Some(Road::QUARTER), "quarter"),
+    ];
+    list.extend(
+        models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetRoad(asked))),
+    );
+    list.extend(MethodKind::ALL.map(|method| {
+        one(
+            &format!("Method: {}", method.title()),
+            "",
+            Action::SetMethod(method),
+        )
+    }));
+    list
+}
+
+/// The tabs, and the pages of the paper's tab.
+fn pages(state: &ViewState) -> Vec<Command> {
+    let one = Command::new;
+    let view = Action::SetView;
+    let mut list = TABS
+        .map(|(tab, name, _)| {
+            one(
+                &format!("Tab: {name}"),
+                "",
+                view(ViewOptions { tab, ..state.view }),
+            )
+        })
+        .to_vec();
     let page = |name: String, page: Page| {
-        let tab = view(ViewOptions { tab: Tab::Paper, ..state.view });
-        Command { name, keys: "", actions: vec![tab, Action::OpenPage(page)] }
+        let tab = view(ViewOptions {
+            tab: Tab::Paper,
+            ..state.view
+        });
+        Command {
+            name,
+            keys: "",
+            actions: vec![tab, Action::OpenPage(page)],
+        }
     };
-    list.extend(GALLERY.iter().map(|entry| page(format!("Fig. {}: {}", entry.number, entry.title), Page::Figure(entry.number))));
-    list.push(page("Errata: what the print got wrong".to_owned(), Page::Errata));
+    list.extend(GALLERY.iter().map(|entry| {
+        page(
+            format!("Fig. {}: {}", entry.number, entry.title),
+            Page::Figure(entry.number),
+        )
+    }));
+    list.push(page(
+        "Errata: what the print got wrong".to_owned(),
+        Page::Errata,
+    ));
     list
 }
 
@@ -102,13 +253,21 @@ fn all(state: &ViewState) -> Vec<Command> {
 pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
     let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
     let place = number::parse(words).filter(|u0| (low..=high).contains(u0));
-    let go = place.map(|u0| Command::new(&format!("Go to u₀ = {u0} ρ"), "", Action::SetTarget(u0 * state.rho())));
+    let go = place.map(|u0| {
+        Command::new(
+            &format!("Go to u₀ = {u0} ρ"),
+            "",
+            Action::SetTarget(u0 * state.rho()),
+        )
+    });
     let wanted: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &Command| {
         let name = command.name.to_lowercase();
         wanted.iter().all(|word| name.contains(word.as_str()))
     };
-    go.into_iter().chain(all(state).into_iter().filter(fits)).collect()
+    go.into_iter()
+        .chain(all(state).into_iter().filter(fits))
+        .collect()
 }
 
 /// The open palette.
@@ -133,10 +292,18 @@ impl Palette {
         ui.set_width((ui.ctx().content_rect().width() - 60.0).min(480.0));
         let (up, down, enter) = ui.input_mut(|input| {
             let mut pressed = |key| input.count_and_consume_key(Modifiers::NONE, key);
-            (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter) > 0)
+            (
+                pressed(Key::ArrowUp),
+                pressed(Key::ArrowDown),
+                pressed(Key::Enter) > 0,
+            )
         });
         let hint = "what to do, or a value of u₀ in ranges";
-        let field = ui.add(TextEdit::singleline(&mut self.words).hint_text(hint).desired_width(f32::INFINITY));
+        let field = ui.add(
+            TextEdit::singleline(&mut self.words)
+                .hint_text(hint)
+                .desired_width(f32::INFINITY),
+        );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
         if !std::mem::replace(&mut self.shown, true) {
             field.request_focus();
@@ -153,7 +320,9 @@ impl Palette {
             ui.with_layout(Layout::top_down_justified(Align::LEFT), |ui| {
                 for (index, command) in list.iter().enumerate() {
                     let keys = RichText::new(command.keys).small().weak();
-                    let row = egui::Button::selectable(index == self.chosen, command.name.as_str()).right_text(keys).truncate();
+                    let row = egui::Button::selectable(index == self.chosen, command.name.as_str())
+                        .right_text(keys)
+                        .truncate();
                     let row = ui.add(row);
                     if row.clicked() {
                         run = Some(command);

@@ -1,4 +1,5 @@
-//! A diagram as a plot of the window: the same value that `storage` draws to file, in the same colours, strokes and symbols.
+//! A diagram as a plot of the window: the same value that `storage` draws to file, in the same
+//! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
 use crate::plot::legend::{Look, entries};
@@ -10,8 +11,8 @@ use crate::plot::typeset::plain;
 use egui::emath::Rangef;
 use egui::{Align2, AsIdSalt, Color32, RichText, Ui, vec2};
 use egui_plot::{
-    Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotBounds, PlotPoint,
-    PlotPoints, PlotResponse, PlotUi, Points, Text,
+    Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
+    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
 };
 
 /// Below this height the names of the axes give way.
@@ -40,24 +41,36 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
 /// Such a plot in the rest of the space; its axes lose their names where there is little of it.
 pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
     let height = ui.available_height().max(80.0);
-    let plot = fixed(id).height(height).grid_color(ui.visuals().text_color().gamma_multiply(0.45));
-    if height < NAMED { plot } else { plot.x_axis_label(x).y_axis_label(y) }
+    let plot = fixed(id)
+        .height(height)
+        .grid_color(ui.visuals().text_color().gamma_multiply(0.45));
+    if height < NAMED {
+        plot
+    } else {
+        plot.x_axis_label(x).y_axis_label(y)
+    }
 }
 
-/// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes without a number.
+/// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes
+/// without a number.
 pub fn grid(input: GridInput, count: f64) -> Vec<GridMark> {
     let (values, step_size) = ticks::within(input.bounds.0, input.bounds.1, count);
-    values.into_iter().map(|value| GridMark { value, step_size }).collect()
+    values
+        .into_iter()
+        .map(|value| GridMark { value, step_size })
+        .collect()
 }
 
 /// A line of this colour and width.
 pub fn line<'a>(name: &str, points: &[[f64; 2]], colour: Color32, width: f32) -> Line<'a> {
-    let line = Line::new(name, PlotPoints::from(points.to_vec())).stroke(egui::Stroke::new(width, colour));
+    let line =
+        Line::new(name, PlotPoints::from(points.to_vec())).stroke(egui::Stroke::new(width, colour));
     // Bands for dense data fill the corners of stairs.
     line.allow_band(false).allow_hover(false)
 }
 
-/// The numbers of an axis, as the plot takes them: places, words, and the power of ten they are to be multiplied by.
+/// The numbers of an axis, as the plot takes them: places, words, and the power of ten they are to
+/// be multiplied by.
 struct Numbers {
     list: Vec<(f64, String)>,
     factor: i32,
@@ -68,20 +81,36 @@ impl Numbers {
     fn new(scale: Scale) -> Self {
         let (list, factor) = ticks(&scale);
         let span = scale.high - scale.low;
-        let list = list.into_iter().filter_map(|tick| Some((scale.low + tick.at * span, plain(&tick.label?)))).collect();
+        let list = list
+            .into_iter()
+            .filter_map(|tick| Some((scale.low + tick.at * span, plain(&tick.label?))))
+            .collect();
         Self { list, factor, span }
     }
 
     fn grid(&self) -> Vec<GridMark> {
-        self.list.iter().map(|(value, _)| GridMark { value: *value, step_size: self.span }).collect()
+        self.list
+            .iter()
+            .map(|(value, _)| GridMark {
+                value: *value,
+                step_size: self.span,
+            })
+            .collect()
     }
 
     fn word(&self, mark: GridMark) -> String {
-        self.list.iter().find(|(at, _)| (at - mark.value).abs() < 1e-6 * self.span).map_or(String::new(), |(_, word)| word.clone())
+        self.list
+            .iter()
+            .find(|(at, _)| (at - mark.value).abs() < 1e-6 * self.span)
+            .map_or(String::new(), |(_, word)| word.clone())
     }
 
     fn named(&self, axis: &Axis) -> String {
-        if self.factor == 0 { axis.label.clone() } else { format!("{} (×10^{{{}}})", axis.label, self.factor) }
+        if self.factor == 0 {
+            axis.label.clone()
+        } else {
+            format!("{} (×10^{{{}}})", axis.label, self.factor)
+        }
     }
 }
 
@@ -98,18 +127,29 @@ pub fn show(
     let [x, y] = scales(panel);
     let (across, up) = (Numbers::new(x), Numbers::new(y));
     let (across_grid, up_grid) = (across.grid(), up.grid());
-    let value = |scale: Scale, shown: f64| if scale.logarithmic { 10f64.powf(shown) } else { shown };
-    let mut plot = fixed(id).height(height).grid_color(text.gamma_multiply(0.3));
+    let value = |scale: Scale, shown: f64| {
+        if scale.logarithmic {
+            10f64.powf(shown)
+        } else {
+            shown
+        }
+    };
+    let mut plot = fixed(id)
+        .height(height)
+        .grid_color(text.gamma_multiply(0.3));
     if height >= NAMED {
         let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), 12.0, text);
-        plot = plot.x_axis_label(name(&across, &panel.x)).y_axis_label(name(&up, &panel.y));
+        plot = plot
+            .x_axis_label(name(&across, &panel.x))
+            .y_axis_label(name(&up, &panel.y));
     }
     plot.x_grid_spacer(move |_| across_grid.clone())
         .y_grid_spacer(move |_| up_grid.clone())
         .x_axis_formatter(move |mark, _| across.word(mark))
         .y_axis_formatter(move |mark, _| up.word(mark))
         .label_formatter(move |at| {
-            let (HoverPosition::NearDataPoint { position: p, .. } | HoverPosition::Elsewhere { position: p }) = at;
+            let (HoverPosition::NearDataPoint { position: p, .. }
+            | HoverPosition::Elsewhere { position: p }) = at;
             hover(value(x, p.x), value(y, p.y))
         })
         .show(ui, |plot| {
@@ -118,43 +158,78 @@ pub fn show(
         })
 }
 
-/// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is logarithmic.
+/// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is
+/// logarithmic.
 pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
     let at = |p: [f64; 2]| [panel.x.shown(p[0]), panel.y.shown(p[1])];
     for area in &panel.areas {
         let colour = colour(area.colour, ground);
-        for piece in area.spans.split(|span| !span.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
-            let edge = |k: usize| -> Vec<[f64; 2]> { piece.iter().map(|span| at([span[0], span[k]])).collect() };
+        for piece in area
+            .spans
+            .split(|span| !span.iter().all(|v| v.is_finite()))
+            .filter(|piece| piece.len() > 1)
+        {
+            let edge = |k: usize| -> Vec<[f64; 2]> {
+                piece.iter().map(|span| at([span[0], span[k]])).collect()
+            };
             let (low, high) = (edge(1), edge(2));
             let of = |edge: &[[f64; 2]], k: usize| edge.iter().map(|p| p[k]).collect::<Vec<_>>();
             let fill = colour.gamma_multiply(ground.opacity() as f32);
-            plot.add(FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1)).fill_color(fill).allow_hover(false));
+            plot.add(
+                FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1))
+                    .fill_color(fill)
+                    .allow_hover(false),
+            );
             for edge in [low, high] {
                 plot.line(line(&area.name, &edge, colour, 0.8));
             }
         }
     }
     for role in Role::ORDER {
-        for series in panel.series.iter().filter(|s| s.role == role && s.symbol.is_none()) {
+        for series in panel
+            .series
+            .iter()
+            .filter(|s| s.role == role && s.symbol.is_none())
+        {
             let placed: Vec<[f64; 2]> = series.points.iter().copied().map(at).collect();
             draw_line(plot, series, &placed, ground);
         }
     }
     for series in &panel.series {
-        let Some(symbol) = series.symbol else { continue };
-        let placed: Vec<[f64; 2]> = series.points.iter().copied().map(at).filter(|p| p.iter().all(|v| v.is_finite())).collect();
-        plot.points(symbols(&series.name, symbol, placed, series.filled).color(colour(series.colour, ground)));
+        let Some(symbol) = series.symbol else {
+            continue;
+        };
+        let placed: Vec<[f64; 2]> = series
+            .points
+            .iter()
+            .copied()
+            .map(at)
+            .filter(|p| p.iter().all(|v| v.is_finite()))
+            .collect();
+        plot.points(
+            symbols(&series.name, symbol, placed, series.filled)
+                .color(colour(series.colour, ground)),
+        );
     }
     for arrow in &panel.arrows {
-        let (tail, tip) = (PlotPoints::from(vec![at(arrow.tail)]), PlotPoints::from(vec![at(arrow.head)]));
-        plot.arrows(Arrows::new("jump", tail, tip).color(colour(arrow.colour, ground)).tip_length(8.0).allow_hover(false));
+        let (tail, tip) = (
+            PlotPoints::from(vec![at(arrow.tail)]),
+            PlotPoints::from(vec![at(arrow.head)]),
+        );
+        plot.arrows(
+            Arrows::new("jump", tail, tip)
+                .color(colour(arrow.colour, ground))
+                .tip_length(8.0)
+                .allow_hover(false),
+        );
     }
     for label in &panel.labels {
         let [x, y] = at(label.at);
         if !(x.is_finite() && y.is_finite()) {
             continue;
         }
-        // An anchor is the side of the word at the place: the other one than that on which the word stands.
+        // An anchor is the side of the word at the place: the other one than that on which the word
+        // stands.
         let anchor = match label.side {
             [0, 0] => Align2::CENTER_CENTER,
             [1, up] => {
@@ -173,7 +248,8 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             }
         };
         let words = RichText::new(format!(" {} ", plain(&label.text))).small();
-        let text = Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));
+        let text =
+            Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));
         plot.text(text.anchor(anchor).allow_hover(false));
     }
 }
@@ -182,12 +258,24 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
 fn draw_line(plot: &mut PlotUi<'_>, series: &Series, placed: &[[f64; 2]], ground: Ground) {
     let stroke = stroke(series.role, series.colour, ground);
     let colour = theme::rgb(stroke.colour);
-    let style = stroke.dash.map_or(LineStyle::Solid, |[on, _]| LineStyle::Dashed { length: on as f32 });
+    let style = stroke
+        .dash
+        .map_or(LineStyle::Solid, |[on, _]| LineStyle::Dashed {
+            length: on as f32,
+        });
     let every = plot.plot_bounds().width() / MARKS;
-    for piece in placed.split(|p| !p.iter().all(|v| v.is_finite())).filter(|piece| piece.len() > 1) {
+    for piece in placed
+        .split(|p| !p.iter().all(|v| v.is_finite()))
+        .filter(|piece| piece.len() > 1)
+    {
         plot.line(line(&plain(&series.name), piece, colour, stroke.width as f32).style(style));
         if let Some(direction) = series.direction {
-            let marks = symbols(&series.name, pointing(direction), marked(piece, every).collect(), true);
+            let marks = symbols(
+                &series.name,
+                pointing(direction),
+                marked(piece, every).collect(),
+                true,
+            );
             plot.points(marks.color(colour));
         }
     }
@@ -209,7 +297,11 @@ fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, filled: bool) -> P
         Symbol::Frame => (MarkerShape::Square, 7.5),
     };
     let filled = filled || matches!(symbol, Symbol::Dot | Symbol::Cross | Symbol::Plus);
-    Points::new(plain(name), at).shape(shape).filled(filled).radius(radius).allow_hover(false)
+    Points::new(plain(name), at)
+        .shape(shape)
+        .filled(filled)
+        .radius(radius)
+        .allow_hover(false)
 }
 
 /// The legend: every name once.

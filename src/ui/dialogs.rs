@@ -1,4 +1,5 @@
-//! Dialogs: a file by the desktop's chooser or by its typed path, the sheet of keys, the palette of commands. Nothing here waits.
+//! Dialogs: a file by the desktop's chooser or by its typed path, the sheet of keys, the palette of
+//! commands. Nothing here waits.
 
 use super::action::{Action, FileTask};
 use super::commands::Palette;
@@ -37,7 +38,8 @@ struct FileDialog {
     task: FileTask,
     path: String,
     note: Option<String>,
-    /// What was entered, where it replaces a file or makes a folder, until that is wanted in so many words.
+    /// What was entered, where it replaces a file or makes a folder, until that is wanted in so
+    /// many words.
     question: Option<Question>,
     pending: Option<PathFuture>,
     fresh: bool,
@@ -51,21 +53,37 @@ struct Question {
 }
 
 impl Question {
-    /// What to ask before writing to `path`, which was entered in this way; nothing for a new file in a folder that is there.
+    /// What to ask before writing to `path`, which was entered in this way; nothing for a new file
+    /// in a folder that is there.
     fn before(path: &Path, entered: &str) -> Option<Self> {
         let (words, yes) = match files::effect(path) {
             Effect::Adds => return None,
-            Effect::Replaces => (format!("{} is there already.", path.display()), "Replace it"),
-            Effect::MakesFolder(folder) => (format!("The folder {} is not there.", folder.display()), "Make the folder"),
+            Effect::Replaces => (
+                format!("{} is there already.", path.display()),
+                "Replace it",
+            ),
+            Effect::MakesFolder(folder) => (
+                format!("The folder {} is not there.", folder.display()),
+                "Make the folder",
+            ),
         };
-        Some(Self { entered: entered.to_owned(), words, yes })
+        Some(Self {
+            entered: entered.to_owned(),
+            words,
+            yes,
+        })
     }
 }
 
 impl Dialogs {
     /// Dialogs that ask `chooser` for files.
     pub fn new(chooser: impl FnMut(FileRequest) -> PathFuture + 'static) -> Self {
-        Self { chooser: Box::new(chooser), file: None, help: false, commands: None }
+        Self {
+            chooser: Box::new(chooser),
+            file: None,
+            help: false,
+            commands: None,
+        }
     }
 
     /// True while one is open.
@@ -73,10 +91,21 @@ impl Dialogs {
         self.file.is_some() || self.help || self.commands.is_some()
     }
 
-    /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to decide first.
+    /// Opens the dialog of a task, and the desktop's chooser beside it where there is nothing to
+    /// decide first.
     pub fn ask(&mut self, task: FileTask) {
-        let pending = task.variants().is_empty().then(|| (self.chooser)(FileRequest { task }));
-        self.file = Some(FileDialog { task, path: task.file_name().to_owned(), note: None, question: None, pending, fresh: true });
+        let pending = task
+            .variants()
+            .is_empty()
+            .then(|| (self.chooser)(FileRequest { task }));
+        self.file = Some(FileDialog {
+            task,
+            path: task.file_name().to_owned(),
+            note: None,
+            question: None,
+            pending,
+            fresh: true,
+        });
     }
 
     /// Opens the palette of commands in place of whatever is open, or closes it.
@@ -106,7 +135,14 @@ impl Dialogs {
         if let Some(commands) = &mut self.commands {
             commands.show(ctx, state, actions);
         }
-        let Self { chooser, file: Some(file), .. } = self else { return };
+        let Self {
+            chooser,
+            file: Some(file),
+            ..
+        } = self
+        else {
+            return;
+        };
         file.poll(ctx, actions);
         let mut open = true;
         Window::new(file.task.title())
@@ -128,8 +164,13 @@ impl Dialogs {
 
 impl FileDialog {
     fn poll(&mut self, ctx: &Context, actions: &mut Vec<Action>) {
-        let Some(pending) = &mut self.pending else { return };
-        match pending.as_mut().poll(&mut std::task::Context::from_waker(Waker::noop())) {
+        let Some(pending) = &mut self.pending else {
+            return;
+        };
+        match pending
+            .as_mut()
+            .poll(&mut std::task::Context::from_waker(Waker::noop()))
+        {
             Poll::Pending => ctx.request_repaint_after(ASK_AGAIN),
             Poll::Ready(Some(path)) => {
                 self.pending = None;
@@ -138,7 +179,8 @@ impl FileDialog {
             Poll::Ready(None) => {
                 self.pending = None;
                 // A desktop without a portal answers like a cancel, after a moment.
-                let note = "No file was chosen, or this desktop has no file chooser. Type the path here.";
+                let note =
+                    "No file was chosen, or this desktop has no file chooser. Type the path here.";
                 self.note = Some(note.to_owned());
             }
         }
@@ -158,18 +200,26 @@ impl FileDialog {
             });
         }
         let label = ui.label("Path");
-        let field = ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY)).labelled_by(label.id);
+        let field = ui
+            .add(egui::TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY))
+            .labelled_by(label.id);
         if std::mem::take(&mut self.fresh) {
             field.request_focus();
         }
         let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        self.question.take_if(|question| question.entered != self.path);
+        self.question
+            .take_if(|question| question.entered != self.path);
         if let Some(question) = &self.question {
             ui.label(RichText::new(&question.words).strong());
         } else if let Some(note) = &self.note {
             ui.label(RichText::new(note).weak());
         } else if self.pending.is_some() {
-            ui.label(RichText::new("The desktop's file chooser is open; a path typed here does as well.").weak());
+            ui.label(
+                RichText::new(
+                    "The desktop's file chooser is open; a path typed here does as well.",
+                )
+                .weak(),
+            );
         }
         let mut browse = None;
         ui.horizontal(|ui| {
@@ -178,12 +228,18 @@ impl FileDialog {
                 None if self.task == FileTask::OpenScene => "Open",
                 None => "Write",
             };
-            if (ui.add_enabled(!self.path.trim().is_empty(), egui::Button::new(word)).clicked() || entered)
+            if (ui
+                .add_enabled(!self.path.trim().is_empty(), egui::Button::new(word))
+                .clicked()
+                || entered)
                 && !self.path.trim().is_empty()
             {
                 actions.extend(self.enter());
             }
-            if ui.add_enabled(self.pending.is_none(), egui::Button::new("Browse…")).clicked() {
+            if ui
+                .add_enabled(self.pending.is_none(), egui::Button::new("Browse…"))
+                .clicked()
+            {
                 browse = Some(self.task);
             }
             if ui.button("Cancel").clicked() {
@@ -219,7 +275,9 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
         FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => ("CSV", &["csv"]),
         FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
     };
-    let dialog = rfd::AsyncFileDialog::new().set_title(task.title()).add_filter(kind, extensions);
+    let dialog = rfd::AsyncFileDialog::new()
+        .set_title(task.title())
+        .add_filter(kind, extensions);
     Box::pin(async move {
         let file = if task == FileTask::OpenScene {
             dialog.pick_file().await

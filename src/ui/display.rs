@@ -48,8 +48,14 @@ pub fn display_available() -> Result<(), String> {
     }
     match (wayland(), is_set("DISPLAY")) {
         (Wayland::Answers, _) => return Ok(()),
-        (Wayland::Silent, false) => return Err("no display: nothing answers at WAYLAND_DISPLAY, and DISPLAY is not set".to_owned()),
-        (Wayland::None, false) => return Err("no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned()),
+        (Wayland::Silent, false) => {
+            return Err(
+                "no display: nothing answers at WAYLAND_DISPLAY, and DISPLAY is not set".to_owned(),
+            );
+        }
+        (Wayland::None, false) => {
+            return Err("no display: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned());
+        }
         (_, true) => {}
     }
     match missing_library() {
@@ -78,10 +84,16 @@ fn wayland() -> Wayland {
     if is_set("WAYLAND_SOCKET") {
         return Wayland::Answers;
     }
-    let Some(name) = std::env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return Wayland::None };
+    let Some(name) = std::env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else {
+        return Wayland::None;
+    };
     // An absolute name stands for itself.
     let socket = Path::new(&std::env::var_os("XDG_RUNTIME_DIR").unwrap_or_default()).join(name);
-    if std::os::unix::net::UnixStream::connect(socket).is_ok() { Wayland::Answers } else { Wayland::Silent }
+    if std::os::unix::net::UnixStream::connect(socket).is_ok() {
+        Wayland::Answers
+    } else {
+        Wayland::Silent
+    }
 }
 
 #[cfg(not(unix))]
@@ -89,7 +101,8 @@ fn wayland() -> Wayland {
     Wayland::None
 }
 
-/// The toolkit tries Wayland alone where it is named: past one that does not answer it is sent to X11.
+/// The toolkit tries Wayland alone where it is named: past one that does not answer it is sent to
+/// X11.
 fn past_a_silent_wayland() -> Option<EventLoopBuilderHook> {
     #[cfg(all(unix, not(target_os = "macos")))]
     if wayland() == Wayland::Silent && is_set("DISPLAY") {
@@ -107,14 +120,33 @@ fn no_library(library: &str, package: &str) -> String {
 /// The first X11 library that lies in none of the usual folders, provided one of its sisters does:
 /// on a system that keeps its libraries elsewhere nothing can be told, and trying decides.
 fn missing_library() -> Option<(&'static str, &'static str)> {
-    let mut folders: Vec<String> = std::env::var("LD_LIBRARY_PATH").unwrap_or_default().split(':').map(str::to_owned).collect();
+    let mut folders: Vec<String> = std::env::var("LD_LIBRARY_PATH")
+        .unwrap_or_default()
+        .split(':')
+        .map(str::to_owned)
+        .collect();
     let triple = format!("{}-linux-gnu", std::env::consts::ARCH);
     for root in ["/usr/lib", "/lib", "/usr/local/lib"] {
-        folders.extend([format!("{root}/{triple}"), format!("{root}64"), root.to_owned()]);
+        folders.extend([
+            format!("{root}/{triple}"),
+            format!("{root}64"),
+            root.to_owned(),
+        ]);
     }
-    let present = |library: &str| folders.iter().any(|folder| !folder.is_empty() && Path::new(folder).join(library).exists());
-    let missing: Vec<_> = X11_LIBRARIES.into_iter().filter(|(library, _)| !present(library)).collect();
-    if missing.len() == X11_LIBRARIES.len() { None } else { missing.first().copied() }
+    let present = |library: &str| {
+        folders
+            .iter()
+            .any(|folder| !folder.is_empty() && Path::new(folder).join(library).exists())
+    };
+    let missing: Vec<_> = X11_LIBRARIES
+        .into_iter()
+        .filter(|(library, _)| !present(library))
+        .collect();
+    if missing.len() == X11_LIBRARIES.len() {
+        None
+    } else {
+        missing.first().copied()
+    }
 }
 
 /// Opens the window on the first preset and returns when it is closed.
@@ -151,7 +183,8 @@ pub fn run_with(options: Options) -> Result<(), String> {
     }
     let opened = Arc::new(AtomicBool::new(false));
     let seen = opened.clone();
-    // winit panics where a library of the window system is missing or the connection breaks at the start.
+    // winit panics where a library of the window system is missing or the connection breaks at the
+    // start.
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
             "Tackscope",
@@ -168,16 +201,18 @@ pub fn run_with(options: Options) -> Result<(), String> {
     match outcome {
         Ok(result) => result.map_err(|error| format!("the window cannot be opened: {error}")),
         Err(panic) if opened.load(Ordering::Relaxed) => resume_unwind(panic),
-        Err(panic) => Err(in_words(panic.downcast_ref::<String>().map_or("the window system failed", String::as_str))),
+        Err(panic) => Err(in_words(
+            panic
+                .downcast_ref::<String>()
+                .map_or("the window system failed", String::as_str),
+        )),
     }
 }
 
 fn in_words(panic: &str) -> String {
-    match X11_LIBRARIES
-        .iter()
-        .rev()
-        .find(|(library, _)| panic.contains(library.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit())))
-    {
+    match X11_LIBRARIES.iter().rev().find(|(library, _)| {
+        panic.contains(library.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit()))
+    }) {
         Some((library, package)) => no_library(library, package),
         None => format!("the window cannot be opened: {panic}"),
     }
@@ -185,7 +220,9 @@ fn in_words(panic: &str) -> String {
 
 /// The preset the window opens with.
 fn opening_scene() -> Result<Scene, String> {
-    let preset = presets::find("fig2").or_else(|| presets::all().first()).ok_or("no preset is built in")?;
+    let preset = presets::find("fig2")
+        .or_else(|| presets::all().first())
+        .ok_or("no preset is built in")?;
     scene_file::parse(preset.text, preset.name).map_err(|failure| failure.to_string())
 }
 

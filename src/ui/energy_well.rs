@@ -30,28 +30,53 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
         ui.label(RichText::new("parabola of the smallest eigenvalue").small());
     });
     let reach = well.offsets.last().copied().unwrap_or(1.0) / rho;
-    let energies: Vec<[f64; 2]> = well.offsets.iter().zip(&well.energies).map(|(a, e)| [a / rho, e / gamma]).collect();
-    let parabola: Vec<[f64; 2]> = well.offsets.iter().map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma]).collect();
+    let energies: Vec<[f64; 2]> = well
+        .offsets
+        .iter()
+        .zip(&well.energies)
+        .map(|(a, e)| [a / rho, e / gamma])
+        .collect();
+    let parabola: Vec<[f64; 2]> = well
+        .offsets
+        .iter()
+        .map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma])
+        .collect();
     let top = state.plots.well_scale;
     let shown = small(ui, "well", "offset along the soft mode / ρ", "energy / γ")
         .x_grid_spacer(|input| grid(input, 8.0))
         .y_grid_spacer(|input| grid(input, 5.0))
         .label_formatter(|at| {
             let p = match at {
-                HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
+                HoverPosition::NearDataPoint { position, .. }
+                | HoverPosition::Elsewhere { position } => *position,
             };
             Some(format!("offset {:.3} ρ\nenergy {:.6} γ", p.x, p.y))
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([-reach, -0.5 * top], [reach, top]));
-            plot.line(line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()));
+            plot.line(
+                line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()),
+            );
             plot.line(line("energy", &energies, palette.approach, 2.2));
         });
-    let foot = shown.transform.position_from_point(&PlotPoint::new(0.0, 0.0));
-    let fill = if jumping { palette.flat } else { palette.retraction };
+    let foot = shown
+        .transform
+        .position_from_point(&PlotPoint::new(0.0, 0.0));
+    let fill = if jumping {
+        palette.flat
+    } else {
+        palette.retraction
+    };
     let painter = ui.painter().with_clip_rect(shown.response.rect);
-    painter.circle(foot - vec2(0.0, BALL + 1.0), BALL, fill, Stroke::new(1.5, palette.now));
-    shown.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Energy well: {words}")));
+    painter.circle(
+        foot - vec2(0.0, BALL + 1.0),
+        BALL,
+        fill,
+        Stroke::new(1.5, palette.now),
+    );
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Energy well: {words}")));
 }
 
 /// What holds the ball, in one line.
@@ -61,7 +86,11 @@ fn words(well: &EnergyWell, rho: f64, gamma: f64, jumping: bool) -> String {
         return format!("Jumping; this was the well at {at}.");
     }
     match lower_barrier(well) {
-        Some((offset, height)) => format!("At {at}: barrier of {:.1e} γ at offset {:.2} ρ", height / gamma, offset / rho),
+        Some((offset, height)) => format!(
+            "At {at}: barrier of {:.1e} γ at offset {:.2} ρ",
+            height / gamma,
+            offset / rho
+        ),
         None => {
             let reach = well.offsets.last().copied().unwrap_or(0.0) / rho;
             format!("At {at}: no barrier within {reach:.1} ρ")
@@ -78,6 +107,9 @@ fn lower_barrier(well: &EnergyWell) -> Option<(f64, f64)> {
     };
     let left = (0..middle).rev().find(|i| crest(*i));
     let right = (middle + 1..well.energies.len()).find(|i| crest(*i));
-    let barriers = left.into_iter().chain(right).map(|i| (well.offsets[i], well.energies[i]));
+    let barriers = left
+        .into_iter()
+        .chain(right)
+        .map(|i| (well.offsets[i], well.energies[i]));
     barriers.min_by(|a, b| a.1.total_cmp(&b.1))
 }

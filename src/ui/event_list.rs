@@ -15,13 +15,21 @@ fn why(cause: Cause) -> &'static str {
         Cause::FlatLimit => {
             "The flat surface could not stay flat: with depth the pull grew faster there than the longest wave of the cell resists."
         }
-        Cause::Fold => "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind.",
+        Cause::Fold => {
+            "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind."
+        }
         Cause::SymmetryBreaking => {
             "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of another symmetry grows."
         }
-        Cause::Mesh => "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such jump.",
-        Cause::Transition => "One pattern passes into the other by and by: nothing jumps, and nothing is lost.",
-        Cause::PatternChange => "The pattern was another one at the next u₀. This method does not ask where and why it changed.",
+        Cause::Mesh => {
+            "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such jump."
+        }
+        Cause::Transition => {
+            "One pattern passes into the other by and by: nothing jumps, and nothing is lost."
+        }
+        Cause::PatternChange => {
+            "The pattern was another one at the next u₀. This method does not ask where and why it changed."
+        }
     }
 }
 
@@ -29,8 +37,12 @@ fn why(cause: Cause) -> &'static str {
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
     let jumps = &state.run.record.jumps;
     let sum = ui.label(
-        RichText::new(format!("{}, {:.4} γ released", state.run.record.tally(), state.run.record.released_energy_sum() + 0.0))
-            .weak(),
+        RichText::new(format!(
+            "{}, {:.4} γ released",
+            state.run.record.tally(),
+            state.run.record.released_energy_sum() + 0.0
+        ))
+        .weak(),
     );
     // Invisible, only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(sum.id, |node| {
@@ -42,37 +54,63 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
         return;
     }
     let palette = theme::palette(theme::ground(ui));
-    let selected = state.run.selection.as_ref().and_then(|selection| selection.jump);
+    let selected = state
+        .run
+        .selection
+        .as_ref()
+        .and_then(|selection| selection.jump);
     let marked = selected.map(|index| jumps.len() - index);
     let colour = ui.visuals().selection.bg_fill.gamma_multiply(0.55);
     let faint = ui.visuals().faint_bg_color;
     let rows = move |row: usize, _: &egui::Style| {
-        if marked == Some(row) { Some(colour) } else { (row % 2 == 1).then_some(faint) }
+        if marked == Some(row) {
+            Some(colour)
+        } else {
+            (row % 2 == 1).then_some(faint)
+        }
     };
-    ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
-        egui::Grid::new("events").with_row_color(rows).num_columns(5).min_col_width(0.0).spacing([10.0, 3.0]).show(ui, |ui| {
-            for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
-                ui.label(RichText::new(title).small().weak());
-            }
-            ui.end_row();
-            for (index, jump) in jumps.iter().enumerate().rev().take(ROWS) {
-                let (mark, colour) = match jump.direction {
-                    Direction::Approach => ("◀", palette.approach),
-                    Direction::Retraction => ("▶", palette.retraction),
-                };
-                ui.label(RichText::new(mark).color(colour)).on_hover_text(jump.direction.to_string());
-                let place = ui.selectable_label(selected == Some(index), format!("{:.3}", jump.mean_displacement / state.rho()));
-                if place.on_hover_text("the numbers of the state after it (J, K)").clicked() {
-                    actions.push(Action::SelectJump(index));
-                }
-                ui.label(format!("{} → {}", jump.from, jump.to)).on_hover_text(state.say_jump(jump));
-                ui.label(format!("{:.4}", jump.released_energy));
-                // A narrow list is cut at its right: first what is unusual.
-                let cause =
-                    jump.contested_words().map_or_else(|| jump.cause.to_string(), |words| format!("{words}; {}", jump.cause));
-                ui.label(RichText::new(cause).small()).on_hover_text(why(jump.cause));
-                ui.end_row();
-            }
+    ScrollArea::both()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            egui::Grid::new("events")
+                .with_row_color(rows)
+                .num_columns(5)
+                .min_col_width(0.0)
+                .spacing([10.0, 3.0])
+                .show(ui, |ui| {
+                    for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
+                        ui.label(RichText::new(title).small().weak());
+                    }
+                    ui.end_row();
+                    for (index, jump) in jumps.iter().enumerate().rev().take(ROWS) {
+                        let (mark, colour) = match jump.direction {
+                            Direction::Approach => ("◀", palette.approach),
+                            Direction::Retraction => ("▶", palette.retraction),
+                        };
+                        ui.label(RichText::new(mark).color(colour))
+                            .on_hover_text(jump.direction.to_string());
+                        let place = ui.selectable_label(
+                            selected == Some(index),
+                            format!("{:.3}", jump.mean_displacement / state.rho()),
+                        );
+                        if place
+                            .on_hover_text("the numbers of the state after it (J, K)")
+                            .clicked()
+                        {
+                            actions.push(Action::SelectJump(index));
+                        }
+                        ui.label(format!("{} → {}", jump.from, jump.to))
+                            .on_hover_text(state.say_jump(jump));
+                        ui.label(format!("{:.4}", jump.released_energy));
+                        // A narrow list is cut at its right: first what is unusual.
+                        let cause = jump.contested_words().map_or_else(
+                            || jump.cause.to_string(),
+                            |words| format!("{words}; {}", jump.cause),
+                        );
+                        ui.label(RichText::new(cause).small())
+                            .on_hover_text(why(jump.cause));
+                        ui.end_row();
+                    }
+                });
         });
-    });
 }

@@ -10,7 +10,8 @@ use crate::plot::extent;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -51,7 +52,8 @@ impl MapCache {
             return;
         }
         let contact = state.model.law.contact_gap();
-        // A pattern keeps its place along its whole branch; the film of a jump keeps that of the pattern before.
+        // A pattern keeps its place along its whole branch; the film of a jump keeps that of the
+        // pattern before.
         let hole = match frame.state.as_ref().map(|state| state.pattern) {
             Some(Pattern::Dimple) => Some(true),
             Some(Pattern::Bulge | Pattern::Ridge) => Some(false),
@@ -62,20 +64,34 @@ impl MapCache {
             Some(hole) => GapPicture::with_island(&frame.gap, contact, centred, hole),
             None => GapPicture::new(&frame.gap, contact, centred),
         };
-        let options = if state.view.smooth { TextureOptions::LINEAR } else { TextureOptions::NEAREST };
+        let options = if state.view.smooth {
+            TextureOptions::LINEAR
+        } else {
+            TextureOptions::NEAREST
+        };
         let image = picture.image(top);
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ctx.load_texture("gap", image, options)),
         }
-        self.mode = frame.soft_mode.as_ref().filter(|_| view.soft_mode).map(|mode| picture.mode_lines(mode));
+        self.mode = frame
+            .soft_mode
+            .as_ref()
+            .filter(|_| view.soft_mode)
+            .map(|mode| picture.mode_lines(mode));
         self.picture = Some(picture);
         self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
     }
 }
 
 /// The map, at most as high as `height`, with its options above and its reading below.
-pub fn show(ui: &mut Ui, state: &ViewState, cache: &MapCache, actions: &mut Vec<Action>, height: f32) {
+pub fn show(
+    ui: &mut Ui,
+    state: &ViewState,
+    cache: &MapCache,
+    actions: &mut Vec<Action>,
+    height: f32,
+) {
     options(ui, state, actions);
     let width = ui.available_width();
     let side = (height - 58.0).min(width - BAR).max(80.0);
@@ -88,20 +104,34 @@ pub fn show(ui: &mut Ui, state: &ViewState, cache: &MapCache, actions: &mut Vec<
 
     let band = band(map, state);
     if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
-        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
-        ui.painter().image(texture.id(), band, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        ui.painter()
+            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+        ui.painter().image(
+            texture.id(),
+            band,
+            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
+            Color32::WHITE,
+        );
         contour(ui, picture, band);
         soft_mode(ui, state, cache, picture, band);
         profile_line(ui, state, picture, band);
     } else {
-        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+        ui.painter()
+            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
     }
     waiting(ui, state, map);
-    ui.painter().rect_stroke(map, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
+    ui.painter().rect_stroke(
+        map,
+        0.0,
+        ui.visuals().widgets.noninteractive.bg_stroke,
+        StrokeKind::Outside,
+    );
     colour_bar(ui, state, cache, map);
     overlays(ui, state, map);
     drag(ui, state, &response, band, actions);
-    let reading = response.hover_pos().and_then(|at| reading(state, cache, band, at));
+    let reading = response
+        .hover_pos()
+        .and_then(|at| reading(state, cache, band, at));
     let resting =
         "Point at the map to read it; drag to move the profile line (Shift: upright), double-click to free it.".to_owned();
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
@@ -128,23 +158,37 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// Where the field is drawn: the whole map, or a band for a line cell.
 fn band(map: Rect, state: &ViewState) -> Rect {
-    let line = state.frame.as_ref().is_some_and(|frame| frame.gap.nrows() == 1);
-    if line { Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3)) } else { map }
+    let line = state
+        .frame
+        .as_ref()
+        .is_some_and(|frame| frame.gap.nrows() == 1);
+    if line {
+        Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3))
+    } else {
+        map
+    }
 }
 
 fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
     let (ny, nx) = picture.gap.dim();
-    pos2(band.left() + at[0] / nx as f32 * band.width(), band.bottom() - at[1] / ny as f32 * band.height())
+    pos2(
+        band.left() + at[0] / nx as f32 * band.width(),
+        band.bottom() - at[1] / ny as f32 * band.height(),
+    )
 }
 
 fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     for [a, b] in &picture.contour {
-        painter.line_segment([to_screen(picture, band, *a), to_screen(picture, band, *b)], Stroke::new(1.6, Color32::WHITE));
+        painter.line_segment(
+            [to_screen(picture, band, *a), to_screen(picture, band, *b)],
+            Stroke::new(1.6, Color32::WHITE),
+        );
     }
 }
 
-/// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what they mean in the corner.
+/// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
+/// they mean in the corner.
 fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
     if !state.view.soft_mode {
         return;
@@ -152,21 +196,41 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     let colour = theme::palette(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
-        painter.line_segment(s.map(|p| to_screen(picture, band, p)), Stroke::new(width, colour));
+        painter.line_segment(
+            s.map(|p| to_screen(picture, band, p)),
+            Stroke::new(width, colour),
+        );
     };
     if let Some(lines) = &cache.mode {
         // Every second mesh square or so, whichever way the line runs.
-        let dotted = || lines.down.iter().filter(|s| (s[0][0].min(s[1][0]) as usize + 2 * s[0][1].min(s[1][1]) as usize) % 4 < 2);
-        lines.up.iter().chain(dotted()).for_each(|s| segment(s, 3.2, Color32::from_black_alpha(110)));
-        lines.up.iter().chain(dotted()).for_each(|s| segment(s, 1.5, colour));
+        let dotted = || {
+            lines.down.iter().filter(|s| {
+                (s[0][0].min(s[1][0]) as usize + 2 * s[0][1].min(s[1][1]) as usize) % 4 < 2
+            })
+        };
+        lines
+            .up
+            .iter()
+            .chain(dotted())
+            .for_each(|s| segment(s, 3.2, Color32::from_black_alpha(110)));
+        lines
+            .up
+            .iter()
+            .chain(dotted())
+            .for_each(|s| segment(s, 1.5, colour));
     }
     let words = match &cache.mode {
-        Some(_) if picture.min == picture.max => "soft mode (one of the equal first waves): — up  ┈ down",
+        Some(_) if picture.min == picture.max => {
+            "soft mode (one of the equal first waves): — up  ┈ down"
+        }
         Some(_) => "soft mode: — up  ┈ down",
         None => "no soft mode while jumping",
     };
     let galley = painter.layout_no_wrap(words.to_owned(), theme::small(), colour);
-    let area = Rect::from_min_size(band.left_bottom() + vec2(6.0, -galley.size().y - 12.0), galley.size() + vec2(12.0, 6.0));
+    let area = Rect::from_min_size(
+        band.left_bottom() + vec2(6.0, -galley.size().y - 12.0),
+        galley.size() + vec2(12.0, 6.0),
+    );
     painter.rect_filled(area, 5.0, Color32::from_black_alpha(190));
     painter.galley(area.min + vec2(6.0, 3.0), galley, colour);
 }
@@ -193,35 +257,75 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
         return;
     }
     let at = index as f32 + 0.5;
-    let ends = if along_x { [[0.0, at], [nx as f32, at]] } else { [[at, 0.0], [at, ny as f32]] };
+    let ends = if along_x {
+        [[0.0, at], [nx as f32, at]]
+    } else {
+        [[at, 0.0], [at, ny as f32]]
+    };
     let ends = ends.map(|p| to_screen(picture, band, p));
     let colour = theme::palette(crate::plot::style::Ground::Dark).retraction;
-    ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(3.0, Color32::from_black_alpha(120)), 7.0, 5.0));
-    ui.painter().extend(egui::Shape::dashed_line(&ends, Stroke::new(1.5, colour), 7.0, 5.0));
+    ui.painter().extend(egui::Shape::dashed_line(
+        &ends,
+        Stroke::new(3.0, Color32::from_black_alpha(120)),
+        7.0,
+        5.0,
+    ));
+    ui.painter().extend(egui::Shape::dashed_line(
+        &ends,
+        Stroke::new(1.5, colour),
+        7.0,
+        5.0,
+    ));
 }
 
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
-    let bar = Rect::from_min_max(pos2(map.right() + 10.0, map.top() + 16.0), pos2(map.right() + 22.0, map.bottom() - 2.0));
+    let bar = Rect::from_min_max(
+        pos2(map.right() + 10.0, map.top() + 16.0),
+        pos2(map.right() + 22.0, map.bottom() - 2.0),
+    );
     let rho = state.rho();
     let top = extent::gap_scale(&state.scene, &state.model) / rho;
     let steps = 64;
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);
-        let stripe = Rect::from_x_y_ranges(bar.x_range(), bar.bottom() - b * bar.height() - 0.5..=bar.bottom() - a * bar.height());
-        ui.painter().rect_filled(stripe, 0.0, colour(f64::from(0.5 * (a + b))));
+        let stripe = Rect::from_x_y_ranges(
+            bar.x_range(),
+            bar.bottom() - b * bar.height() - 0.5..=bar.bottom() - a * bar.height(),
+        );
+        ui.painter()
+            .rect_filled(stripe, 0.0, colour(f64::from(0.5 * (a + b))));
     }
     let text = ui.visuals().text_color();
-    ui.painter().text(pos2(bar.left() - 2.0, map.top()), Align2::LEFT_TOP, "gap / ρ", theme::small(), text);
+    ui.painter().text(
+        pos2(bar.left() - 2.0, map.top()),
+        Align2::LEFT_TOP,
+        "gap / ρ",
+        theme::small(),
+        text,
+    );
     let (values, spacing) = ticks::within(0.0, top * 1.001, 8.0);
     for value in values {
         let y = bar.bottom() - (value / top) as f32 * bar.height();
-        ui.painter().hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
-        let above = value + spacing > top * 1.001 && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
-        let label = format!("{}{}", if above { "≥" } else { "" }, ticks::label(value, spacing));
-        ui.painter().text(pos2(bar.right() + 7.0, y), Align2::LEFT_CENTER, label, theme::small(), text);
+        ui.painter()
+            .hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
+        let above = value + spacing > top * 1.001
+            && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
+        let label = format!(
+            "{}{}",
+            if above { "≥" } else { "" },
+            ticks::label(value, spacing)
+        );
+        ui.painter().text(
+            pos2(bar.right() + 7.0, y),
+            Align2::LEFT_CENTER,
+            label,
+            theme::small(),
+            text,
+        );
     }
     let contact = bar.bottom() - (state.model.law.contact_gap() / rho / top) as f32 * bar.height();
-    ui.painter().hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
+    ui.painter()
+        .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
 
 /// The hint before the first jump, and the word "jumping" while the surface is no equilibrium.
@@ -235,28 +339,60 @@ fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
-    let galley = ui.painter().layout(word.to_owned(), egui::FontId::proportional(size), Color32::WHITE, map.width() - 32.0);
+    let galley = ui.painter().layout(
+        word.to_owned(),
+        egui::FontId::proportional(size),
+        Color32::WHITE,
+        map.width() - 32.0,
+    );
     let centre = pos2(map.center().x, map.top() + 30.0);
     let area = Rect::from_center_size(centre, galley.size() + vec2(24.0, 12.0));
-    ui.painter().rect_filled(area, 8.0, Color32::from_black_alpha(170));
-    ui.painter().galley(area.center() - galley.size() / 2.0, galley, Color32::WHITE);
+    ui.painter()
+        .rect_filled(area, 8.0, Color32::from_black_alpha(170));
+    ui.painter()
+        .galley(area.center() - galley.size() / 2.0, galley, Color32::WHITE);
 }
 
-/// Fades the last run's picture out while the solver has said nothing of this one. An answer within a few frames is no flicker.
+/// Fades the last run's picture out while the solver has said nothing of this one. An answer within
+/// a few frames is no flicker.
 fn waiting(ui: &Ui, state: &ViewState, map: Rect) {
     let waits = state.is_waiting();
-    let share = ui.ctx().animate_bool_with_time(egui::Id::unique("waiting"), waits, if waits { FADE } else { 0.0 });
+    let share = ui.ctx().animate_bool_with_time(
+        egui::Id::unique("waiting"),
+        waits,
+        if waits { FADE } else { 0.0 },
+    );
     if share > 0.0 {
-        ui.painter().rect_filled(map, 0.0, ui.visuals().extreme_bg_color.gamma_multiply(0.85 * share));
+        ui.painter().rect_filled(
+            map,
+            0.0,
+            ui.visuals().extreme_bg_color.gamma_multiply(0.85 * share),
+        );
     }
     if waits {
         let colour = ui.visuals().text_color().gamma_multiply(share.max(0.3));
-        let words = if state.messages.failure.is_some() { "no picture of this scene" } else { WAITING };
-        ui.painter().text(map.center(), Align2::CENTER_CENTER, words, theme::small(), colour);
+        let words = if state.messages.failure.is_some() {
+            "no picture of this scene"
+        } else {
+            WAITING
+        };
+        ui.painter().text(
+            map.center(),
+            Align2::CENTER_CENTER,
+            words,
+            theme::small(),
+            colour,
+        );
     }
 }
 
-fn drag(ui: &Ui, state: &ViewState, response: &egui::Response, band: Rect, actions: &mut Vec<Action>) {
+fn drag(
+    ui: &Ui,
+    state: &ViewState,
+    response: &egui::Response,
+    band: Rect,
+    actions: &mut Vec<Action>,
+) {
     let mut view = state.view;
     if response.double_clicked() {
         view.profile = ProfileLine::Auto;
@@ -266,7 +402,11 @@ fn drag(ui: &Ui, state: &ViewState, response: &egui::Response, band: Rect, actio
         let x = f64::from((at.x - band.left()) / band.width()).clamp(0.0, 1.0);
         let y = f64::from((band.bottom() - at.y) / band.height()).clamp(0.0, 1.0);
         let upright = ui.input(|i| i.modifiers.shift);
-        view.profile = if upright { ProfileLine::AlongY(x) } else { ProfileLine::AlongX(y) };
+        view.profile = if upright {
+            ProfileLine::AlongY(x)
+        } else {
+            ProfileLine::AlongX(y)
+        };
     }
     if view != state.view {
         actions.push(Action::SetView(view));
@@ -276,7 +416,10 @@ fn drag(ui: &Ui, state: &ViewState, response: &egui::Response, band: Rect, actio
 fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<String> {
     let picture = cache.picture.as_ref().filter(|_| band.contains(at))?;
     let (ny, nx) = picture.gap.dim();
-    let (x, y) = ((at.x - band.left()) / band.width(), (band.bottom() - at.y) / band.height());
+    let (x, y) = (
+        (at.x - band.left()) / band.width(),
+        (band.bottom() - at.y) / band.height(),
+    );
     let index = |share: f32, n: usize| ((share * n as f32) as usize).min(n - 1);
     let gap = picture.gap[(index(y, ny), index(x, nx))];
     let (rho, length) = (state.rho(), state.model.grid.length);
@@ -293,7 +436,17 @@ fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<
 
 /// The map in one sentence.
 fn sentence(state: &ViewState, cache: &MapCache) -> String {
-    let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else { return format!("Gap map: {WAITING}") };
-    let pattern = state.run.state.as_ref().map_or("at rest", |s| s.pattern.word());
-    format!("Gap map: {pattern}, gap from {:.3} to {:.3} rho", picture.min / state.rho(), picture.max / state.rho())
+    let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else {
+        return format!("Gap map: {WAITING}");
+    };
+    let pattern = state
+        .run
+        .state
+        .as_ref()
+        .map_or("at rest", |s| s.pattern.word());
+    format!(
+        "Gap map: {pattern}, gap from {:.3} to {:.3} rho",
+        picture.min / state.rho(),
+        picture.max / state.rho()
+    )
 }

@@ -1,4 +1,5 @@
-//! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured, with its contact line. No egui widgets.
+//! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured,
+//! with its contact line. No egui widgets.
 
 use crate::physics::pattern::centre::{rolled, shift_to_middle};
 use egui::{Color32, ColorImage};
@@ -15,7 +16,8 @@ pub struct GapPicture {
     pub max: f64,
     /// True if the island is a hole in the contact and not a contact.
     pub hole: bool,
-    /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's square.
+    /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's
+    /// square.
     pub contour: Vec<Segment>,
     /// Rows and columns by which it was rolled.
     roll: (usize, usize),
@@ -45,19 +47,42 @@ impl GapPicture {
 
     /// The same where it is known whether the island is a hole.
     pub fn with_island(gap: &Array2<f64>, contact_gap: f64, centred: bool, hole: bool) -> Self {
-        let (dy, dx) = if centred { shift_to_middle(gap, hole) } else { (0, 0) };
+        let (dy, dx) = if centred {
+            shift_to_middle(gap, hole)
+        } else {
+            (0, 0)
+        };
         let gap = rolled(gap, dy, dx);
-        let (min, max) = gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
+        let (min, max) = gap
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| {
+                (a.min(g), b.max(g))
+            });
         let contour = contour(&gap, contact_gap);
-        Self { gap, min, max, hole, contour, roll: (dy, dx) }
+        Self {
+            gap,
+            min,
+            max,
+            hole,
+            contour,
+            roll: (dy, dx),
+        }
     }
 
     /// The contours of a mode of this field.
     pub fn mode_lines(&self, mode: &Array2<f64>) -> ModeLines {
         let mode = rolled(mode, self.roll.0, self.roll.1);
         let largest = mode.iter().fold(0.0f64, |a, v| a.max(v.abs()));
-        let lines = |sign: f64| MODE_LEVELS.iter().flat_map(|level| contour(&mode, sign * level * largest)).collect();
-        ModeLines { up: lines(1.0), down: lines(-1.0) }
+        let lines = |sign: f64| {
+            MODE_LEVELS
+                .iter()
+                .flat_map(|level| contour(&mode, sign * level * largest))
+                .collect()
+        };
+        ModeLines {
+            up: lines(1.0),
+            down: lines(-1.0),
+        }
     }
 
     /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
@@ -72,7 +97,8 @@ impl GapPicture {
         ColorImage::new([nx, ny], pixels)
     }
 
-    /// Row and column of the middle of the island (smallest gap, or largest in a hole), and whether the gap varies more along x (true) than along y.
+    /// Row and column of the middle of the island (smallest gap, or largest in a hole), and whether
+    /// the gap varies more along x (true) than along y.
     pub fn island(&self) -> (usize, usize, bool) {
         let (ny, nx) = self.gap.dim();
         let sign = if self.hole { -1.0 } else { 1.0 };
@@ -84,7 +110,8 @@ impl GapPicture {
             }
         }
         let spread = |line: ndarray::ArrayView1<'_, f64>| {
-            line.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b)) - line.iter().fold(f64::INFINITY, |a, &b| a.min(b))
+            line.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b))
+                - line.iter().fold(f64::INFINITY, |a, &b| a.min(b))
         };
         let along_x = spread(self.gap.row(low.0)) >= 0.999 * spread(self.gap.column(low.1));
         (low.0, low.1, along_x || ny == 1)
@@ -103,7 +130,12 @@ fn contour(gap: &Array2<f64>, level: f64) -> Vec<Segment> {
     let mut segments = Vec::new();
     for j in 0..ny.saturating_sub(1) {
         for i in 0..nx - 1 {
-            let corners = [gap[(j, i)], gap[(j, i + 1)], gap[(j + 1, i + 1)], gap[(j + 1, i)]];
+            let corners = [
+                gap[(j, i)],
+                gap[(j, i + 1)],
+                gap[(j + 1, i + 1)],
+                gap[(j + 1, i)],
+            ];
             let below = corners.map(|g| g < level);
             if below.iter().all(|&b| b) || below.iter().all(|&b| !b) {
                 continue;
@@ -132,7 +164,8 @@ mod tests {
 
     fn island(ny: usize, nx: usize, cy: f64, cx: f64) -> Array2<f64> {
         Array2::from_shape_fn((ny, nx), |(j, i)| {
-            4.0 - (TAU * (j as f64 - cy) / ny as f64).cos() - (TAU * (i as f64 - cx) / nx as f64).cos()
+            4.0 - (TAU * (j as f64 - cy) / ny as f64).cos()
+                - (TAU * (i as f64 - cx) / nx as f64).cos()
         })
     }
 
@@ -162,7 +195,10 @@ mod tests {
     #[test]
     fn a_flat_field_stays_where_it_is_and_has_no_contact_line() {
         let picture = GapPicture::new(&Array2::from_elem((8, 8), 3.0), 0.7, true);
-        assert_eq!((picture.min, picture.max, picture.contour.len()), (3.0, 3.0, 0));
+        assert_eq!(
+            (picture.min, picture.max, picture.contour.len()),
+            (3.0, 3.0, 0)
+        );
     }
 
     #[test]
@@ -173,7 +209,11 @@ mod tests {
         let expected = (0.85f64).acos() / TAU * 64.0 * (2.0f64).sqrt();
         for segment in &picture.contour {
             for p in segment {
-                assert!((radius(*p) / expected - 1.0).abs() < 0.1, "{} {expected}", radius(*p));
+                assert!(
+                    (radius(*p) / expected - 1.0).abs() < 0.1,
+                    "{} {expected}",
+                    radius(*p)
+                );
             }
         }
     }
@@ -183,17 +223,26 @@ mod tests {
         let picture = GapPicture::new(&island(32, 32, 16.0, 8.0), 2.3, true);
         let mode = Array2::from_shape_fn((32, 32), |(_, i)| (TAU * (i as f64 - 8.0) / 32.0).cos());
         let lines = picture.mode_lines(&mode);
-        let columns =
-            |segments: &[Segment]| segments.iter().map(|s| s[0][0]).fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)));
+        let columns = |segments: &[Segment]| {
+            segments
+                .iter()
+                .map(|s| s[0][0])
+                .fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)))
+        };
         let (low, high) = columns(&lines.up);
         // The crest stands in the middle, where the pattern was rolled to.
-        assert!(low > 8.0 && high < 25.0 && (low + high - 33.0).abs() < 1.0, "{low} {high}");
+        assert!(
+            low > 8.0 && high < 25.0 && (low + high - 33.0).abs() < 1.0,
+            "{low} {high}"
+        );
         assert_eq!(lines.up.len(), lines.down.len());
     }
 
     #[test]
     fn a_line_cell_is_rolled_too_and_cut_along_x() {
-        let field = Array2::from_shape_fn((1, 32), |(_, i)| 3.0 - (TAU * (i as f64 - 5.0) / 32.0).cos());
+        let field = Array2::from_shape_fn((1, 32), |(_, i)| {
+            3.0 - (TAU * (i as f64 - 5.0) / 32.0).cos()
+        });
         let picture = GapPicture::new(&field, 1.0, true);
         assert_eq!(picture.gap[(0, 16)], picture.min);
         assert!(picture.island().2);

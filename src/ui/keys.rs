@@ -1,4 +1,5 @@
-//! The keys. They do not fire while something is being typed, nor take the arrows away from a focused widget other than the u0 slider.
+//! The keys. They do not fire while something is being typed, nor take the arrows away from a
+//! focused widget other than the u0 slider.
 
 use super::action::{Action, FileTask};
 use super::u0_slider;
@@ -8,7 +9,10 @@ use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
 pub const SHEET: [(&str, &str); 20] = [
-    ("Ctrl+K", "everything by its name: laws, presets, figures, files"),
+    (
+        "Ctrl+K",
+        "everything by its name: laws, presets, figures, files",
+    ),
     ("← →", "one step of u₀ down, up (with Shift a tenth)"),
     ("PgDn PgUp", "ten steps down, up"),
     ("Home End", "start, turning point"),
@@ -26,7 +30,10 @@ pub const SHEET: [(&str, &str); 20] = [
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
-    ("Shift while dragging", "fine u₀; upright profile line on the map"),
+    (
+        "Shift while dragging",
+        "fine u₀; upright profile line on the map",
+    ),
     ("?", "this sheet"),
 ];
 
@@ -39,13 +46,25 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
     let free = focused.is_none() || focused == Some(u0_slider::id());
     let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
         let pressed = |event: &Event| match event {
-            Event::Key { key, pressed: true, repeat, modifiers, .. } => Some((*key, *modifiers, *repeat)),
+            Event::Key {
+                key,
+                pressed: true,
+                repeat,
+                modifiers,
+                ..
+            } => Some((*key, *modifiers, *repeat)),
             _ => None,
         };
         input.events.iter().filter_map(pressed).collect()
     });
     if free && !dialog_open {
-        actions.extend(ctx.input(|input| input.events.iter().filter_map(clipboard).collect::<Vec<_>>()));
+        actions.extend(ctx.input(|input| {
+            input
+                .events
+                .iter()
+                .filter_map(clipboard)
+                .collect::<Vec<_>>()
+        }));
     }
     for (key, modifiers, repeat) in presses {
         let action = if modifiers.command {
@@ -99,12 +118,24 @@ fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Actio
         Key::R => Action::Reverse,
         Key::L => Action::ToggleKept,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
-        Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => Action::ClearSelection,
+        Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => {
+            Action::ClearSelection
+        }
         Key::Escape => Action::Stop,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
         Key::Slash if shift => Action::ToggleHelp,
         _ => {
-            let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+            let digits = [
+                Key::Num1,
+                Key::Num2,
+                Key::Num3,
+                Key::Num4,
+                Key::Num5,
+                Key::Num6,
+                Key::Num7,
+                Key::Num8,
+                Key::Num9,
+            ];
             let index = digits.iter().position(|&digit| digit == key)?;
             return (index < presets::all().len()).then_some(Action::LoadPreset(index));
         }

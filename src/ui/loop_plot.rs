@@ -1,4 +1,5 @@
-//! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated area, and where we are now.
+//! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
+//! area, and where we are now.
 
 use super::action::Action;
 use super::theme::{self, Palette};
@@ -27,8 +28,16 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let (words, doubt) = dissipated(state);
     ui.horizontal(|ui| {
         if let Some(doubt) = doubt {
-            ui.label(RichText::new("⚠").color(palette.warn).strong()).on_hover_text(&doubt);
-            ui.add(egui::Label::new(RichText::new(format!("{words}: {doubt}")).color(palette.warn).strong()).truncate());
+            ui.label(RichText::new("⚠").color(palette.warn).strong())
+                .on_hover_text(&doubt);
+            ui.add(
+                egui::Label::new(
+                    RichText::new(format!("{words}: {doubt}"))
+                        .color(palette.warn)
+                        .strong(),
+                )
+                .truncate(),
+            );
         } else {
             ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
         }
@@ -37,11 +46,17 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let hover = |x: f64, y: f64| Some(format!("u₀ {x:.3} ρ\nstress {y:.3} σₘₐₓ"));
     let shown = diagram::show(ui, &panel, "loop", height, hover);
     let (response, transform) = (shown.response, shown.transform);
-    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) {
+    if let Some(pointer) = response
+        .interact_pointer_pos()
+        .filter(|_| response.clicked())
+    {
         let at = transform.value_from_position(pointer);
         let scale = transform.dpos_dvalue();
         let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
-        actions.push(Action::SelectState { at: [at.x, at.y], reach });
+        actions.push(Action::SelectState {
+            at: [at.x, at.y],
+            reach,
+        });
     }
     inspect::show(ui, state, response.rect, actions);
     let sentence = sentence(state);
@@ -56,8 +71,16 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
                 actions.push(Action::Fit(false));
             }
             let leaves = state.data_leave_view();
-            let text = if leaves { RichText::new("Fit").color(palette.warn).strong() } else { RichText::new("Fit") };
-            let hover = if leaves { "Data lie outside the axes" } else { "Fit the axes to the data" };
+            let text = if leaves {
+                RichText::new("Fit").color(palette.warn).strong()
+            } else {
+                RichText::new("Fit")
+            };
+            let hover = if leaves {
+                "Data lie outside the axes"
+            } else {
+                "Fit the axes to the data"
+            };
             if ui.button(text).on_hover_text(hover).clicked() {
                 actions.push(Action::Fit(true));
             }
@@ -65,30 +88,52 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
     });
 }
 
-/// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks against it.
+/// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks
+/// against it.
 fn dissipated(state: &ViewState) -> (String, Option<String>) {
     if let Some(closed) = &state.run.closed_loop {
         let ledger = &closed.summary.ledger;
         let contested = contested(&state.run.record.jumps);
         let words = match (ledger.dissipated_energy(), &ledger.open) {
-            (Some(loss), _) if contested.is_some() => format!("∮ dissipated {loss:.4}{} γ", or_else(state, loss)),
+            (Some(loss), _) if contested.is_some() => {
+                format!("∮ dissipated {loss:.4}{} γ", or_else(state, loss))
+            }
             (Some(loss), _) => {
-                format!("∮ dissipated {loss:.4} γ, {}", promise(ledger.stated_error(state.predicted_error())))
+                format!(
+                    "∮ dissipated {loss:.4} γ, {}",
+                    promise(ledger.stated_error(state.predicted_error()))
+                )
             }
             (None, Some(_)) => "loop not closed".to_owned(),
             (None, None) => "dissipated energy not available".to_owned(),
         };
-        let open = ledger.open.as_ref().map(|open| format!("{}; {}", open.reason, open.remedy));
+        let open = ledger
+            .open
+            .as_ref()
+            .map(|open| format!("{}; {}", open.reason, open.remedy));
         return (words, open.or_else(|| ledger.warning()).or(contested));
     }
     let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
-        return ("Play loop to see what one cycle dissipates.".to_owned(), None);
+        return (
+            "Play loop to see what one cycle dissipates.".to_owned(),
+            None,
+        );
     };
     let loss = live.dissipated_energy;
     if let Some(contested) = contested(&live.jumps) {
-        return (format!("∮ live loop: {loss:.4}{} γ", or_else(state, loss)), Some(contested));
+        return (
+            format!("∮ live loop: {loss:.4}{} γ", or_else(state, loss)),
+            Some(contested),
+        );
     }
-    (format!("∮ live loop: {loss:.4} γ lost in {} jumps, {}", live.jumps.len(), promise(Some(live.predicted_error))), None)
+    (
+        format!(
+            "∮ live loop: {loss:.4} γ lost in {} jumps, {}",
+            live.jumps.len(),
+            promise(Some(live.predicted_error))
+        ),
+        None,
+    )
 }
 
 /// Where a surface may land that has several places to land.
@@ -96,16 +141,25 @@ fn contested(jumps: &[JumpRecord]) -> Option<String> {
     jumps.iter().find_map(JumpRecord::contested_words)
 }
 
-/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it: " or 0.1292".
+/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it: " or
+/// 0.1292".
 fn or_else(state: &ViewState, loss: f64) -> String {
-    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else { return String::new() };
-    let mut known: Vec<f64> = live.rivals.iter().filter_map(|rival| rival.dissipated_energy).collect();
+    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
+        return String::new();
+    };
+    let mut known: Vec<f64> = live
+        .rivals
+        .iter()
+        .filter_map(|rival| rival.dissipated_energy)
+        .collect();
     if known.is_empty() {
         return String::new();
     }
     // The live loop may take the other of two; of both values the farther one is not this loop's.
     known.push(live.dissipated_energy);
-    let other = known.into_iter().max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()));
+    let other = known
+        .into_iter()
+        .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()));
     other.map_or_else(String::new, |other| format!(" or {other:.4}"))
 }
 
@@ -114,93 +168,166 @@ fn panel(state: &ViewState) -> Panel {
     let ([left, bottom], [right, top]) = state.axes();
     let law = &state.model.law;
     let latest = state.run.record.jumps.len().saturating_sub(JUMPS_MAX);
-    let closed = state.run.closed_loop.as_ref().filter(|closed| closed.summary.ledger.open.is_none());
+    let closed = state
+        .run
+        .closed_loop
+        .as_ref()
+        .filter(|closed| closed.summary.ledger.open.is_none());
     let theory = theory(state, [[left, right], [bottom, top]]);
     let mut panel = Panel {
         x: Axis::linear("u₀ / ρ").from_to(left, right),
         y: Axis::linear("stress / σ_max").from_to(bottom, top),
         areas: closed.map_or_else(Vec::new, |closed| closed.loss.clone()),
-        series: loop_panel::branches(&state.run.curve).into_iter().filter(|branch| !branch.points.is_empty()).collect(),
+        series: loop_panel::branches(&state.run.curve)
+            .into_iter()
+            .filter(|branch| !branch.points.is_empty())
+            .collect(),
         arrows: loop_panel::jumps(&state.run.record.jumps[latest..], law),
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
     panel.series.extend(state.plots.flat_state.iter().cloned());
     panel.series.extend(live(state));
-    panel.series.extend(theory.iter().map(|(line, _)| line.clone()));
-    panel.labels.extend(theory.into_iter().filter_map(|(_, label)| label));
+    panel
+        .series
+        .extend(theory.iter().map(|(line, _)| line.clone()));
+    panel
+        .labels
+        .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
     ahead(state, &mut panel);
     let rho = state.rho();
     if let Some(selection) = &state.run.selection {
-        let at = [selection.state.mean_displacement / rho, selection.state.stress_over_max];
-        panel.series.push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
+        let at = [
+            selection.state.mean_displacement / rho,
+            selection.state.stress_over_max,
+        ];
+        panel
+            .series
+            .push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
     }
     if let Some(now) = &state.run.state {
         let at = vec![[now.mean_displacement / rho, now.stress_over_max]];
         let symbol = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
-        panel.series.extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
+        panel
+            .series
+            .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
     }
     panel
 }
 
 /// Pieces as one broken line.
 fn joined<'a>(pieces: impl IntoIterator<Item = &'a [[f64; 2]]>) -> Vec<[f64; 2]> {
-    pieces.into_iter().flat_map(|piece| piece.iter().copied().chain(once([f64::NAN; 2]))).collect()
+    pieces
+        .into_iter()
+        .flat_map(|piece| piece.iter().copied().chain(once([f64::NAN; 2])))
+        .collect()
 }
 
 /// The loop that is kept, broad and grey, and earlier ones, thin and grey.
 fn others(state: &ViewState) -> Vec<Series> {
-    let kept = state.plots.kept.iter().map(|kept| ("kept", Role::Simulation, joined(kept.lines.iter().map(Vec::as_slice))));
-    let earlier = state
-        .plots
-        .ghosts
-        .iter()
-        .map(|ghost| ("earlier", Role::Guide, joined(ghost.pieces.iter().map(|piece| piece.points.as_slice()))));
-    kept.chain(earlier).map(|(name, role, points)| Series::line(name, role, Colour::Grey, points)).collect()
+    let kept = state.plots.kept.iter().map(|kept| {
+        (
+            "kept",
+            Role::Simulation,
+            joined(kept.lines.iter().map(Vec::as_slice)),
+        )
+    });
+    let earlier = state.plots.ghosts.iter().map(|ghost| {
+        (
+            "earlier",
+            Role::Guide,
+            joined(ghost.pieces.iter().map(|piece| piece.points.as_slice())),
+        )
+    });
+    kept.chain(earlier)
+        .map(|(name, role, points)| Series::line(name, role, Colour::Grey, points))
+        .collect()
 }
 
 /// The loop of the atlas, thin, with its jumps dashed.
 fn live(state: &ViewState) -> Vec<Series> {
-    let Some(live) = state.plots.live.as_ref().filter(|live| !live.pieces.is_empty()) else { return Vec::new() };
+    let Some(live) = state
+        .plots
+        .live
+        .as_ref()
+        .filter(|live| !live.pieces.is_empty())
+    else {
+        return Vec::new();
+    };
     let line = joined(live.pieces.iter().map(|(_, points)| points.as_slice()));
-    let jumps: Vec<[[f64; 2]; 2]> = live.jumps.iter().map(|(u0, [from, to])| [[*u0, *from], [*u0, *to]]).collect();
+    let jumps: Vec<[[f64; 2]; 2]> = live
+        .jumps
+        .iter()
+        .map(|(u0, [from, to])| [[*u0, *from], [*u0, *to]])
+        .collect();
     let jumps = joined(jumps.iter().map(<[[f64; 2]; 2]>::as_slice));
-    vec![Series::line("live", Role::Forecast, Colour::LIVE, line), Series::line("", Role::Unstable, Colour::LIVE, jumps)]
+    vec![
+        Series::line("live", Role::Forecast, Colour::LIVE, line),
+        Series::line("", Role::Unstable, Colour::LIVE, jumps),
+    ]
 }
 
 /// Where the surface will stand at the target, before the walk is there.
 fn ahead(state: &ViewState, panel: &mut Panel) {
-    let Some((pattern, sample)) = state.foreseen() else { return };
-    let at = [sample.mean_displacement / state.rho(), sample.stress / state.model.law.traction_max()];
-    panel.series.push(Series::symbols("", Symbol::Diamond, Colour::LIVE, vec![at]));
-    panel.labels.push(Label { at, text: format!("{pattern} ahead"), colour: Colour::LIVE, side: [1, 1] });
+    let Some((pattern, sample)) = state.foreseen() else {
+        return;
+    };
+    let at = [
+        sample.mean_displacement / state.rho(),
+        sample.stress / state.model.law.traction_max(),
+    ];
+    panel
+        .series
+        .push(Series::symbols("", Symbol::Diamond, Colour::LIVE, vec![at]));
+    panel.labels.push(Label {
+        at,
+        text: format!("{pattern} ahead"),
+        colour: Colour::LIVE,
+        side: [1, 1],
+    });
 }
 
 /// What theory says of this scene, thin, with names on the parts of the curves that are seen.
 fn theory(state: &ViewState, axes: [[f64; 2]; 2]) -> Vec<(Series, Option<Label>)> {
     // Names stand on different parts of curves that lie close together.
-    const SHARES: [(&str, f64); 5] = [("dimple", 0.12), ("ridge", 0.75), ("bulge", 0.4), ("JKR", 0.85), ("JKR, periodic", 0.99)];
+    const SHARES: [(&str, f64); 5] = [
+        ("dimple", 0.12),
+        ("ridge", 0.75),
+        ("bulge", 0.4),
+        ("JKR", 0.85),
+        ("JKR, periodic", 0.99),
+    ];
     let lines = state.overlay().into_iter();
     lines
         .map(|(name, points)| {
             let inside = |p: &&[f64; 2]| (0..2).all(|k| p[k] > axes[k][0] && p[k] < axes[k][1]);
             let seen: Vec<&[f64; 2]> = points.iter().filter(inside).collect();
-            let share = SHARES.iter().find(|(known, _)| *known == name).map(|(_, share)| share * seen.len() as f64);
-            let label = share.and_then(|index| seen.get(index as usize)).map(|at| Label {
-                at: **at,
-                text: name.to_owned(),
-                side: if name == "bulge" { [-1, -1] } else { [1, 1] },
-                ..Label::default()
-            });
-            (Series::line("theory", Role::Theory, Colour::Ink, points), label)
+            let share = SHARES
+                .iter()
+                .find(|(known, _)| *known == name)
+                .map(|(_, share)| share * seen.len() as f64);
+            let label = share
+                .and_then(|index| seen.get(index as usize))
+                .map(|at| Label {
+                    at: **at,
+                    text: name.to_owned(),
+                    side: if name == "bulge" { [-1, -1] } else { [1, 1] },
+                    ..Label::default()
+                });
+            (
+                Series::line("theory", Role::Theory, Colour::Ink, points),
+                label,
+            )
         })
         .collect()
 }
 
 /// The plot in one sentence.
 fn sentence(state: &ViewState) -> String {
-    let Some(now) = &state.run.state else { return "Stress against u0: nothing recorded yet".to_owned() };
+    let Some(now) = &state.run.state else {
+        return "Stress against u0: nothing recorded yet".to_owned();
+    };
     let mut words = format!(
         "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {}",
         now.pattern,

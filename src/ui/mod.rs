@@ -1,10 +1,13 @@
 //! Floor 8: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
 //!
-//! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s; only [`app`] acts on them.
-//! The state is plain data that is built and updated without egui. The solver is behind [`crate::worker::SolverHandle`]:
-//! its thread never blocks the window, and tests drive one by hand. May use everything below; touches files only through `storage`, starts no thread.
+//! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s;
+//! only [`app`] acts on them. The state is plain data that is built and updated without egui. The
+//! solver is behind [`crate::worker::SolverHandle`]: its thread never blocks the window, and tests
+//! drive one by hand. May use everything below; touches files only through `storage`, starts no
+//! thread.
 //!
-//! Lengths are shown in units of the range rho, stresses in units of sigma_max, energies in units of gamma.
+//! Lengths are shown in units of the range rho, stresses in units of sigma_max, energies in units
+//! of gamma.
 
 pub mod action;
 pub mod app;

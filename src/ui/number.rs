@@ -7,28 +7,52 @@ use std::ops::RangeInclusive;
 /// Largest seed that a number typed into a field still means exactly.
 pub const SEED_MAX: u64 = 1 << 53;
 
-/// The finite number that a text means: with a point or a comma before its decimals, blanks between its digits, and either minus.
+/// The finite number that a text means: with a point or a comma before its decimals, blanks between
+/// its digits, and either minus.
 ///
-/// One comma alone is a decimal comma; with more, or beside a point, nobody can tell, and it is no number.
+/// One comma alone is a decimal comma; with more, or beside a point, nobody can tell, and it is no
+/// number.
 pub fn parse(text: &str) -> Option<f64> {
-    let plain: String = text.chars().filter(|c| !c.is_whitespace()).map(|c| if c == '−' { '-' } else { c }).collect();
-    let plain = if plain.matches(',').count() == 1 && !plain.contains('.') { plain.replace(',', ".") } else { plain };
+    let plain: String = text
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| if c == '−' { '-' } else { c })
+        .collect();
+    let plain = if plain.matches(',').count() == 1 && !plain.contains('.') {
+        plain.replace(',', ".")
+    } else {
+        plain
+    };
     plain.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 /// A field for a number, typed or dragged, with a point or a comma before its decimals.
 pub fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
-    DragValue::new(value).custom_parser(parse).update_while_editing(false)
+    DragValue::new(value)
+        .custom_parser(parse)
+        .update_while_editing(false)
 }
 
 /// A value with a name, typed or dragged; what is typed is taken exactly.
-pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclusive<f64>, unit: &str) -> Option<f64> {
+pub fn number(
+    ui: &mut Ui,
+    parameter: &Parameter,
+    value: f64,
+    range: RangeInclusive<f64>,
+    unit: &str,
+) -> Option<f64> {
     let mut edited = value;
     let mut changed = false;
     let speed = (value.abs() * 0.005).max(1e-4);
     labelled(ui, &parameter.title(), |ui| {
         let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
-        let drag = drag.clamp_existing_to_range(false).suffix(if unit.is_empty() { String::new() } else { format!(" {unit}") });
+        let drag = drag
+            .clamp_existing_to_range(false)
+            .suffix(if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {unit}")
+            });
         let response = ui.add(drag);
         changed = response.changed();
         response
@@ -36,21 +60,36 @@ pub fn number(ui: &mut Ui, parameter: &Parameter, value: f64, range: RangeInclus
     (changed && edited != value).then_some(edited)
 }
 
-/// What only a law or a ground has, lengths in ranges; `None` while nothing is edited. A value that is refused beside the others is said to
-/// be by the scene.
-pub fn own(ui: &mut Ui, parameters: &[Parameter], values: &[Value], rho: f64) -> Option<Vec<Value>> {
+/// What only a law or a ground has, lengths in ranges; `None` while nothing is edited. A value that
+/// is refused beside the others is said to be by the scene.
+pub fn own(
+    ui: &mut Ui,
+    parameters: &[Parameter],
+    values: &[Value],
+    rho: f64,
+) -> Option<Vec<Value>> {
     let mut edited = values.to_vec();
     for (parameter, value) in parameters.iter().zip(&mut edited) {
         let (low, high) = (*parameter.range.start(), *parameter.range.end());
-        let (unit, word) = if parameter.unit == "length" { (rho, "ρ") } else { (1.0, "") };
+        let (unit, word) = if parameter.unit == "length" {
+            (rho, "ρ")
+        } else {
+            (1.0, "")
+        };
         let most = (high as u64).min(SEED_MAX);
         match value {
-            Value::Number(x) => *x = number(ui, parameter, *x / unit, low / unit..=high / unit, word).map_or(*x, |new| new * unit),
-            Value::Whole(n) => *n = whole(ui, &parameter.title(), *n, low as u64..=most).unwrap_or(*n),
+            Value::Number(x) => {
+                *x = number(ui, parameter, *x / unit, low / unit..=high / unit, word)
+                    .map_or(*x, |new| new * unit);
+            }
+            Value::Whole(n) => {
+                *n = whole(ui, &parameter.title(), *n, low as u64..=most).unwrap_or(*n);
+            }
             Value::Counts(both) => {
                 for (count, axis) in both.iter_mut().zip(["x", "y"]) {
                     let name = format!("{} along {axis}", parameter.label);
-                    *count = whole(ui, &name, *count as u64, low as u64..=most).map_or(*count, |new| new as usize);
+                    *count = whole(ui, &name, *count as u64, low as u64..=most)
+                        .map_or(*count, |new| new as usize);
                 }
             }
             Value::Flag(flag) => {
@@ -64,7 +103,9 @@ pub fn own(ui: &mut Ui, parameters: &[Parameter], values: &[Value], rho: f64) ->
 /// The same for a whole number.
 pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
     let mut edited = value;
-    labelled(ui, name, |ui| ui.add(field(&mut edited).range(range).speed(0.05)));
+    labelled(ui, name, |ui| {
+        ui.add(field(&mut edited).range(range).speed(0.05))
+    });
     (edited != value).then_some(edited)
 }
 
@@ -72,7 +113,9 @@ pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) ->
 pub fn labelled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) {
     ui.horizontal(|ui| {
         let label = ui.label(name);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| add(ui).labelled_by(label.id));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            add(ui).labelled_by(label.id)
+        });
     });
 }
 
@@ -86,7 +129,16 @@ mod tests {
         assert_eq!(parse("0,15"), Some(0.15));
         assert_eq!(parse(" −1,5e−3 "), Some(-1.5e-3));
         assert_eq!(parse("1 000,5"), Some(1000.5));
-        for unclear in ["1,000,000", "1,000.5", "", ",", "nan", "inf", "1e999", "three"] {
+        for unclear in [
+            "1,000,000",
+            "1,000.5",
+            "",
+            ",",
+            "nan",
+            "inf",
+            "1e999",
+            "three",
+        ] {
             assert_eq!(parse(unclear), None, "{unclear}");
         }
     }

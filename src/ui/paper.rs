@@ -1,4 +1,5 @@
-//! The paper, figure by figure: diagrams, what to look for, numbers held against numbers, and what the print got wrong.
+//! The paper, figure by figure: diagrams, what to look for, numbers held against numbers, and what
+//! the print got wrong.
 
 use super::action::Action;
 use super::figure_plot;
@@ -15,7 +16,10 @@ use egui::{Context, ProgressBar, RichText, Role, ScrollArea, Ui, WidgetInfo};
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     pages(ui, state, actions);
     buttons(ui, state, actions, false);
-    ScrollArea::vertical().auto_shrink([false, false]).id_salt("paper").show(ui, |ui| page(ui, state, actions));
+    ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .id_salt("paper")
+        .show(ui, |ui| page(ui, state, actions));
 }
 
 /// The page in a window of its own, if it is open.
@@ -25,12 +29,20 @@ pub fn window(ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
     }
     let mut open = true;
     let room = ctx.content_rect().size();
-    let shown = egui::Window::new("The paper").id(egui::Id::unique("paper, large")).open(&mut open).resizable(true);
-    shown.default_size([(0.72 * room.x).min(980.0), 0.8 * room.y - 60.0]).default_pos([0.14 * room.x, 50.0]).show(ctx, |ui| {
-        pages(ui, state, actions);
-        buttons(ui, state, actions, true);
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| page(ui, state, actions));
-    });
+    let shown = egui::Window::new("The paper")
+        .id(egui::Id::unique("paper, large"))
+        .open(&mut open)
+        .resizable(true);
+    shown
+        .default_size([(0.72 * room.x).min(980.0), 0.8 * room.y - 60.0])
+        .default_pos([0.14 * room.x, 50.0])
+        .show(ctx, |ui| {
+            pages(ui, state, actions);
+            buttons(ui, state, actions, true);
+            ScrollArea::vertical()
+                .auto_shrink([false, false])
+                .show(ui, |ui| page(ui, state, actions));
+        });
     if !open {
         actions.push(Action::EnlargePage(false));
     }
@@ -42,7 +54,12 @@ fn pages(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
         let figures = GALLERY.iter().map(|entry| {
             let (number, title) = (entry.number, entry.title);
-            (Page::Figure(number), number.to_string(), format!("Figure {number}"), format!("Fig. {number}: {title}"))
+            (
+                Page::Figure(number),
+                number.to_string(),
+                format!("Figure {number}"),
+                format!("Fig. {number}: {title}"),
+            )
         });
         let errata = (
             Page::Errata,
@@ -105,12 +122,19 @@ fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             if ui.button("Cancel").clicked() {
                 actions.push(Action::ClosePage);
             }
-            ui.add(ProgressBar::new(job.fraction as f32).desired_width(80.0).desired_height(14.0));
+            ui.add(
+                ProgressBar::new(job.fraction as f32)
+                    .desired_width(80.0)
+                    .desired_height(14.0),
+            );
             ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
         });
     } else if let Some(why) = &paper.missing {
         ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new(format!("Not there: {why}.")).color(theme::palette(theme::ground(ui)).warn));
+            ui.label(
+                RichText::new(format!("Not there: {why}."))
+                    .color(theme::palette(theme::ground(ui)).warn),
+            );
             if ui.button("Compute").clicked() {
                 actions.push(Action::OpenPage(paper.page));
             }
@@ -143,22 +167,42 @@ fn finding(ui: &mut Ui, finding: &Finding, palette: &Palette) {
         ui.label(RichText::new(mark).color(colour).strong());
         ui.label(set(&finding.quantity, 12.0, text));
     });
-    let numbers = format!("{}, expected {} ({}): {word}", number(finding.found), number(finding.expected), finding.source);
+    let numbers = format!(
+        "{}, expected {} ({}): {word}",
+        number(finding.found),
+        number(finding.expected),
+        finding.source
+    );
     ui.indent("numbers", |ui| ui.label(set(&numbers, 12.0, text)));
 }
 
 fn errata(ui: &mut Ui, errata: &[Erratum]) {
     let (text, palette) = (ui.visuals().text_color(), theme::palette(theme::ground(ui)));
-    ui.label(RichText::new("Found without either formula: by roots, integrals, measurements, a loop.").weak());
+    ui.label(
+        RichText::new("Found without either formula: by roots, integrals, measurements, a loop.")
+            .weak(),
+    );
     for erratum in errata {
         ui.add_space(5.0);
         ui.label(RichText::new(erratum.place).strong());
-        ui.label(set(&format!("printed: {}", erratum.printed), 12.0, palette.warn));
-        ui.label(set(&format!("right: {}", erratum.right), 12.0, palette.good));
+        ui.label(set(
+            &format!("printed: {}", erratum.printed),
+            12.0,
+            palette.warn,
+        ));
+        ui.label(set(
+            &format!("right: {}", erratum.right),
+            12.0,
+            palette.good,
+        ));
         ui.label(set(erratum.because, 12.0, text));
         for evidence in &erratum.evidence {
-            let [found, printed, right] = [evidence.found, evidence.printed, evidence.right].map(number);
-            let words = format!("{}: {found}; print {printed}, right {right}", evidence.quantity);
+            let [found, printed, right] =
+                [evidence.found, evidence.printed, evidence.right].map(number);
+            let words = format!(
+                "{}: {found}; print {printed}, right {right}",
+                evidence.quantity
+            );
             ui.indent("evidence", |ui| ui.label(set(&words, 12.0, text)));
         }
     }

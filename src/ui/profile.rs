@@ -1,4 +1,5 @@
-//! The profile along the line drawn on the map: elastomer above, rigid indenter below, as in the paper's Fig. 1. Its scale is the scene's.
+//! The profile along the line drawn on the map: elastomer above, rigid indenter below, as in the
+//! paper's Fig. 1. Its scale is the scene's.
 
 use super::gap_map;
 use super::gap_picture::GapPicture;
@@ -7,7 +8,9 @@ use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
 use crate::plot::extent;
 use crate::plot::ticks;
-use egui::{Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+};
 
 /// Draws the profile over the width and height given.
 pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height: f32) {
@@ -18,18 +21,34 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height
     let picture = picture.filter(|_| !state.is_waiting());
     let cut = picture.map(|p| gap_map::cut(&state.view, p));
     let name = match cut {
-        Some((true, row)) => format!("Profile along x through row {row}: elastomer above, indenter below"),
-        Some((false, column)) => format!("Profile along y through column {column}: elastomer above, indenter below"),
+        Some((true, row)) => {
+            format!("Profile along x through row {row}: elastomer above, indenter below")
+        }
+        Some((false, column)) => {
+            format!("Profile along y through column {column}: elastomer above, indenter below")
+        }
         None => "Profile: waiting for the solver …".to_owned(),
     };
     let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-    ui.painter().rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
+    ui.painter()
+        .rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
     if let (Some(picture), Some(cut)) = (picture, cut) {
         bodies(ui, state, picture, cut, frame, (low, high));
     }
-    ui.painter().rect_stroke(frame, 0.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Outside);
-    axes(ui, state, frame, (low / rho, high / rho), cut.is_none_or(|(along_x, _)| along_x));
+    ui.painter().rect_stroke(
+        frame,
+        0.0,
+        ui.visuals().widgets.noninteractive.bg_stroke,
+        StrokeKind::Outside,
+    );
+    axes(
+        ui,
+        state,
+        frame,
+        (low / rho, high / rho),
+        cut.is_none_or(|(along_x, _)| along_x),
+    );
 }
 
 /// Lower and upper end of the height axis.
@@ -42,16 +61,35 @@ fn heights(state: &ViewState) -> (f64, f64) {
         }
         _ => {
             let depth = state.model.indenter.ground().relief(&state.model.law);
-            (-2.0 * depth - 3.0 * rho, state.scene.drive.start.max(0.0) + depth + 3.0 * rho)
+            (
+                -2.0 * depth - 3.0 * rho,
+                state.scene.drive.start.max(0.0) + depth + 3.0 * rho,
+            )
         }
     }
 }
 
-fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (bool, usize), frame: Rect, (low, high): (f64, f64)) {
-    let gap: Vec<f64> = if along_x { picture.gap.row(index).to_vec() } else { picture.gap.column(index).to_vec() };
+fn bodies(
+    ui: &Ui,
+    state: &ViewState,
+    picture: &GapPicture,
+    (along_x, index): (bool, usize),
+    frame: Rect,
+    (low, high): (f64, f64),
+) {
+    let gap: Vec<f64> = if along_x {
+        picture.gap.row(index).to_vec()
+    } else {
+        picture.gap.column(index).to_vec()
+    };
     let n = gap.len();
     // The map is not rolled on uneven ground, so that the height belongs to the same row.
-    let height: Vec<f64> = match state.run.ready.as_ref().and_then(|ready| ready.height.as_ref()) {
+    let height: Vec<f64> = match state
+        .run
+        .ready
+        .as_ref()
+        .and_then(|ready| ready.height.as_ref())
+    {
         Some(h) if h.dim() == picture.gap.dim() => {
             if along_x {
                 h.row(index).to_vec()
@@ -61,10 +99,14 @@ fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (b
         }
         _ => vec![0.0; n],
     };
-    let y_of = |z: f64| frame.bottom() - ((z - low) / (high - low)).clamp(0.0, 1.0) as f32 * frame.height();
+    let y_of = |z: f64| {
+        frame.bottom() - ((z - low) / (high - low)).clamp(0.0, 1.0) as f32 * frame.height()
+    };
     let x_of = |i: usize| frame.left() + i as f32 / n as f32 * frame.width();
     // Periodic: the first point comes again at the right edge.
-    let along = |z: &dyn Fn(usize) -> f64| -> Vec<Pos2> { (0..=n).map(|i| pos2(x_of(i), y_of(z(i % n)))).collect() };
+    let along = |z: &dyn Fn(usize) -> f64| -> Vec<Pos2> {
+        (0..=n).map(|i| pos2(x_of(i), y_of(z(i % n)))).collect()
+    };
     let soft = along(&|i| gap[i] + height[i]);
     let rigid = along(&|i| height[i]);
     let palette = theme::palette(theme::ground(ui));
@@ -74,13 +116,35 @@ fn bodies(ui: &Ui, state: &ViewState, picture: &GapPicture, (along_x, index): (b
     let edge = ui.visuals().strong_text_color();
     painter.line(rigid, Stroke::new(1.2, edge.gamma_multiply(0.7)));
     painter.line(soft, Stroke::new(1.8, edge));
-    let ink = if ui.visuals().dark_mode { Color32::WHITE } else { Color32::BLACK };
-    painter.text(frame.left_top() + vec2(8.0, 4.0), Align2::LEFT_TOP, "elastomer", theme::small(), ink);
-    painter.text(frame.left_bottom() + vec2(8.0, -3.0), Align2::LEFT_BOTTOM, "rigid indenter", theme::small(), ink);
+    let ink = if ui.visuals().dark_mode {
+        Color32::WHITE
+    } else {
+        Color32::BLACK
+    };
+    painter.text(
+        frame.left_top() + vec2(8.0, 4.0),
+        Align2::LEFT_TOP,
+        "elastomer",
+        theme::small(),
+        ink,
+    );
+    painter.text(
+        frame.left_bottom() + vec2(8.0, -3.0),
+        Align2::LEFT_BOTTOM,
+        "rigid indenter",
+        theme::small(),
+        ink,
+    );
     let per_x = state.model.grid.length / f64::from(frame.width());
     let stretch = per_x / ((high - low) / f64::from(frame.height()));
     let words = format!("heights ×{stretch:.0}");
-    painter.text(frame.right_top() + vec2(-8.0, 4.0), Align2::RIGHT_TOP, words, theme::small(), ink);
+    painter.text(
+        frame.right_top() + vec2(-8.0, 4.0),
+        Align2::RIGHT_TOP,
+        words,
+        theme::small(),
+        ink,
+    );
 }
 
 /// Fills between a curve and a level; a strip of quads, since the outline is not convex.
@@ -108,7 +172,13 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         // The uppermost number gives way to the name of the axis.
         if y > frame.top() + 16.0 {
             let text = ticks::label(value, spacing);
-            painter.text(pos2(frame.left() - 6.0, y), Align2::RIGHT_CENTER, text, theme::small(), colour);
+            painter.text(
+                pos2(frame.left() - 6.0, y),
+                Align2::RIGHT_CENTER,
+                text,
+                theme::small(),
+                colour,
+            );
         }
     }
     let length = state.model.grid.length / state.rho();
@@ -124,9 +194,27 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
             Align2::CENTER_TOP
         };
         let text = ticks::label(value, spacing);
-        painter.text(pos2(x, frame.bottom() + 5.0), anchor, text, theme::small(), colour);
+        painter.text(
+            pos2(x, frame.bottom() + 5.0),
+            anchor,
+            text,
+            theme::small(),
+            colour,
+        );
     }
     let name = if along_x { "x / ρ" } else { "y / ρ" };
-    painter.text(pos2(frame.right() + 2.0, frame.bottom() + 5.0), Align2::RIGHT_TOP, name, theme::small(), colour);
-    painter.text(pos2(frame.left() - 32.0, frame.top() + 2.0), Align2::LEFT_TOP, "z/ρ", theme::small(), colour);
+    painter.text(
+        pos2(frame.right() + 2.0, frame.bottom() + 5.0),
+        Align2::RIGHT_TOP,
+        name,
+        theme::small(),
+        colour,
+    );
+    painter.text(
+        pos2(frame.left() - 32.0, frame.top() + 2.0),
+        Align2::LEFT_TOP,
+        "z/ρ",
+        theme::small(),
+        colour,
+    );
 }

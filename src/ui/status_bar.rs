@@ -1,4 +1,5 @@
-//! What is shown is an equilibrium, and stable, or is labelled otherwise: this is the label. Failures stand above it with their remedy.
+//! What is shown is an equilibrium, and stable, or is labelled otherwise: this is the label.
+//! Failures stand above it with their remedy.
 
 use super::action::Action;
 use super::theme;
@@ -53,7 +54,11 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let palette = theme::palette(theme::ground(ui));
     let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
     ui.label(RichText::new(now.pattern.word()).strong());
-    let (text, colour) = if relaxing { ("jumping, no equilibrium".to_owned(), palette.jump) } else { stability(now, &palette) };
+    let (text, colour) = if relaxing {
+        ("jumping, no equilibrium".to_owned(), palette.jump)
+    } else {
+        stability(now, &palette)
+    };
     part(ui, "");
     ui.label(RichText::new(text).color(colour).strong()).on_hover_text(format!(
         "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; residual {:.1e} σₘₐₓ",
@@ -63,8 +68,14 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     part(ui, state.method.title());
     part(ui, "");
     let plural = if now.iterations == 1 { "" } else { "s" };
-    ui.label(format!("{} iteration{plural}, {:.1} ms", now.iterations, now.milliseconds))
-        .on_hover_text(format!("for the last increment: {} Fourier transforms", now.transforms));
+    ui.label(format!(
+        "{} iteration{plural}, {:.1} ms",
+        now.iterations, now.milliseconds
+    ))
+    .on_hover_text(format!(
+        "for the last increment: {} Fourier transforms",
+        now.transforms
+    ));
 }
 
 /// A dot and a word.
@@ -78,18 +89,30 @@ fn part(ui: &mut Ui, text: &str) {
 /// The honest word on stability.
 fn stability(now: &StateRecord, palette: &theme::Palette) -> (String, egui::Color32) {
     match now.stop {
-        Stop::Stable => (format!("stable, stiffness_min {:.3} E*/L", now.stiffness_min), palette.good),
-        Stop::Unstable => (format!("{}, stiffness_min {:.3} E*/L", now.stop, now.stiffness_min), palette.warn),
-        _ => (format!("{}, residual {:.1e}", now.stop, now.residual), palette.warn),
+        Stop::Stable => (
+            format!("stable, stiffness_min {:.3} E*/L", now.stiffness_min),
+            palette.good,
+        ),
+        Stop::Unstable => (
+            format!("{}, stiffness_min {:.3} E*/L", now.stop, now.stiffness_min),
+            palette.warn,
+        ),
+        _ => (
+            format!("{}, residual {:.1e}", now.stop, now.residual),
+            palette.warn,
+        ),
     }
 }
 
 /// The model in use and the error it is expected to have; the plan's sentence on hover.
 fn model(ui: &mut Ui, state: &ViewState) {
     let grid = &state.model.grid;
-    let Some(ready) = &state.run.ready else { return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny)) };
+    let Some(ready) = &state.run.ready else {
+        return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny));
+    };
     part(ui, "");
-    ui.label(model_words(&ready.choice, grid)).on_hover_text(model_sentence(ready));
+    ui.label(model_words(&ready.choice, grid))
+        .on_hover_text(model_sentence(ready));
 }
 
 /// In a few words: "quarter of 64 × 64, expected error 0.005 %".
@@ -104,13 +127,16 @@ pub fn model_words(choice: &ModelChoice, grid: &Grid) -> String {
 }
 
 fn model_sentence(ready: &Ready) -> String {
-    let ModelChoice { plan, part, because } = &ready.choice;
+    let ModelChoice {
+        plan,
+        part,
+        because,
+    } = &ready.choice;
     let mut words = format!("Plan: {}.", plan.words);
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
     } else if matches!(plan.road, Road::Atlas) && *part == Part::Quarter {
-        words +=
-            " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
+        words += " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
     }
     format!("{words} Mesh: {}.", ready.model.reason)
 }

@@ -8,13 +8,30 @@ use egui::{Role, Ui, WidgetInfo};
 /// The tabs in order.
 pub const TABS: [(Tab, &str, &str); 5] = [
     (Tab::Events, "Events", "every jump so far"),
-    (Tab::Stability, "Stability", "how far the next jump is, and which time steps GFMD survives"),
-    (Tab::EnergyWell, "Energy well", "the energy along the softest mode"),
-    (Tab::Accuracy, "Speed and accuracy", "what every method costs, and how far off it is"),
-    (Tab::Paper, "Paper", "the paper's figures beside their theory, and what the print got wrong"),
+    (
+        Tab::Stability,
+        "Stability",
+        "how far the next jump is, and which time steps GFMD survives",
+    ),
+    (
+        Tab::EnergyWell,
+        "Energy well",
+        "the energy along the softest mode",
+    ),
+    (
+        Tab::Accuracy,
+        "Speed and accuracy",
+        "what every method costs, and how far off it is",
+    ),
+    (
+        Tab::Paper,
+        "Paper",
+        "the paper's figures beside their theory, and what the print got wrong",
+    ),
 ];
 
-/// The strip, and the chosen view in the rest of the space. `announced` is the jump last read aloud.
+/// The strip, and the chosen view in the rest of the space. `announced` is the jump last read
+/// aloud.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
     let narrow = ui.available_width() < 480.0;
     ui.horizontal_wrapped(|ui| {
@@ -27,9 +44,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
                 _ => name,
             };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
-            response.widget_info(|| WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab")));
+            response.widget_info(|| {
+                WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab"))
+            });
             if response.clicked() && !chosen {
-                actions.push(Action::SetView(super::action::ViewOptions { tab, ..state.view }));
+                actions.push(Action::SetView(super::action::ViewOptions {
+                    tab,
+                    ..state.view
+                }));
             }
         }
     });

@@ -6,13 +6,15 @@ use crate::plot::style::{Ground, Rgb};
 use crate::plot::typeset::{Script, runs};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Align, Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals,
+    Align, Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke,
+    TextStyle, Theme, Visuals,
 };
 use std::sync::Arc;
 
 const DEJAVU: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
-/// Colours with a meaning outside of diagrams; those of diagrams are [`crate::plot::style`]'s, here too.
+/// Colours with a meaning outside of diagrams; those of diagrams are [`crate::plot::style`]'s, here
+/// too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
     /// u0 decreases.
@@ -44,7 +46,11 @@ pub fn rgb([red, green, blue]: Rgb) -> Color32 {
 
 /// The ground of the present theme.
 pub fn ground(ui: &egui::Ui) -> Ground {
-    if ui.visuals().dark_mode { Ground::Dark } else { Ground::Light }
+    if ui.visuals().dark_mode {
+        Ground::Dark
+    } else {
+        Ground::Light
+    }
 }
 
 /// The colours on a ground.
@@ -68,11 +74,22 @@ pub fn palette(ground: Ground) -> Palette {
 /// Sets fonts and both themes; once at the start.
 pub fn install(ctx: &Context) {
     let mut fonts = FontDefinitions::default();
-    fonts.font_data.insert("DejaVu Sans".to_owned(), Arc::new(FontData::from_static(DEJAVU)));
-    // First, because the default font lacks arrows, letter subscripts and half of the Greek the labels need.
+    fonts.font_data.insert(
+        "DejaVu Sans".to_owned(),
+        Arc::new(FontData::from_static(DEJAVU)),
+    );
+    // First, because the default font lacks arrows, letter subscripts and half of the Greek the
+    // labels need.
     for family in [FontFamily::Proportional, FontFamily::Monospace] {
         let list = fonts.families.entry(family.clone()).or_default();
-        list.insert(if family == FontFamily::Proportional { 0 } else { list.len().min(1) }, "DejaVu Sans".to_owned());
+        list.insert(
+            if family == FontFamily::Proportional {
+                0
+            } else {
+                list.len().min(1)
+            },
+            "DejaVu Sans".to_owned(),
+        );
     }
     ctx.set_fonts(fonts);
     ctx.style_mut_of(Theme::Dark, |style| style.visuals = dark());
@@ -130,9 +147,13 @@ fn light() -> Visuals {
 
 fn rounded(mut v: Visuals) -> Visuals {
     let radius = CornerRadius::same(5);
-    for w in
-        [&mut v.widgets.noninteractive, &mut v.widgets.inactive, &mut v.widgets.hovered, &mut v.widgets.active, &mut v.widgets.open]
-    {
+    for w in [
+        &mut v.widgets.noninteractive,
+        &mut v.widgets.inactive,
+        &mut v.widgets.hovered,
+        &mut v.widgets.active,
+        &mut v.widgets.open,
+    ] {
         w.corner_radius = radius;
     }
     v.slider_trailing_fill = true;
@@ -162,7 +183,12 @@ pub fn append(job: &mut LayoutJob, text: &str, size: f32, colour: Color32) {
         job.append(
             &run.text,
             0.0,
-            TextFormat { font_id: FontId::proportional(size), color: colour, valign, ..TextFormat::default() },
+            TextFormat {
+                font_id: FontId::proportional(size),
+                color: colour,
+                valign,
+                ..TextFormat::default()
+            },
         );
     }
 }

@@ -1,4 +1,5 @@
-//! Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts them.
+//! Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts
+//! them.
 
 use super::action::{Action, Measurement};
 use super::diagram::{grid, line, small};
@@ -7,7 +8,9 @@ use super::view_state::ViewState;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::time_step_map::TimeStepMap;
 use egui::{ProgressBar, RichText, Role, Ui, WidgetInfo};
-use egui_plot::{GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotUi, Points};
+use egui_plot::{
+    GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds, PlotUi, Points,
+};
 
 /// Marks of the axis of time steps.
 const MARKS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
@@ -18,11 +21,23 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let job = state.run.time_steps.as_ref();
     ui.horizontal_wrapped(|ui| {
         if let Some(job) = job.filter(|job| job.is_running()) {
-            if ui.button("Cancel").on_hover_text("what is measured stays").clicked() {
+            if ui
+                .button("Cancel")
+                .on_hover_text("what is measured stays")
+                .clicked()
+            {
                 actions.push(Action::StopMeasuring);
             }
-            ui.add(ProgressBar::new(job.fraction as f32).desired_width(56.0).desired_height(14.0));
-        } else if ui.button("Measure").on_hover_text("let a tiny perturbation go at states along the approach").clicked() {
+            ui.add(
+                ProgressBar::new(job.fraction as f32)
+                    .desired_width(56.0)
+                    .desired_height(14.0),
+            );
+        } else if ui
+            .button("Measure")
+            .on_hover_text("let a tiny perturbation go at states along the approach")
+            .clicked()
+        {
             actions.push(Action::Measure(Measurement::TimeSteps));
         }
         legend(ui, &palette);
@@ -32,14 +47,25 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         return;
     };
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
-    let ends = (map.time_steps[0].log10() - 0.06, map.time_steps[map.time_steps.len() - 1].log10() + 0.06);
+    let ends = (
+        map.time_steps[0].log10() - 0.06,
+        map.time_steps[map.time_steps.len() - 1].log10() + 0.06,
+    );
     let response = small(ui, "time steps", "u₀ / ρ", "time step")
         .x_grid_spacer(|input| grid(input, 7.0))
-        .y_grid_spacer(|_| MARKS.map(|step| GridMark { value: step.log10(), step_size: 1.0 }).to_vec())
+        .y_grid_spacer(|_| {
+            MARKS
+                .map(|step| GridMark {
+                    value: step.log10(),
+                    step_size: 1.0,
+                })
+                .to_vec()
+        })
         .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
         .label_formatter(|at| {
             let p = match at {
-                HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => *position,
+                HoverPosition::NearDataPoint { position, .. }
+                | HoverPosition::Elsewhere { position } => *position,
             };
             Some(format!("u₀ {:.3} ρ\ntime step {:.3}", p.x, 10f64.powf(p.y)))
         })
@@ -49,7 +75,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         })
         .response;
     let unstable = map.stable.iter().filter(|stable| !**stable).count();
-    let sentence = format!("Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable", map.stable.len());
+    let sentence = format!(
+        "Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable",
+        map.stable.len()
+    );
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
 }
 
@@ -78,10 +107,31 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, map: &TimeStepMap, palette: &P
             }
         }
     }
-    plot.points(Points::new("stable", stable).shape(MarkerShape::Circle).radius(1.8).color(palette.good));
-    plot.points(Points::new("unstable", unstable).shape(MarkerShape::Cross).radius(3.0).color(palette.warn));
+    plot.points(
+        Points::new("stable", stable)
+            .shape(MarkerShape::Circle)
+            .radius(1.8)
+            .color(palette.good),
+    );
+    plot.points(
+        Points::new("unstable", unstable)
+            .shape(MarkerShape::Cross)
+            .radius(3.0)
+            .color(palette.warn),
+    );
     let paper = GfmdBudget::default().time_step.log10();
-    plot.hline(HLine::new("the paper's", paper).color(palette.flat).width(1.5).style(LineStyle::dashed_dense()).allow_hover(false));
-    let bound: Vec<[f64; 2]> = map.displacements.iter().zip(&map.bounds).map(|(u0, bound)| [u0 / rho, bound.log10()]).collect();
+    plot.hline(
+        HLine::new("the paper's", paper)
+            .color(palette.flat)
+            .width(1.5)
+            .style(LineStyle::dashed_dense())
+            .allow_hover(false),
+    );
+    let bound: Vec<[f64; 2]> = map
+        .displacements
+        .iter()
+        .zip(&map.bounds)
+        .map(|(u0, bound)| [u0 / rho, bound.log10()])
+        .collect();
     plot.line(line("bound", &bound, palette.now, 2.0));
 }

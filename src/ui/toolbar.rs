@@ -21,32 +21,79 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         play(ui, state, actions);
         ui.separator();
         let mut button = |ui: &mut Ui, text: &str, hover: &str, enabled: bool, action: Action| {
-            if ui.add_enabled(enabled, egui::Button::new(text)).on_hover_text(hover).clicked() {
+            if ui
+                .add_enabled(enabled, egui::Button::new(text))
+                .on_hover_text(hover)
+                .clicked()
+            {
                 actions.push(action);
             }
         };
-        button(ui, "Open…", "Ctrl+O", true, Action::AskFile(FileTask::OpenScene));
-        button(ui, "Save…", "Ctrl+S", true, Action::AskFile(FileTask::SaveScene));
-        button(ui, "Export CSV…", "states or jumps of what is recorded", true, Action::AskFile(FileTask::ExportLoopCsv));
-        button(ui, "Export PNG…", "S", true, Action::AskFile(FileTask::ExportLoopPng));
-        button(ui, "Copy scene", "the scene as text on the clipboard (Ctrl+C); Ctrl+V opens one", true, Action::CopyScene);
+        button(
+            ui,
+            "Open…",
+            "Ctrl+O",
+            true,
+            Action::AskFile(FileTask::OpenScene),
+        );
+        button(
+            ui,
+            "Save…",
+            "Ctrl+S",
+            true,
+            Action::AskFile(FileTask::SaveScene),
+        );
+        button(
+            ui,
+            "Export CSV…",
+            "states or jumps of what is recorded",
+            true,
+            Action::AskFile(FileTask::ExportLoopCsv),
+        );
+        button(
+            ui,
+            "Export PNG…",
+            "S",
+            true,
+            Action::AskFile(FileTask::ExportLoopPng),
+        );
+        button(
+            ui,
+            "Copy scene",
+            "the scene as text on the clipboard (Ctrl+C); Ctrl+V opens one",
+            true,
+            Action::CopyScene,
+        );
         ui.separator();
-        for (face, name, enabled, action) in
-            [("↶", "Undo", state.history.can_undo(), Action::Undo), ("↷", "Redo", state.history.can_redo(), Action::Redo)]
-        {
-            if named(ui.add_enabled(enabled, egui::Button::new(face)), name).on_hover_text(name).clicked() {
+        for (face, name, enabled, action) in [
+            ("↶", "Undo", state.history.can_undo(), Action::Undo),
+            ("↷", "Redo", state.history.can_redo(), Action::Redo),
+        ] {
+            if named(ui.add_enabled(enabled, egui::Button::new(face)), name)
+                .on_hover_text(name)
+                .clicked()
+            {
                 actions.push(action);
             }
         }
         let dark = ui.visuals().dark_mode;
         let face = if dark { "☀" } else { "☾" };
-        if named(ui.button(face), "Switch theme").on_hover_text("light or dark").clicked() {
+        if named(ui.button(face), "Switch theme")
+            .on_hover_text("light or dark")
+            .clicked()
+        {
             actions.push(Action::ToggleTheme);
         }
-        if named(ui.button("▣"), "Restore layout").on_hover_text("panels, axes and view as they were at first").clicked() {
+        if named(ui.button("▣"), "Restore layout")
+            .on_hover_text("panels, axes and view as they were at first")
+            .clicked()
+        {
             actions.push(Action::RestoreLayout);
         }
-        if named(ui.button("?"), "Help").on_hover_text("keys and marks (?)").clicked() {
+        if named(ui.button("?"), "Help")
+            .on_hover_text("keys and marks (?)")
+            .clicked()
+        {
             actions.push(Action::ToggleHelp);
         }
     });
@@ -56,21 +103,37 @@ fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let label = ui.label("Preset");
     let opened = presets::titled(state.title_opened());
     // The button beside it takes its room from it: the bar is full.
-    let room = if ui.ctx().content_rect().width() < 1000.0 { 130.0 } else { 190.0 };
+    let room = if ui.ctx().content_rect().width() < 1000.0 {
+        130.0
+    } else {
+        190.0
+    };
     let width = if opened.is_some() { room - INFO } else { room };
     let title = plain(&state.scene.title);
-    // A width of its own bounds a combo box from below only; a long title must not push the bar into a second row.
+    // A width of its own bounds a combo box from below only; a long title must not push the bar
+    // into a second row.
     let size = vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
-        let combo = ComboBox::from_id_salt("preset").width(width).selected_text(title.as_str()).truncate().show_ui(ui, |ui| {
-            for (i, preset) in presets::all().iter().enumerate() {
-                let key = if i < 9 { format!("{}  {}", i + 1, preset.name) } else { preset.name.to_owned() };
-                if ui.selectable_label(false, key).clicked() {
-                    actions.push(Action::LoadPreset(i));
+        let combo = ComboBox::from_id_salt("preset")
+            .width(width)
+            .selected_text(title.as_str())
+            .truncate()
+            .show_ui(ui, |ui| {
+                for (i, preset) in presets::all().iter().enumerate() {
+                    let key = if i < 9 {
+                        format!("{}  {}", i + 1, preset.name)
+                    } else {
+                        preset.name.to_owned()
+                    };
+                    if ui.selectable_label(false, key).clicked() {
+                        actions.push(Action::LoadPreset(i));
+                    }
                 }
-            }
-        });
-        combo.response.labelled_by(label.id).on_hover_text(format!("{title}\n{}", state.scene.source));
+            });
+        combo
+            .response
+            .labelled_by(label.id)
+            .on_hover_text(format!("{title}\n{}", state.scene.source));
     });
     if let Some(preset) = opened {
         let card = ui.menu_button("ℹ", |ui| look_for(ui, preset, state));
@@ -83,14 +146,22 @@ fn look_for(ui: &mut Ui, preset: &presets::Preset, state: &ViewState) {
     ui.set_width(340.0);
     // A menu's own layout justifies its lines.
     ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
-        ui.label(set(state.title_opened(), 14.0, ui.visuals().strong_text_color()));
+        ui.label(set(
+            state.title_opened(),
+            14.0,
+            ui.visuals().strong_text_color(),
+        ));
         ui.label(set(&preset.look_for(), 13.0, ui.visuals().text_color()));
         ui.label(RichText::new(&state.scene.source).small().weak());
     });
 }
 
 fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    for (text, sweep) in [("▼ Approach", Sweep::Approach), ("▲ Retract", Sweep::Retract), ("⟳ Loop", Sweep::Loop)] {
+    for (text, sweep) in [
+        ("▼ Approach", Sweep::Approach),
+        ("▲ Retract", Sweep::Retract),
+        ("⟳ Loop", Sweep::Loop),
+    ] {
         let name = match sweep {
             Sweep::Approach => "Play approach",
             Sweep::Retract => "Play retract",
@@ -101,34 +172,69 @@ fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             actions.push(Action::Play(sweep));
         }
     }
-    let (face, name) = if state.run.paused { ("▶", "Go on") } else { ("⏸", "Pause") };
-    if named(ui.add_enabled(state.run.is_busy() || state.run.paused, egui::Button::new(face)), name)
-        .on_hover_text(format!("{name} (Space)"))
-        .clicked()
+    let (face, name) = if state.run.paused {
+        ("▶", "Go on")
+    } else {
+        ("⏸", "Pause")
+    };
+    if named(
+        ui.add_enabled(
+            state.run.is_busy() || state.run.paused,
+            egui::Button::new(face),
+        ),
+        name,
+    )
+    .on_hover_text(format!("{name} (Space)"))
+    .clicked()
     {
         actions.push(Action::Pause(!state.run.paused));
     }
-    if named(ui.add_enabled(state.run.is_busy(), egui::Button::new("⏹")), "Stop").on_hover_text("Stop (Esc)").clicked() {
+    if named(
+        ui.add_enabled(state.run.is_busy(), egui::Button::new("⏹")),
+        "Stop",
+    )
+    .on_hover_text("Stop (Esc)")
+    .clicked()
+    {
         actions.push(Action::Stop);
     }
     speed(ui, state, actions);
-    if ui.button("Reset").on_hover_text("Back to rest at the start").clicked() {
+    if ui
+        .button("Reset")
+        .on_hover_text("Back to rest at the start")
+        .clicked()
+    {
         actions.push(Action::Reset);
     }
 }
 
 /// What each speed is called, short and in full.
-pub const SPEEDS: [(Speed, &str, &str); 3] =
-    [(Speed::Slow, "¼×", "slow motion"), (Speed::Normal, "1×", "normal speed"), (Speed::Full, "max", "as fast as it is computed")];
+pub const SPEEDS: [(Speed, &str, &str); 3] = [
+    (Speed::Slow, "¼×", "slow motion"),
+    (Speed::Normal, "1×", "normal speed"),
+    (Speed::Full, "max", "as fast as it is computed"),
+];
 
 fn speed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let present = SPEEDS.iter().find(|(speed, ..)| *speed == state.view.speed).map_or("", |(_, short, _)| short);
-    let combo = ComboBox::from_id_salt("speed").width(44.0).selected_text(present).show_ui(ui, |ui| {
-        for (speed, short, words) in SPEEDS {
-            if ui.selectable_label(speed == state.view.speed, format!("{short}  {words}")).clicked() {
-                actions.push(Action::SetView(ViewOptions { speed, ..state.view }));
+    let present = SPEEDS
+        .iter()
+        .find(|(speed, ..)| *speed == state.view.speed)
+        .map_or("", |(_, short, _)| short);
+    let combo = ComboBox::from_id_salt("speed")
+        .width(44.0)
+        .selected_text(present)
+        .show_ui(ui, |ui| {
+            for (speed, short, words) in SPEEDS {
+                if ui
+                    .selectable_label(speed == state.view.speed, format!("{short}  {words}"))
+                    .clicked()
+                {
+                    actions.push(Action::SetView(ViewOptions {
+                        speed,
+                        ..state.view
+                    }));
+                }
             }
-        }
-    });
+        });
     named(combo.response, "Speed").on_hover_text("how fast sweeps and jumps are shown");
 }

@@ -20,7 +20,9 @@ use crate::scene::part::Road;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
-use crate::worker::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep};
+use crate::worker::protocol::{
+    ChartSoFar, Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
+};
 use std::sync::Arc;
 
 /// Most states kept for the export; the oldest quarter goes when it is full.
@@ -109,7 +111,11 @@ impl ViewState {
             frame: None,
             chart: None,
             paper: PaperState::default(),
-            messages: Messages { failure: None, notice: None, hint: true },
+            messages: Messages {
+                failure: None,
+                notice: None,
+                hint: true,
+            },
             view: ViewOptions::default(),
             history: History::default(),
             told: Told::default(),
@@ -118,7 +124,10 @@ impl ViewState {
 
     /// The title of the scene that was opened, whatever was edited since.
     pub fn title_opened(&self) -> &str {
-        self.scene.title.strip_prefix(CHANGED).unwrap_or(&self.scene.title)
+        self.scene
+            .title
+            .strip_prefix(CHANGED)
+            .unwrap_or(&self.scene.title)
     }
 
     /// The range rho.
@@ -126,7 +135,8 @@ impl ViewState {
         self.model.law.range
     }
 
-    /// True while the solver has said nothing of this run yet: the picture that is shown is that of the last one.
+    /// True while the solver has said nothing of this run yet: the picture that is shown is that of
+    /// the last one.
     pub fn is_waiting(&self) -> bool {
         self.run.state.is_none()
     }
@@ -137,14 +147,18 @@ impl ViewState {
         self.restart();
     }
 
-    /// Replaces the scene, keeping the target where it is possible. A scene that is not allowed is refused in words and changes nothing.
-    /// Returns whether it was taken.
+    /// Replaces the scene, keeping the target where it is possible. A scene that is not allowed is
+    /// refused in words and changes nothing. Returns whether it was taken.
     pub fn set_scene(&mut self, scene: Scene) -> bool {
         let model = match scene.model() {
             Ok(model) => model,
             Err(error) => {
-                let remedy = "The scene stays as it was; choose a value that is allowed.".to_owned();
-                self.messages.failure = Some(Failure { message: error.to_string(), remedy });
+                let remedy =
+                    "The scene stays as it was; choose a value that is allowed.".to_owned();
+                self.messages.failure = Some(Failure {
+                    message: error.to_string(),
+                    remedy,
+                });
                 return false;
             }
         };
@@ -170,7 +184,8 @@ impl ViewState {
         true
     }
 
-    /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says that it is not the one opened.
+    /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says
+    /// that it is not the one opened.
     pub fn edit_scene(&mut self, mut scene: Scene) {
         let before = self.scene.clone();
         if scene == *before {
@@ -201,7 +216,11 @@ impl ViewState {
     /// Undo (or redo) of a scene edit.
     pub fn travel(&mut self, back: bool) {
         let present = self.scene.clone();
-        let scene = if back { self.history.undo(present) } else { self.history.redo(present) };
+        let scene = if back {
+            self.history.undo(present)
+        } else {
+            self.history.redo(present)
+        };
         if let Some(scene) = scene {
             self.set_scene((*scene).clone());
         }
@@ -230,20 +249,33 @@ impl ViewState {
         self.messages.notice = None;
     }
 
-    /// What the solver must hear: at most one scene and one motion per frame, in the order that makes sense to it.
+    /// What the solver must hear: at most one scene and one motion per frame, in the order that
+    /// makes sense to it.
     pub fn take_commands(&mut self) -> Vec<Envelope<Command>> {
         let (run, told) = (&self.run, &mut self.told);
         let motion = run.motion;
         let mut commands = Vec::new();
         if told.run != run.id {
             // A session counts motions afresh, from the rest at the start, and is not held.
-            *told = Told { run: run.id, motion: 0, paused: false, ..*told };
-            commands.push(Command::SetScene { scene: self.scene.clone(), method: self.method, asked: self.asked });
+            *told = Told {
+                run: run.id,
+                motion: 0,
+                paused: false,
+                ..*told
+            };
+            commands.push(Command::SetScene {
+                scene: self.scene.clone(),
+                method: self.method,
+                asked: self.asked,
+            });
         }
         if std::mem::replace(&mut told.motion, motion) != motion {
             commands.push(match run.play {
                 Play::Rest => Command::Stop { motion },
-                Play::ToTarget => Command::SetTarget { motion, mean_displacement: self.target },
+                Play::ToTarget => Command::SetTarget {
+                    motion,
+                    mean_displacement: self.target,
+                },
                 Play::Sweep(sweep) => Command::Sweep { motion, sweep },
             });
         }
@@ -258,10 +290,17 @@ impl ViewState {
         if std::mem::replace(&mut told.speed, speed) != speed {
             commands.push(Command::SetSpeed { speed });
         }
-        commands.into_iter().map(|message| Envelope { run: run.id, message }).collect()
+        commands
+            .into_iter()
+            .map(|message| Envelope {
+                run: run.id,
+                message,
+            })
+            .collect()
     }
 
-    /// Takes an event of the solver in. Those of another run are stale and dropped, but for live loops, which are late by nature.
+    /// Takes an event of the solver in. Those of another run are stale and dropped, but for live
+    /// loops, which are late by nature.
     pub fn apply(&mut self, Envelope { run, message }: Envelope<Event>) {
         if run != self.run.id && !matches!(message, Event::Live(_)) {
             return;
@@ -280,10 +319,17 @@ impl ViewState {
                 self.run.record.jumps.push(jump);
             }
             Event::LoopStarted => self.archive(),
-            Event::Loop(summary) => self.run.closed_loop = Some(ClosedLoop { summary, loss: loss(&self.run.curve) }),
+            Event::Loop(summary) => {
+                self.run.closed_loop = Some(ClosedLoop {
+                    summary,
+                    loss: loss(&self.run.curve),
+                });
+            }
             // The end of an older motion: the newest is on its way to the solver.
             Event::Rest { motion, .. } if motion != self.run.motion => {}
-            Event::Rest { mean_displacement, .. } => {
+            Event::Rest {
+                mean_displacement, ..
+            } => {
                 self.moved_to(mean_displacement);
                 self.run.play = Play::Rest;
             }
@@ -309,7 +355,11 @@ impl ViewState {
         // Who has been all the way down is told nothing new.
         self.messages.hint &= state.mean_displacement > self.limits.0;
         self.run.curve.push(&state, &self.model.law);
-        self.run.stiffness.push_with(&state, &self.model.law, eigenvalue_scale(state.stiffness_min));
+        self.run.stiffness.push_with(
+            &state,
+            &self.model.law,
+            eigenvalue_scale(state.stiffness_min),
+        );
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
         }
@@ -327,7 +377,10 @@ impl ViewState {
 
     /// What the plan expects of the loss; NaN while it is not known.
     pub fn predicted_error(&self) -> f64 {
-        self.run.ready.as_ref().map_or(f64::NAN, |ready| ready.choice.plan.predicted_error)
+        self.run
+            .ready
+            .as_ref()
+            .map_or(f64::NAN, |ready| ready.choice.plan.predicted_error)
     }
 
     /// A jump in words.

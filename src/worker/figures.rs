@@ -1,4 +1,5 @@
-//! The paper's figures in the background: a page for the window, or several at once, one on each core.
+//! The paper's figures in the background: a page for the window, or several at once, one on each
+//! core.
 
 use super::job::{FAULT, Job, Pace, Reporter, Wake};
 use super::protocol::{Page, PageContent};
@@ -37,13 +38,17 @@ fn content(page: Page, report: &Reporter<PageContent>) -> Result<PageContent, St
     let mut task = Task::new(Size::Quick, cancel, &mut observe);
     match page {
         Page::Figure(number) => match GALLERY.iter().find(|entry| entry.number == number) {
-            Some(entry) => (entry.compute)(&mut task).map(|figure| PageContent::Figure(Arc::new(figure))),
+            Some(entry) => {
+                (entry.compute)(&mut task).map(|figure| PageContent::Figure(Arc::new(figure)))
+            }
             None => Err(Stopped::Failed(format!("there is no Fig. {number}"))),
         },
         Page::Errata => errata(&mut task).map(|list| PageContent::Errata(Arc::new(list))),
         Page::Theory => {
             task.tell(0.0, "curves of zero range")?;
-            ZeroRange::compute(cancel).map(|theory| PageContent::Theory(Arc::new(theory))).ok_or(Stopped::Cancelled)
+            ZeroRange::compute(cancel)
+                .map(|theory| PageContent::Theory(Arc::new(theory)))
+                .ok_or(Stopped::Cancelled)
         }
     }
 }
@@ -71,22 +76,33 @@ pub enum Progress {
     },
 }
 
-/// Computes the figures in this order, as many at a time as there are cores; `tell` is called on this thread. After a request to stop
-/// every figure is still answered for, most of them by [`Stopped::Cancelled`].
+/// Computes the figures in this order, as many at a time as there are cores; `tell` is called on
+/// this thread. After a request to stop every figure is still answered for, most of them by
+/// [`Stopped::Cancelled`].
 pub fn compute(entries: &[&Entry], size: Size, cancel: &Cancel, tell: &mut dyn FnMut(Progress)) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = unbounded();
     let work = || {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(entry) = entries.get(index) else { return };
+            let Some(entry) = entries.get(index) else {
+                return;
+            };
             let (began, pace) = (Instant::now(), Pace::default());
             let figure = one(entry, size, cancel, &mut |done, what| {
                 if pace.is_due() {
-                    let _ = sender.send(Progress::Working { index, done, what: what.to_owned() });
+                    let _ = sender.send(Progress::Working {
+                        index,
+                        done,
+                        what: what.to_owned(),
+                    });
                 }
             });
-            let _ = sender.send(Progress::Done { index, figure, seconds: began.elapsed().as_secs_f64() });
+            let _ = sender.send(Progress::Done {
+                index,
+                figure,
+                seconds: began.elapsed().as_secs_f64(),
+            });
         }
     };
     system::on_every_core(THREADS_MAX.min(entries.len()), work, || {
@@ -100,12 +116,18 @@ pub fn compute(entries: &[&Entry], size: Size, cancel: &Cancel, tell: &mut dyn F
     });
 }
 
-fn one(entry: &Entry, size: Size, cancel: &Cancel, tell: &mut (dyn FnMut(f64, &str) + Send)) -> Result<Figure, Stopped> {
+fn one(
+    entry: &Entry,
+    size: Size,
+    cancel: &Cancel,
+    tell: &mut (dyn FnMut(f64, &str) + Send),
+) -> Result<Figure, Stopped> {
     if cancel.requested() {
         return Err(Stopped::Cancelled);
     }
     let mut task = Task::new(size, cancel, tell);
-    catch_unwind(AssertUnwindSafe(|| (entry.compute)(&mut task))).unwrap_or_else(|_| Err(Stopped::Failed(FAULT.to_owned())))
+    catch_unwind(AssertUnwindSafe(|| (entry.compute)(&mut task)))
+        .unwrap_or_else(|_| Err(Stopped::Failed(FAULT.to_owned())))
 }
 
 #[cfg(test)]
@@ -116,7 +138,13 @@ mod tests {
 
     fn entry(number: usize, compute: fn(&mut Task<'_>) -> Result<Figure, Stopped>) -> Entry {
         let scene = || scenes::flat("", 100.0, Points::Square(16), 2.0, 0.5, 0.1);
-        Entry { number, title: "", look_for: "", scene, compute }
+        Entry {
+            number,
+            title: "",
+            look_for: "",
+            scene,
+            compute,
+        }
     }
 
     fn good(task: &mut Task<'_>) -> Result<Figure, Stopped> {
@@ -141,7 +169,9 @@ mod tests {
         });
         assert_eq!(done[0], Some(Ok(())));
         assert_eq!(done[1], Some(Err(Stopped::Failed("no".to_owned()))));
-        assert!(matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its own")));
+        assert!(
+            matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its own"))
+        );
         assert_eq!(done[3], Some(Ok(())));
     }
 
@@ -154,7 +184,11 @@ mod tests {
         compute(&list, Size::Quick, &cancel, &mut |progress| {
             if let Progress::Done { figure, .. } = progress {
                 cancel.request();
-                if matches!(figure, Err(Stopped::Cancelled)) { cancelled += 1 } else { done += 1 }
+                if matches!(figure, Err(Stopped::Cancelled)) {
+                    cancelled += 1;
+                } else {
+                    done += 1;
+                }
             }
         });
         assert_eq!(done + cancelled, 20);

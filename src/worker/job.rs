@@ -52,19 +52,38 @@ enum Report<T> {
 }
 
 impl<T> Job<T> {
-    /// Both ends of a job that somebody else computes; `wake` is called when there is something to hear.
+    /// Both ends of a job that somebody else computes; `wake` is called when there is something to
+    /// hear.
     pub fn new(wake: Wake) -> (Self, Reporter<T>) {
         let (sender, reports) = unbounded();
         let cancel = Cancel::default();
-        let reporter = Reporter { cancel: cancel.clone(), reports: sender, wake, pace: Pace::default() };
-        (Self { so_far: None, fraction: 0.0, doing: "beginning".to_owned(), running: true, reports, cancel }, reporter)
+        let reporter = Reporter {
+            cancel: cancel.clone(),
+            reports: sender,
+            wake,
+            pace: Pace::default(),
+        };
+        (
+            Self {
+                so_far: None,
+                fraction: 0.0,
+                doing: "beginning".to_owned(),
+                running: true,
+                reports,
+                cancel,
+            },
+            reporter,
+        )
     }
 
-    /// Takes in what was reported; never blocks. Tells once how the job ended: the error is why it could not be finished.
+    /// Takes in what was reported; never blocks. Tells once how the job ended: the error is why it
+    /// could not be finished.
     pub fn poll(&mut self) -> Option<Result<(), String>> {
         for report in self.reports.try_iter() {
             match report {
-                Report::Progress(fraction, doing) => (self.fraction, self.doing) = (fraction, doing),
+                Report::Progress(fraction, doing) => {
+                    (self.fraction, self.doing) = (fraction, doing);
+                }
                 Report::Result(result) => self.so_far = Some(result),
                 Report::End(end) => return std::mem::take(&mut self.running).then_some(end),
             }
@@ -85,8 +104,12 @@ impl<T> Job<T> {
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Begins a computation on a thread of its own. It polls its reporter's `cancel`, and says why it could not be finished.
-    pub fn start(wake: Wake, work: impl FnOnce(&Reporter<T>) -> Result<(), String> + Send + 'static) -> Self {
+    /// Begins a computation on a thread of its own. It polls its reporter's `cancel`, and says why
+    /// it could not be finished.
+    pub fn start(
+        wake: Wake,
+        work: impl FnOnce(&Reporter<T>) -> Result<(), String> + Send + 'static,
+    ) -> Self {
         let (job, reporter) = Self::new(wake);
         system::spawn("job", move || {
             let end = catch_unwind(AssertUnwindSafe(|| work(&reporter)));
@@ -162,21 +185,33 @@ mod tests {
     fn a_job_is_heard_of_while_it_goes_on_and_ends_once_well_or_badly() {
         let (go, gate) = unbounded::<()>();
         let (woken, bell) = unbounded();
-        let mut job = Job::start(Arc::new(move || woken.send(()).unwrap_or_default()), move |report| {
-            report.progress(0.5, "half");
-            report.result(7);
-            let _ = gate.recv();
-            Ok(())
-        });
+        let mut job = Job::start(
+            Arc::new(move || woken.send(()).unwrap_or_default()),
+            move |report| {
+                report.progress(0.5, "half");
+                report.result(7);
+                let _ = gate.recv();
+                Ok(())
+            },
+        );
         bell.recv_timeout(Duration::from_secs(5)).unwrap();
         bell.recv_timeout(Duration::from_secs(5)).unwrap();
         assert_eq!(
-            (job.poll(), job.so_far, job.fraction, job.doing.as_str(), job.is_running()),
+            (
+                job.poll(),
+                job.so_far,
+                job.fraction,
+                job.doing.as_str(),
+                job.is_running()
+            ),
             (None, Some(7), 0.5, "half", true)
         );
         go.send(()).unwrap();
         assert_eq!(ended(&mut job), Ok(()));
-        assert_eq!((job.poll(), job.so_far, job.is_running()), (None, Some(7), false));
+        assert_eq!(
+            (job.poll(), job.so_far, job.is_running()),
+            (None, Some(7), false)
+        );
         let mut job = Job::<()>::start(Arc::new(|| {}), |_| Err("no".to_owned()));
         assert_eq!(ended(&mut job), Err("no".to_owned()));
         let mut job = Job::<()>::start(Arc::new(|| {}), |_| panic!("for the test"));
@@ -196,12 +231,20 @@ mod tests {
                 say.send(name).map_err(|error| error.to_string())
             })
         };
-        let next = || heard.recv_timeout(Duration::from_secs(5)).expect("cancelled");
+        let next = || {
+            heard
+                .recv_timeout(Duration::from_secs(5))
+                .expect("cancelled")
+        };
         let mut job = start(1);
         job.stop();
         assert!(!job.is_running());
         assert_eq!(next(), 1);
-        assert_eq!((job.poll(), job.so_far), (None, Some(1)), "what it found on its way out stays");
+        assert_eq!(
+            (job.poll(), job.so_far),
+            (None, Some(1)),
+            "what it found on its way out stays"
+        );
         job = start(2);
         job = {
             drop(job);

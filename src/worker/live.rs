@@ -1,4 +1,5 @@
-//! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the hand rests.
+//! The thread of the live loop: the newest scene wins; a coarse loop first, a finer one when the
+//! hand rests.
 
 use super::protocol::{Envelope, Event, LiveState, RunId};
 use super::system::{self, Instant, JoinHandle};
@@ -32,14 +33,22 @@ impl Live {
         let quit = Cancel::default();
         let loops = LiveLoops::obeying(&quit);
         let thread = system::spawn("live loop", move || run(&wanted, loops, &tell));
-        Self { mailbox: Some(mailbox), quit, stale, thread: Some(thread) }
+        Self {
+            mailbox: Some(mailbox),
+            quit,
+            stale,
+            thread: Some(thread),
+        }
     }
 
     /// Asks for the loop of a scene; a scene that still waits is dropped.
     pub(super) fn ask(&self, run: RunId, scene: Arc<Scene>) {
         let _ = self.stale.try_recv();
         if let Some(mailbox) = &self.mailbox {
-            let _ = mailbox.try_send(Envelope { run, message: scene });
+            let _ = mailbox.try_send(Envelope {
+                run,
+                message: scene,
+            });
         }
     }
 
@@ -55,23 +64,38 @@ impl Live {
 fn run(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envelope<Event>)) {
     let mut known: Option<(Model, Drive, u64, Arc<LiveState>)> = None;
     let mut next = wanted.recv().ok();
-    while let Some(Envelope { run, message: scene }) = next.take() {
+    while let Some(Envelope {
+        run,
+        message: scene,
+    }) = next.take()
+    {
         let Ok(model) = scene.model() else {
             next = wanted.recv().ok();
             continue;
         };
         let (drive, seed) = (scene.drive, scene.seed);
         // A reset, another method: the loop stays what it was.
-        let same = known.take().filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
-        let mut state = same.map_or_else(|| computed(&mut loops, &scene, &model, Fineness::Coarse), |(.., state)| state);
-        tell(Envelope { run, message: Event::Live(state.clone()) });
+        let same = known
+            .take()
+            .filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
+        let mut state = same.map_or_else(
+            || computed(&mut loops, &scene, &model, Fineness::Coarse),
+            |(.., state)| state,
+        );
+        tell(Envelope {
+            run,
+            message: Event::Live(state.clone()),
+        });
         if state.fineness == Fineness::Coarse {
             match wanted.recv_timeout(REST) {
                 Ok(newer) => next = Some(newer),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
                     state = computed(&mut loops, &scene, &model, Fineness::Fine);
-                    tell(Envelope { run, message: Event::Live(state.clone()) });
+                    tell(Envelope {
+                        run,
+                        message: Event::Live(state.clone()),
+                    });
                 }
             }
         }
@@ -82,7 +106,12 @@ fn run(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envelope<E
     }
 }
 
-fn computed(loops: &mut LiveLoops, scene: &Scene, model: &Model, fineness: Fineness) -> Arc<LiveState> {
+fn computed(
+    loops: &mut LiveLoops,
+    scene: &Scene,
+    model: &Model,
+    fineness: Fineness,
+) -> Arc<LiveState> {
     let began = Instant::now();
     let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
     let found = match found {
@@ -90,5 +119,9 @@ fn computed(loops: &mut LiveLoops, scene: &Scene, model: &Model, fineness: Finen
         // What it holds after a panic is not to be trusted; `next` has taken it out.
         Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
     };
-    Arc::new(LiveState { found, fineness, milliseconds: began.elapsed().as_secs_f64() * 1e3 })
+    Arc::new(LiveState {
+        found,
+        fineness,
+        milliseconds: began.elapsed().as_secs_f64() * 1e3,
+    })
 }

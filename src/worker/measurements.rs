@@ -1,4 +1,5 @@
-//! What is measured beside the walk: which time steps GFMD survives, and speed against accuracy. Partial results as they come.
+//! What is measured beside the walk: which time steps GFMD survives, and speed against accuracy.
+//! Partial results as they come.
 
 use super::job::Reporter;
 use super::protocol::ChartSoFar;
@@ -10,7 +11,11 @@ use crate::study::time_step_map::{Progress, Survey, TimeStepMap};
 ///
 /// # Errors
 /// Why it could not be finished, in words.
-pub(super) fn time_steps(scene: &Scene, turn: f64, report: &Reporter<TimeStepMap>) -> Result<(), String> {
+pub(super) fn time_steps(
+    scene: &Scene,
+    turn: f64,
+    report: &Reporter<TimeStepMap>,
+) -> Result<(), String> {
     let mut survey = Survey::new(scene, turn).map_err(|error| error.to_string())?;
     let mut end = Ok(());
     while !report.cancel.requested() {
@@ -35,13 +40,23 @@ pub(super) fn time_steps(scene: &Scene, turn: f64, report: &Reporter<TimeStepMap
 ///
 /// # Errors
 /// Why it could not be finished, in words.
-pub(super) fn chart(scene: &Scene, effort: Effort, report: &Reporter<ChartSoFar>) -> Result<(), String> {
+pub(super) fn chart(
+    scene: &Scene,
+    effort: Effort,
+    report: &Reporter<ChartSoFar>,
+) -> Result<(), String> {
     let mut so_far = ChartSoFar::default();
     let (mut done, mut doing) = (0.0, String::new());
     let chart = chart::run(scene, effort, &report.cancel, &mut |news| {
         match news {
-            News::Begun { what, reference: true } => doing = format!("reference: {what}"),
-            News::Begun { what, reference: false } => doing = what.to_string(),
+            News::Begun {
+                what,
+                reference: true,
+            } => doing = format!("reference: {what}"),
+            News::Begun {
+                what,
+                reference: false,
+            } => doing = what.to_string(),
             News::Measured(row) => so_far.rows.push(row.clone()),
             News::Skipped(_) => return,
             News::Fraction(fraction) => {
@@ -55,7 +70,12 @@ pub(super) fn chart(scene: &Scene, effort: Effort, report: &Reporter<ChartSoFar>
         report.result(so_far.clone());
     })
     .map_err(|error| error.to_string())?;
-    let floor = chart.reference.map(|reference| reference.errors.dissipated_energy);
-    report.result(ChartSoFar { rows: chart.rows, floor });
+    let floor = chart
+        .reference
+        .map(|reference| reference.errors.dissipated_energy);
+    report.result(ChartSoFar {
+        rows: chart.rows,
+        floor,
+    });
     Ok(())
 }

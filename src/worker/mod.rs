@@ -1,6 +1,7 @@
-//! Floor 7: the only threads and channels. The solver's thread and the live loop's beside it, background jobs (measurements, the
-//! paper's figures, whatever else takes its time), and the signals that ask the process to end. The caller passes `wake`, called
-//! whenever something new can be received. Names no window, writes no files.
+//! Floor 7: the only threads and channels. The solver's thread and the live loop's beside it,
+//! background jobs (measurements, the paper's figures, whatever else takes its time), and the
+//! signals that ask the process to end. The caller passes `wake`, called whenever something new can
+//! be received. Names no window, writes no files.
 
 pub mod figures;
 pub mod job;

@@ -21,8 +21,8 @@ use std::time::Duration;
 /// Identifies one run of one scene.
 pub type RunId = u64;
 
-/// Number of a motion within its run, counted by the sender from 1. A rest names the motion it ends, so that the end of an older one
-/// is not taken for the end of the newest.
+/// Number of a motion within its run, counted by the sender from 1. A rest names the motion it
+/// ends, so that the end of an older one is not taken for the end of the newest.
 pub type Motion = u64;
 
 /// A continuous motion of the target.
@@ -111,7 +111,8 @@ pub struct Failure {
     pub remedy: String,
 }
 
-/// A message with the run it belongs to; one of another run is stale, and is dropped where it arrives.
+/// A message with the run it belongs to; one of another run is stale, and is dropped where it
+/// arrives.
 #[derive(Clone, Debug)]
 pub struct Envelope<T> {
     /// The run.
@@ -123,7 +124,8 @@ pub struct Envelope<T> {
 /// From the window to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Forget everything and rest at the start of this scene: a new run, whose id the envelope carries.
+    /// Forget everything and rest at the start of this scene: a new run, whose id the envelope
+    /// carries.
     SetScene {
         /// The scene.
         scene: Arc<Scene>,
@@ -179,7 +181,8 @@ pub struct Frame {
     pub stress: f64,
     /// Gap field (length), shape (ny, nx).
     pub gap: Arc<Array2<f64>>,
-    /// Field of the mode that gives way first, mean square 1; `None` while relaxing or not measured.
+    /// Field of the mode that gives way first, mean square 1; `None` while relaxing or not
+    /// measured.
     pub soft_mode: Option<Arc<Array2<f64>>>,
     /// True while the surface is jumping: not an equilibrium.
     pub relaxing: bool,
@@ -194,7 +197,8 @@ pub struct Ready {
     pub model: Model,
     /// Height of the indenter, `None` if flat; shape (ny, nx).
     pub height: Option<Arc<Array2<f64>>>,
-    /// Lower and upper limit of stability of the flat state (length); `None` if always stable or not on flat ground.
+    /// Lower and upper limit of stability of the flat state (length); `None` if always stable or
+    /// not on flat ground.
     pub flat_limits: Option<(f64, f64)>,
     /// The model in use.
     pub choice: ModelChoice,
@@ -257,8 +261,8 @@ pub enum Event {
     },
     /// The energy around a state along its soft mode.
     Well(Arc<EnergyWell>),
-    /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late: newer than the last one shown is
-    /// good enough.
+    /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late:
+    /// newer than the last one shown is good enough.
     Live(Arc<LiveState>),
     /// The model was changed on the way; the state stays.
     Remodelled(ModelChoice),
@@ -266,7 +270,8 @@ pub enum Event {
     Failed(Failure),
 }
 
-/// A solver as the window sees it, with what is computed beside it: a thread, or a session stepped by hand. No call blocks.
+/// A solver as the window sees it, with what is computed beside it: a thread, or a session stepped
+/// by hand. No call blocks.
 pub trait SolverHandle {
     /// Passes a command on.
     fn send(&self, command: Envelope<Command>);
@@ -274,7 +279,8 @@ pub trait SolverHandle {
     /// The events since the last call, the newest picture last.
     fn poll(&self) -> Vec<Envelope<Event>>;
 
-    /// Begins to measure which time steps GFMD survives on an approach that ends at `turn` (length).
+    /// Begins to measure which time steps GFMD survives on an approach that ends at `turn`
+    /// (length).
     fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap>;
 
     /// Begins to measure speed against accuracy of every method.

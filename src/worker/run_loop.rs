@@ -4,7 +4,9 @@ use super::figures;
 use super::job::{Job, Wake};
 use super::live::Live;
 use super::measurements;
-use super::protocol::{ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle};
+use super::protocol::{
+    ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle,
+};
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
 use crate::numerics::cancel::Cancel;
@@ -15,7 +17,8 @@ use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// Handle of the solver thread, and of the live loop's beside it. Dropping it cancels both, and waits for them a little.
+/// Handle of the solver thread, and of the live loop's beside it. Dropping it cancels both, and
+/// waits for them a little.
 pub struct Worker {
     commands: Sender<Envelope<Command>>,
     events: Receiver<Envelope<Event>>,
@@ -38,14 +41,28 @@ impl Worker {
         let quit = Cancel::default();
         let cancel = quit.part();
         let wake: Wake = Arc::new(wake);
-        let post = Post { outbox, mailbox, stale: frames.clone(), wake: wake.clone() };
+        let post = Post {
+            outbox,
+            mailbox,
+            stale: frames.clone(),
+            wake: wake.clone(),
+        };
         let live = Live::spawn({
             let post = post.clone();
             move |envelope| post.send(envelope)
         });
         let token = cancel.clone();
         let thread = Some(system::spawn("solver", move || run(&inbox, &post, &token)));
-        Self { commands, events, frames, quit, cancel, thread, live, wake }
+        Self {
+            commands,
+            events,
+            frames,
+            quit,
+            cancel,
+            thread,
+            live,
+            wake,
+        }
     }
 
     /// Waits for the next event, for callers without a window.
@@ -60,7 +77,10 @@ impl SolverHandle for Worker {
         if let Command::SetScene { scene, .. } = &command.message {
             self.live.ask(command.run, scene.clone());
         }
-        if matches!(command.message, Command::SetScene { .. } | Command::Stop { .. } | Command::Quit) {
+        if matches!(
+            command.message,
+            Command::SetScene { .. } | Command::Stop { .. } | Command::Quit
+        ) {
             self.cancel.request();
         }
         // The thread lives as long as this handle, so the channel is open.
@@ -68,15 +88,22 @@ impl SolverHandle for Worker {
     }
 
     fn poll(&self) -> Vec<Envelope<Event>> {
-        self.events.try_iter().chain(self.frames.try_recv()).collect()
+        self.events
+            .try_iter()
+            .chain(self.frames.try_recv())
+            .collect()
     }
 
     fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
-        Job::start(self.wake.clone(), move |report| measurements::time_steps(&scene, turn, report))
+        Job::start(self.wake.clone(), move |report| {
+            measurements::time_steps(&scene, turn, report)
+        })
     }
 
     fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
-        Job::start(self.wake.clone(), move |report| measurements::chart(&scene, effort, report))
+        Job::start(self.wake.clone(), move |report| {
+            measurements::chart(&scene, effort, report)
+        })
     }
 
     fn page(&self, page: Page) -> Job<PageContent> {
@@ -87,7 +114,10 @@ impl SolverHandle for Worker {
 impl Drop for Worker {
     fn drop(&mut self) {
         self.quit.request();
-        let _ = self.commands.send(Envelope { run: 0, message: Command::Quit });
+        let _ = self.commands.send(Envelope {
+            run: 0,
+            message: Command::Quit,
+        });
         system::end(self.thread.take().into_iter().chain(self.live.ask_to_end()));
     }
 }
@@ -136,29 +166,54 @@ fn run(inbox: &Receiver<Envelope<Command>>, post: &Post, cancel: &Cancel) {
             },
         };
         match command {
-            Err(()) | Ok(Envelope { message: Command::Quit, .. }) => return,
+            Err(())
+            | Ok(Envelope {
+                message: Command::Quit,
+                ..
+            }) => return,
             Ok(command) => {
                 cancel.clear();
                 let run = command.run;
-                guarded(&mut session, post, run, |session, sink| session.command(command, cancel, sink));
+                guarded(&mut session, post, run, |session, sink| {
+                    session.command(command, cancel, sink);
+                });
             }
         }
     }
 }
 
 fn step(session: &mut Session, post: &Post, cancel: &Cancel) {
-    guarded(session, post, session.run(), |session, sink| session.step(Instant::now(), cancel, sink));
+    guarded(session, post, session.run(), |session, sink| {
+        session.step(Instant::now(), cancel, sink);
+    });
 }
 
-/// Runs `work`, whose events are those of `run`; a panic in it is told once, and the session goes on from its last good state.
-fn guarded(session: &mut Session, post: &Post, run: RunId, work: impl FnOnce(&mut Session, &mut dyn FnMut(Event))) {
-    let mut sink = |event| post.send(Envelope { run, message: event });
+/// Runs `work`, whose events are those of `run`; a panic in it is told once, and the session goes
+/// on from its last good state.
+fn guarded(
+    session: &mut Session,
+    post: &Post,
+    run: RunId,
+    work: impl FnOnce(&mut Session, &mut dyn FnMut(Event)),
+) {
+    let mut sink = |event| {
+        post.send(Envelope {
+            run,
+            message: event,
+        });
+    };
     let caught = catch_unwind(AssertUnwindSafe(|| work(session, &mut sink)));
     if let Err(panic) = caught {
-        let words = panic.downcast_ref::<&str>().map(|s| (*s).to_owned()).or_else(|| panic.downcast_ref::<String>().cloned());
+        let words = panic
+            .downcast_ref::<&str>()
+            .map(|s| (*s).to_owned())
+            .or_else(|| panic.downcast_ref::<String>().cloned());
         session.recover();
         sink(Event::Failed(Failure {
-            message: format!("The solver stopped with a fault of its own: {}", words.unwrap_or_else(|| "no words".into())),
+            message: format!(
+                "The solver stopped with a fault of its own: {}",
+                words.unwrap_or_else(|| "no words".into())
+            ),
             remedy: "It rests on the last good state. Please save the scene and report it.".into(),
         }));
     }
@@ -176,10 +231,21 @@ mod tests {
         Scene {
             title: "test".into(),
             source: String::new(),
-            cell: Cell { length: 256.0, points: Points::Square(32) },
-            law: LawChoice { shape: Shape::Morse(Morse), surface_energy: 0.15, range: Range::Length(1.0) },
+            cell: Cell {
+                length: 256.0,
+                points: Points::Square(32),
+            },
+            law: LawChoice {
+                shape: Shape::Morse(Morse),
+                surface_energy: 0.15,
+                range: Range::Length(1.0),
+            },
             indenter: Indenter::Flat,
-            drive: Drive { start: 4.2, turn: Turn::At(0.2), step: 0.02 },
+            drive: Drive {
+                start: 4.2,
+                turn: Turn::At(0.2),
+                step: 0.02,
+            },
             accuracy: 0.01,
             seed: 1,
         }
@@ -189,29 +255,66 @@ mod tests {
     fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
         let (outbox, events) = unbounded();
         let (mailbox, stale) = bounded(1);
-        let post = Post { outbox, mailbox, stale, wake: Arc::new(|| {}) };
+        let post = Post {
+            outbox,
+            mailbox,
+            stale,
+            wake: Arc::new(|| {}),
+        };
         let mut session = Session::default();
         let scene = Arc::new(scene());
         let method = MethodKind::NewtonKrylov;
-        let commands = [Command::SetScene { scene, method, asked: None }, Command::SetTarget { motion: 1, mean_displacement: 4.0 }];
+        let commands = [
+            Command::SetScene {
+                scene,
+                method,
+                asked: None,
+            },
+            Command::SetTarget {
+                motion: 1,
+                mean_displacement: 4.0,
+            },
+        ];
         let of_run_3 = |message| Envelope { run: 3, message };
         let cancel = Cancel::default();
         for command in commands {
-            guarded(&mut session, &post, 3, |session, sink| session.command(of_run_3(command), &cancel, sink));
+            guarded(&mut session, &post, 3, |session, sink| {
+                session.command(of_run_3(command), &cancel, sink);
+            });
         }
         for _ in 0..4 {
             step(&mut session, &post, &cancel);
         }
         events.try_iter().for_each(drop);
-        guarded(&mut session, &post, 3, |_, _| panic!("a fault for the test"));
+        guarded(&mut session, &post, 3, |_, _| {
+            panic!("a fault for the test")
+        });
         let told: Vec<Envelope<Event>> = events.try_iter().collect();
-        let [Envelope { run: 3, message: Event::Failed(failure) }] = &told[..] else { panic!("{told:?}") };
+        let [
+            Envelope {
+                run: 3,
+                message: Event::Failed(failure),
+            },
+        ] = &told[..]
+        else {
+            panic!("{told:?}")
+        };
         assert!(failure.message.contains("a fault for the test"), "{told:?}");
-        let target = of_run_3(Command::SetTarget { motion: 2, mean_displacement: 4.19 });
-        guarded(&mut session, &post, 3, |session, sink| session.command(target, &cancel, sink));
+        let target = of_run_3(Command::SetTarget {
+            motion: 2,
+            mean_displacement: 4.19,
+        });
+        guarded(&mut session, &post, 3, |session, sink| {
+            session.command(target, &cancel, sink);
+        });
         step(&mut session, &post, &cancel);
-        let next =
-            events.try_iter().find_map(|e| if let Event::State(state) = e.message { Some(state.mean_displacement) } else { None });
+        let next = events.try_iter().find_map(|e| {
+            if let Event::State(state) = e.message {
+                Some(state.mean_displacement)
+            } else {
+                None
+            }
+        });
         // Four steps of 0.02 down from 4.2, then one up.
         assert!((next.unwrap() - 4.14).abs() < 1e-9, "{next:?}");
     }

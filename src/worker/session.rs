@@ -1,6 +1,9 @@
-//! What the solver thread does, as a state machine without a thread: tests step it by hand, with a clock they hold.
+//! What the solver thread does, as a state machine without a thread: tests step it by hand, with a
+//! clock they hold.
 
-use super::protocol::{Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed, Sweep};
+use super::protocol::{
+    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed, Sweep,
+};
 use super::setup::Setup;
 use super::system::Instant;
 use crate::follow::itinerary::Itinerary;
@@ -15,13 +18,16 @@ use std::time::Duration;
 
 /// Shortest time between two states of a sweep at normal speed, so that a loop can be watched.
 const PACE_STATE: Duration = Duration::from_millis(12);
-/// Shortest time between two pictures of a jump at normal speed, so that it is seen as a short film.
+/// Shortest time between two pictures of a jump at normal speed, so that it is seen as a short
+/// film.
 const PACE_FILM: Duration = Duration::from_millis(16);
 
-/// Shortest time between two energy wells on the move, and the largest share of the time they may take.
+/// Shortest time between two energy wells on the move, and the largest share of the time they may
+/// take.
 const PACE_WELL: Duration = Duration::from_millis(100);
 const WELL_SHARE: f64 = 0.1;
-/// Energies of a well computed in one piece of work at rest, so that a command never waits for long.
+/// Energies of a well computed in one piece of work at rest, so that a command never waits for
+/// long.
 const WELL_PIECE: usize = 8;
 
 /// A scene being played.
@@ -32,14 +38,16 @@ pub struct Session {
     motion: Motion,
     setup: Option<Setup>,
     walk: Option<Walk>,
-    /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be trusted.
+    /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be
+    /// trusted.
     good: Option<(Equilibrium, StateRecord)>,
     play: Play,
     /// What is left of the sweep.
     itinerary: Itinerary,
     record: LoopRecord,
     loop_began: Option<Instant>,
-    /// Transforms the loop has spent on walks that were given up, and those of the present walk before the loop began.
+    /// Transforms the loop has spent on walks that were given up, and those of the present walk
+    /// before the loop began.
     transforms_elsewhere: usize,
     transforms_before: usize,
     paused: bool,
@@ -69,14 +77,25 @@ impl Session {
         if !self.is_walking() || self.walk.is_none() {
             return self.well.as_ref().map(|_| Duration::ZERO);
         }
-        Some(self.not_before.map_or(Duration::ZERO, |t| t.saturating_duration_since(now)))
+        Some(
+            self.not_before
+                .map_or(Duration::ZERO, |t| t.saturating_duration_since(now)),
+        )
     }
 
-    /// Takes a command; those of another run, and motions older than the newest, are stale and dropped.
-    pub fn command(&mut self, command: Envelope<Command>, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
+    /// Takes a command; those of another run, and motions older than the newest, are stale and
+    /// dropped.
+    pub fn command(
+        &mut self,
+        command: Envelope<Command>,
+        cancel: &Cancel,
+        sink: &mut dyn FnMut(Event),
+    ) {
         let Envelope { run, message } = command;
         let number = match &message {
-            Command::SetTarget { motion, .. } | Command::Sweep { motion, .. } | Command::Stop { motion } => *motion,
+            Command::SetTarget { motion, .. }
+            | Command::Sweep { motion, .. }
+            | Command::Stop { motion } => *motion,
             _ => self.motion,
         };
         let begins = matches!(message, Command::SetScene { .. });
@@ -85,11 +104,17 @@ impl Session {
         }
         self.motion = number;
         match message {
-            Command::SetScene { scene, method, asked } => match Setup::new(scene, method, asked) {
+            Command::SetScene {
+                scene,
+                method,
+                asked,
+            } => match Setup::new(scene, method, asked) {
                 Ok(setup) => self.begin(run, setup, cancel, sink),
                 Err(error) => self.refuse(run, error, sink),
             },
-            Command::SetTarget { mean_displacement, .. } => self.go(Play::ToTarget, mean_displacement),
+            Command::SetTarget {
+                mean_displacement, ..
+            } => self.go(Play::ToTarget, mean_displacement),
             Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
             Command::Pause { paused } => {
                 self.paused = paused;
@@ -120,7 +145,14 @@ impl Session {
                     pace = self.speed.pause(PACE_FILM);
                     let mean_displacement = walk.displacement();
                     let gap = Arc::new(walk.gap());
-                    let frame = Frame { mean_displacement, stress, gap, soft_mode: None, relaxing: true, state: None };
+                    let frame = Frame {
+                        mean_displacement,
+                        stress,
+                        gap,
+                        soft_mode: None,
+                        relaxing: true,
+                        state: None,
+                    };
                     sink(Event::Frame(Arc::new(frame)));
                 }
                 Observed::Jump(jump) => {
@@ -159,7 +191,9 @@ impl Session {
     }
 
     fn deepen_the_well(&mut self, count: usize, sink: &mut dyn FnMut(Event)) {
-        let (Some(walk), Some(mut well)) = (&mut self.walk, self.well.take()) else { return };
+        let (Some(walk), Some(mut well)) = (&mut self.walk, self.well.take()) else {
+            return;
+        };
         walk.deepen(&mut well, count);
         if well.is_complete() {
             sink(Event::Well(Arc::new(well)));
@@ -170,8 +204,25 @@ impl Session {
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none.
     pub fn recover(&mut self) {
-        let Self { run, motion, setup, good, record, speed, watched, .. } = std::mem::take(self);
-        *self = Self { run, motion, setup, record, speed, watched, ..Self::default() };
+        let Self {
+            run,
+            motion,
+            setup,
+            good,
+            record,
+            speed,
+            watched,
+            ..
+        } = std::mem::take(self);
+        *self = Self {
+            run,
+            motion,
+            setup,
+            record,
+            speed,
+            watched,
+            ..Self::default()
+        };
         if let Some(setup) = &self.setup {
             self.walk = match good {
                 Some((state, record)) => setup.resume(state, record).ok(),
@@ -181,17 +232,34 @@ impl Session {
     }
 
     fn begin(&mut self, run: RunId, setup: Setup, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
-        *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
+        *self = Self {
+            run,
+            speed: self.speed,
+            watched: self.watched,
+            ..Self::default()
+        };
         match setup.walk(cancel) {
             Ok(mut walk) => {
                 let system = walk.system();
-                let flat_limits = if system.is_flat() { flat::limits(system.law(), system.grid().length) } else { None };
+                let flat_limits = if system.is_flat() {
+                    flat::limits(system.law(), system.grid().length)
+                } else {
+                    None
+                };
                 let height = system.height().map(|h| Arc::new(system.unfolded(h)));
-                let ready = Arc::new(Ready { model: walk.model().clone(), height, flat_limits, choice: setup.choice.clone() });
+                let ready = Arc::new(Ready {
+                    model: walk.model().clone(),
+                    height,
+                    flat_limits,
+                    choice: setup.choice.clone(),
+                });
                 sink(Event::Ready(ready));
                 sink(Event::State(walk.record().clone()));
                 sink(resting_frame(&mut walk));
-                sink(Event::Rest { motion: 0, mean_displacement: walk.record().mean_displacement });
+                sink(Event::Rest {
+                    motion: 0,
+                    mean_displacement: walk.record().mean_displacement,
+                });
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
                 self.setup = Some(setup);
@@ -202,9 +270,17 @@ impl Session {
     }
 
     fn refuse(&mut self, run: RunId, error: Refusal, sink: &mut dyn FnMut(Event)) {
-        *self = Self { run, speed: self.speed, watched: self.watched, ..Self::default() };
+        *self = Self {
+            run,
+            speed: self.speed,
+            watched: self.watched,
+            ..Self::default()
+        };
         let message = format!("This scene cannot run: {} = {}", error.key, error.value);
-        sink(Event::Failed(Failure { message, remedy: error.allowed }));
+        sink(Event::Failed(Failure {
+            message,
+            remedy: error.allowed,
+        }));
     }
 
     fn go(&mut self, play: Play, target: f64) {
@@ -225,7 +301,8 @@ impl Session {
         };
         self.paused = false;
         if sweep == Sweep::Loop {
-            // A loop is only closed if it begins at the start of the drive, with the scene's own seed.
+            // A loop is only closed if it begins at the start of the drive, with the scene's own
+            // seed.
             self.walk = setup.walk(cancel).ok();
             self.record = LoopRecord::default();
             sink(Event::LoopStarted);
@@ -238,7 +315,10 @@ impl Session {
             self.transforms_elsewhere = 0;
             self.transforms_before = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
             if let Some((fault, remedy)) = self.record.states.first().and_then(StateRecord::fault) {
-                sink(Event::Failed(Failure { message: format!("No loop: {fault}."), remedy }));
+                sink(Event::Failed(Failure {
+                    message: format!("No loop: {fault}."),
+                    remedy,
+                }));
                 return self.rest(sink);
             }
         }
@@ -255,13 +335,24 @@ impl Session {
     }
 
     /// What comes after a step: nothing, the next way, or rest.
-    fn follow_up(&mut self, progress: Progress, now: Instant, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
-        let (Some(setup), Some(walk)) = (&mut self.setup, &mut self.walk) else { return };
+    fn follow_up(
+        &mut self,
+        progress: Progress,
+        now: Instant,
+        cancel: &Cancel,
+        sink: &mut dyn FnMut(Event),
+    ) {
+        let (Some(setup), Some(walk)) = (&mut self.setup, &mut self.walk) else {
+            return;
+        };
         match &progress {
             Progress::Cancelled => {}
             Progress::Working | Progress::Resting => {
                 let arrived = match self.play {
-                    Play::Sweep(sweep) => self.itinerary.step(&progress, walk.record()) && !self.follow_itinerary(sweep),
+                    Play::Sweep(sweep) => {
+                        self.itinerary.step(&progress, walk.record())
+                            && !self.follow_itinerary(sweep)
+                    }
                     _ => progress == Progress::Resting,
                 };
                 if arrived {
@@ -286,8 +377,14 @@ impl Session {
         }
     }
 
-    /// Takes another walk up, which stands where the last one stood or is back at the start of the drive.
-    fn go_on_with(&mut self, Widened { mut walk, stays }: Widened, spent: usize, sink: &mut dyn FnMut(Event)) {
+    /// Takes another walk up, which stands where the last one stood or is back at the start of the
+    /// drive.
+    fn go_on_with(
+        &mut self,
+        Widened { mut walk, stays }: Widened,
+        spent: usize,
+        sink: &mut dyn FnMut(Event),
+    ) {
         self.transforms_elsewhere += spent - self.transforms_before;
         self.transforms_before = 0;
         if !stays {
@@ -301,7 +398,11 @@ impl Session {
         self.walk = Some(walk);
         if !stays && self.play == Play::Sweep(Sweep::Loop) {
             // Back at the start, a loop has all of its way ahead again.
-            self.itinerary = self.setup.as_ref().map(|setup| Itinerary::closed(&setup.scene)).unwrap_or_default();
+            self.itinerary = self
+                .setup
+                .as_ref()
+                .map(|setup| Itinerary::closed(&setup.scene))
+                .unwrap_or_default();
             self.follow_itinerary(Sweep::Loop);
         }
     }
@@ -310,8 +411,11 @@ impl Session {
         let Some(walk) = &self.walk else { return };
         let summary = LoopSummary {
             ledger: self.record.ledger(walk.model().law.surface_energy),
-            transforms: self.transforms_elsewhere + walk.counts().transforms - self.transforms_before,
-            seconds: self.loop_began.map_or(0.0, |t| now.duration_since(t).as_secs_f64()),
+            transforms: self.transforms_elsewhere + walk.counts().transforms
+                - self.transforms_before,
+            seconds: self
+                .loop_began
+                .map_or(0.0, |t| now.duration_since(t).as_secs_f64()),
         };
         sink(Event::Loop(summary));
     }
@@ -321,7 +425,10 @@ impl Session {
         if let Some(walk) = &mut self.walk {
             let mean_displacement = walk.displacement();
             walk.set_target(mean_displacement);
-            sink(Event::Rest { motion: self.motion, mean_displacement });
+            sink(Event::Rest {
+                motion: self.motion,
+                mean_displacement,
+            });
         }
         self.look_into_the_well();
     }

@@ -1,5 +1,5 @@
-//! On which part of the cell the window's walk runs: what the plan says, what the user overrules, and the whole cell where a part is
-//! not enough.
+//! On which part of the cell the window's walk runs: what the plan says, what the user overrules,
+//! and the whole cell where a part is not enough.
 
 use super::protocol::ModelChoice;
 use crate::follow::record::StateRecord;
@@ -28,17 +28,36 @@ impl Setup {
     ///
     /// # Errors
     /// The first value of the scene that is not allowed.
-    pub fn new(scene: Arc<Scene>, method: MethodKind, asked: Option<Road>) -> Result<Self, Refusal> {
+    pub fn new(
+        scene: Arc<Scene>,
+        method: MethodKind,
+        asked: Option<Road>,
+    ) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let plan = plan(&scene, &model, asked);
         let wanted = match plan.road {
-            // A hand may go anywhere, so that the walk solves what is shown; the atlas only says what is ahead.
+            // A hand may go anywhere, so that the walk solves what is shown; the atlas only says
+            // what is ahead.
             Road::Atlas => Part::Quarter,
             Road::Walk(part) => part,
         };
-        let because = (wanted == Part::Quarter).then(|| objection(&model, method, asked)).flatten();
-        let part = if because.is_some() { Part::Whole } else { wanted };
-        Ok(Self { scene, method, choice: ModelChoice { plan, part, because } })
+        let because = (wanted == Part::Quarter)
+            .then(|| objection(&model, method, asked))
+            .flatten();
+        let part = if because.is_some() {
+            Part::Whole
+        } else {
+            wanted
+        };
+        Ok(Self {
+            scene,
+            method,
+            choice: ModelChoice {
+                plan,
+                part,
+                because,
+            },
+        })
     }
 
     /// A walk at rest at the start of the drive.
@@ -46,7 +65,14 @@ impl Setup {
     /// # Errors
     /// The first value of the scene that is not allowed.
     pub fn walk(&self, cancel: &Cancel) -> Result<Walk, Refusal> {
-        Walk::start(&self.scene, WalkOptions { part: self.choice.part, ..self.method.into() }, cancel)
+        Walk::start(
+            &self.scene,
+            WalkOptions {
+                part: self.choice.part,
+                ..self.method.into()
+            },
+            cancel,
+        )
     }
 
     /// A walk that stands on an earlier state.
@@ -69,8 +95,12 @@ impl Setup {
 /// Why a part of the cell will not do; `None` if it will.
 fn objection(model: &Model, method: MethodKind, asked: Option<Road>) -> Option<String> {
     if !model.grid.nx.is_multiple_of(4) {
-        return Some(format!("{} points a side are no multiple of 4", model.grid.nx));
+        return Some(format!(
+            "{} points a side are no multiple of 4",
+            model.grid.nx
+        ));
     }
     // The yardstick stays as it was published, unless somebody asks.
-    (method == MethodKind::Gfmd && asked != Some(Road::QUARTER)).then(|| "the paper's method runs as it was published".to_owned())
+    (method == MethodKind::Gfmd && asked != Some(Road::QUARTER))
+        .then(|| "the paper's method runs as it was published".to_owned())
 }

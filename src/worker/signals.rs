@@ -1,4 +1,5 @@
-//! Requests from outside to end: Ctrl-C, SIGTERM (batch systems, `kill`), SIGHUP (a terminal that closes).
+//! Requests from outside to end: Ctrl-C, SIGTERM (batch systems, `kill`), SIGHUP (a terminal that
+//! closes).
 
 use super::system::{Instant, sleep, try_spawn};
 use crate::numerics::cancel::Cancel;
@@ -11,7 +12,8 @@ use std::time::Duration;
 
 /// SIGHUP, which only Unix has.
 const SIGHUP: i32 = 1;
-/// Requests within this time of the first are the same one: `timeout` sends two, a batch system one to each of several processes.
+/// Requests within this time of the first are the same one: `timeout` sends two, a batch system one
+/// to each of several processes.
 const SAME: Duration = Duration::from_secs(2);
 /// How often the flag is looked at.
 const PACE: Duration = Duration::from_millis(20);
@@ -37,8 +39,9 @@ fn meaning(first: Option<Instant>, now: Instant) -> Meaning {
     }
 }
 
-/// A token that the first request raises. A later one, after two seconds, ends the process with `code` as soon as `at_rest` gives
-/// the guard that keeps files from being half written. Signals in the mask `ignored` (bit 0 is signal 1) stay ignored.
+/// A token that the first request raises. A later one, after two seconds, ends the process with
+/// `code` as soon as `at_rest` gives the guard that keeps files from being half written. Signals in
+/// the mask `ignored` (bit 0 is signal 1) stay ignored.
 pub fn cancel_on_signal<G>(ignored: u64, at_rest: fn() -> Option<G>, code: i32) -> Cancel
 where
     G: 'static,
@@ -63,9 +66,13 @@ where
             }
         }
     });
-    // Without somebody who listens a signal ends the process the hard way: worse, yet no reason not to run.
+    // Without somebody who listens a signal ends the process the hard way: worse, yet no reason not
+    // to run.
     if watch.is_ok() {
-        for signal in [SIGINT, SIGTERM].into_iter().chain(cfg!(unix).then_some(SIGHUP)) {
+        for signal in [SIGINT, SIGTERM]
+            .into_iter()
+            .chain(cfg!(unix).then_some(SIGHUP))
+        {
             if ignored >> (signal - 1) & 1 == 0 {
                 let _ = flag::register(signal, heard.clone());
             }
@@ -93,7 +100,13 @@ mod tests {
         let begin = Instant::now();
         let after = |ms| begin + Duration::from_millis(ms);
         assert_eq!(meaning(None, begin), Meaning::Stop);
-        assert_eq!([0, 5, 1999].map(|ms| meaning(Some(begin), after(ms))), [Meaning::Same; 3]);
-        assert_eq!([2000, 60_000].map(|ms| meaning(Some(begin), after(ms))), [Meaning::End; 2]);
+        assert_eq!(
+            [0, 5, 1999].map(|ms| meaning(Some(begin), after(ms))),
+            [Meaning::Same; 3]
+        );
+        assert_eq!(
+            [2000, 60_000].map(|ms| meaning(Some(begin), after(ms))),
+            [Meaning::End; 2]
+        );
     }
 }

@@ -16,7 +16,10 @@ const LOOK: Duration = Duration::from_millis(2);
 ///
 /// # Errors
 /// The system refuses.
-pub(super) fn try_spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<JoinHandle<()>> {
+pub(super) fn try_spawn(
+    name: &str,
+    work: impl FnOnce() + Send + 'static,
+) -> io::Result<JoinHandle<()>> {
     Builder::new().name(name.into()).spawn(work)
 }
 
@@ -25,7 +28,8 @@ pub(super) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> JoinHan
     try_spawn(name, work).expect("the system refuses to start a thread")
 }
 
-/// Waits for threads that were asked to end; one that does not answer in time is left to end with the process.
+/// Waits for threads that were asked to end; one that does not answer in time is left to end with
+/// the process.
 pub(super) fn end(threads: impl IntoIterator<Item = JoinHandle<()>>) {
     let begin = Instant::now();
     for thread in threads {
@@ -39,7 +43,8 @@ pub(super) fn end(threads: impl IntoIterator<Item = JoinHandle<()>>) {
     }
 }
 
-/// Runs `work` on as many threads as there are cores, at most `most`, and `meanwhile` on this one; returns when all are done.
+/// Runs `work` on as many threads as there are cores, at most `most`, and `meanwhile` on this one;
+/// returns when all are done.
 pub(super) fn on_every_core(most: usize, work: impl Fn() + Sync, meanwhile: impl FnOnce()) {
     let cores = available_parallelism().map_or(1, usize::from);
     scope(|scope| {
@@ -57,7 +62,10 @@ mod tests {
     #[test]
     fn a_thread_that_does_not_answer_does_not_keep_the_caller() {
         let began = Instant::now();
-        end([spawn("busy", || sleep(Duration::from_secs(60))), spawn("done", || {})]);
+        end([
+            spawn("busy", || sleep(Duration::from_secs(60))),
+            spawn("done", || {}),
+        ]);
         assert!(began.elapsed() < Duration::from_secs(2));
     }
 }

@@ -12,6 +12,7 @@ use tackscope::scene::part::{Part, Road};
 use tackscope::scene::{Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
+use tackscope::solver::sector::Side;
 use tackscope::storage::{presets, scene_file};
 use tackscope::study::plan::plan;
 use tackscope::study::planned::run_planned;
@@ -21,11 +22,21 @@ fn preset(name: &str) -> Scene {
 }
 
 fn morse(range: f64) -> Law {
-    Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range }
+    Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 0.15,
+        range,
+    }
 }
 
 fn walked(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -33,19 +44,33 @@ fn walked(scene: &Scene) -> LoopRun {
 fn planned(scene: &Scene) -> LoopRun {
     let plan = plan(scene, &scene.model().unwrap(), None);
     assert!(matches!(plan.road, Road::Atlas), "{}", plan.words);
-    let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_planned(
+        scene,
+        MethodKind::NewtonKrylov,
+        &plan,
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!((&run.deviation, &run.outcome), (&None, &Outcome::Completed));
     run
 }
 
-/// The same jumps, each within the walk's bracket of 1e-4 ranges and the asked share, and energies within a ten-thousandth of gamma.
+/// The same jumps, each within the walk's bracket of 1e-4 ranges and the asked share, and energies
+/// within a ten-thousandth of gamma.
 fn assert_same(atlas: &[JumpRecord], walk: &[JumpRecord], share: f64) {
     let name = |j: &JumpRecord| (j.direction, j.from, j.to, j.cause);
-    assert_eq!(atlas.iter().map(name).collect::<Vec<_>>(), walk.iter().map(name).collect::<Vec<_>>());
+    assert_eq!(
+        atlas.iter().map(name).collect::<Vec<_>>(),
+        walk.iter().map(name).collect::<Vec<_>>()
+    );
     for (a, b) in atlas.iter().zip(walk) {
         let off = (a.mean_displacement - b.mean_displacement).abs();
         assert!(off < 1.1e-4 + share * b.mean_displacement, "{a:?} {b:?}");
-        assert!((a.released_energy - b.released_energy).abs() < 1e-5 + share * b.released_energy, "{a:?} {b:?}");
+        assert!(
+            (a.released_energy - b.released_energy).abs() < 1e-5 + share * b.released_energy,
+            "{a:?} {b:?}"
+        );
     }
 }
 
@@ -55,11 +80,15 @@ fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
     let walk = walked(&scene);
     let atlas = planned(&scene);
     assert_same(&atlas.record.jumps, &walk.record.jumps, 1e-4);
-    let (a, b) = (atlas.record.released_energy_sum(), walk.record.released_energy_sum());
+    let (a, b) = (
+        atlas.record.released_energy_sum(),
+        walk.record.released_energy_sum(),
+    );
     assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
 }
 
-/// The curves themselves: at every u0 both roads stopped at, the stress, the pattern and the energy.
+/// The curves themselves: at every u0 both roads stopped at, the stress, the pattern and the
+/// energy.
 #[test]
 fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
     let scene = preset("fig2");
@@ -68,15 +97,23 @@ fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
     let mut compared = 0;
     for a in &atlas.record.states {
         let same = |b: &&tackscope::follow::record::StateRecord| {
-            b.direction == a.direction && (b.mean_displacement - a.mean_displacement).abs() < 1e-9 && b.pattern == a.pattern
+            b.direction == a.direction
+                && (b.mean_displacement - a.mean_displacement).abs() < 1e-9
+                && b.pattern == a.pattern
         };
         if let Some(b) = walk.record.states.iter().find(same) {
             compared += 1;
-            assert!((a.stress - b.stress).abs() < 1e-4 * strongest, "{a:?} {b:?}");
+            assert!(
+                (a.stress - b.stress).abs() < 1e-4 * strongest,
+                "{a:?} {b:?}"
+            );
             assert!((a.energy - b.energy).abs() < 1e-6 * 0.15, "{a:?} {b:?}");
-            // Both are Rayleigh quotients, so upper bounds: the lower one is the better one. Next to a fold the walk may hold on to a
-            // mode that is not the softest.
-            assert!(a.stiffness_min < b.stiffness_min + 0.02 + a.stiffness_error, "{a:?} {b:?}");
+            // Both are Rayleigh quotients, so upper bounds: the lower one is the better one. Next
+            // to a fold the walk may hold on to a mode that is not the softest.
+            assert!(
+                a.stiffness_min < b.stiffness_min + 0.02 + a.stiffness_error,
+                "{a:?} {b:?}"
+            );
         }
     }
     assert!(compared > 350, "{compared}");
@@ -86,7 +123,10 @@ fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
 fn every_state_of_the_plan_is_converged_stable_and_within_its_budget() {
     let run = planned(&preset("fig2"));
     for state in &run.record.states {
-        assert!(state.stop == Stop::Stable && state.residual <= 1e-6, "{state:?}");
+        assert!(
+            state.stop == Stop::Stable && state.residual <= 1e-6,
+            "{state:?}"
+        );
         assert!(state.stiffness_min > 0.0, "{state:?}");
     }
     let mismatch = run.record.work() / 0.15 / run.record.released_energy_sum() - 1.0;
@@ -98,18 +138,41 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     let mut long = preset("fig2");
     long.cell.length = 512.0;
     long.cell.points = Points::Square(96);
-    long.drive = tackscope::scene::Drive { start: 6.5, turn: Turn::At(0.2), step: 0.1 };
-    // Under the walk's pattern a mesh point lies in the centre, under the atlas' none: their mesh errors have opposite signs.
-    assert_same(&planned(&long).record.jumps, &walked(&long).record.jumps, 1.5e-3);
+    long.drive = tackscope::scene::Drive {
+        start: 6.5,
+        turn: Turn::At(0.2),
+        step: 0.1,
+    };
+    // Under the walk's pattern a mesh point lies in the centre, under the atlas' none: their mesh
+    // errors have opposite signs.
+    assert_same(
+        &planned(&long).record.jumps,
+        &walked(&long).record.jumps,
+        1.5e-3,
+    );
 
     let mut mie = preset("fig2");
     mie.law.shape = Shape::Mie(tackscope::physics::law::Mie { m: 8.0, n: 2.0 });
     mie.cell.length = 60.0;
     mie.cell.points = Points::Square(64);
-    mie.drive = tackscope::scene::Drive { start: 4.0, turn: Turn::At(1.01), step: 0.05 };
-    // On this flat ground the perturbation chooses between bulge and ridge: some seed makes the walk choose as the atlas did.
+    mie.drive = tackscope::scene::Drive {
+        start: 4.0,
+        turn: Turn::At(1.01),
+        step: 0.05,
+    };
+    // On this flat ground the perturbation chooses between bulge and ridge: some seed makes the
+    // walk choose as the atlas did.
     let atlas = planned(&mie).record.jumps;
-    let walk = (1..=8).map(|seed| walked(&Scene { seed, ..mie.clone() }).record.jumps).find(|jumps| jumps[0].to == atlas[0].to);
+    let walk = (1..=8)
+        .map(|seed| {
+            walked(&Scene {
+                seed,
+                ..mie.clone()
+            })
+            .record
+            .jumps
+        })
+        .find(|jumps| jumps[0].to == atlas[0].to);
     assert_same(&atlas, &walk.unwrap(), 5e-4);
 }
 
@@ -118,16 +181,27 @@ fn a_drive_that_turns_in_mid_branch_is_read_off_too() {
     let mut scene = preset("fig2");
     for turn in [2.0, 2.95, 0.7] {
         scene.drive.turn = Turn::At(turn);
-        assert_same(&planned(&scene).record.jumps, &walked(&scene).record.jumps, 1e-4);
+        assert_same(
+            &planned(&scene).record.jumps,
+            &walked(&scene).record.jumps,
+            1e-4,
+        );
     }
 }
 
 #[test]
 fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_ground() {
     let scene = preset("fig2");
-    let quarter =
-        run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-            .unwrap();
+    let quarter = run_loop(
+        &scene,
+        WalkOptions {
+            part: Part::Quarter,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_same(&quarter.record.jumps, &walked(&scene).record.jumps, 1e-4);
 }
 
@@ -135,7 +209,9 @@ fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_gr
 fn a_cell_below_the_critical_length_has_no_jump() {
     let law = morse(1.0);
     let length = 0.99 * flat::critical_length(&law);
-    let cycle = Atlas::new(Meshes::new(&law, length, 32)).cycle(4.0, 0.2).unwrap();
+    let cycle = Atlas::new(Meshes::new(&law, length, 32))
+        .cycle(4.0, 0.2)
+        .unwrap();
     assert!(cycle.jumps.is_empty() && cycle.dissipated_energy == 0.0);
 }
 
@@ -156,11 +232,22 @@ fn an_adapted_atlas_is_the_one_made_afresh() {
         let warm = adapted.cycle(4.4, 0.2).unwrap();
         assert_eq!(warm.jumps.len(), fresh.jumps.len());
         for (a, b) in warm.jumps.iter().zip(&fresh.jumps) {
-            assert!((a.mean_displacement - b.mean_displacement).abs() < 1e-4 * b.mean_displacement, "{change}: {a:?} {b:?}");
+            assert!(
+                (a.mean_displacement - b.mean_displacement).abs() < 1e-4 * b.mean_displacement,
+                "{change}: {a:?} {b:?}"
+            );
         }
-        assert!((warm.dissipated_energy / fresh.dissipated_energy - 1.0).abs() < 1e-4, "{change}");
+        assert!(
+            (warm.dissipated_energy / fresh.dissipated_energy - 1.0).abs() < 1e-4,
+            "{change}"
+        );
         let spent = |atlas: &Atlas| atlas.transforms().iter().sum::<usize>();
-        assert!(2 * spent(&adapted) < spent(&anew), "{} transforms of {}", spent(&adapted), spent(&anew));
+        assert!(
+            2 * spent(&adapted) < spent(&anew),
+            "{} transforms of {}",
+            spent(&adapted),
+            spent(&anew)
+        );
     }
 }
 
@@ -170,8 +257,15 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
     let mut last = f64::INFINITY;
     for n in [24, 32, 40, 48, 64] {
         let (_, this) = cycle(&morse(1.0), n);
-        let jumps = this.jumps.iter().zip(&fine.jumps).map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs());
-        let error = jumps.fold((this.dissipated_energy / fine.dissipated_energy - 1.0).abs(), f64::max);
+        let jumps = this
+            .jumps
+            .iter()
+            .zip(&fine.jumps)
+            .map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs());
+        let error = jumps.fold(
+            (this.dissipated_energy / fine.dissipated_energy - 1.0).abs(),
+            f64::max,
+        );
         let mu_rho = tackscope::physics::mesh_rule::mu_rho(&morse(1.0), 256.0 / n as f64);
         let predicted = mesh_error(&morse(1.0), 256.0, mu_rho);
         println!("n = {n}: measured {error:.1e}, predicted {predicted:.1e}");
@@ -181,27 +275,35 @@ fn mesh_error_falls_exponentially_and_stays_below_what_is_predicted() {
     }
 }
 
-/// The two ways a branch can end look as theory says: at a fold the tangent turns into the soft mode and the stress falls like a root,
-/// at a breaking of symmetry the branch goes straight on.
+/// The two ways a branch can end look as theory says: at a fold the tangent turns into the soft
+/// mode and the stress falls like a root, at a breaking of symmetry the branch goes straight on.
 #[test]
 fn ends_of_branches_are_folds_or_breakings_as_their_nodes_say() {
     let (atlas, _) = cycle(&morse(1.0), 48);
     assert_eq!(atlas.branches().len(), 3);
     for branch in atlas.branches() {
-        for (upper, end) in [(false, branch.ends[0]), (true, branch.ends[1])] {
-            let node = branch.end(upper);
+        for (side, end) in Side::BOTH.into_iter().zip(branch.ends) {
+            let node = branch.end(side);
             match end {
                 End::Fold => {
                     assert!(!node.slope.is_finite() && node.breaking > 0.0);
-                    let inside =
-                        |d: f64| branch.at(node.state.mean_displacement + if upper { -d } else { d }).stress - node.state.stress;
+                    let inside = |d: f64| {
+                        branch
+                            .at(node.state.mean_displacement - side.sign() * d)
+                            .stress
+                            - node.state.stress
+                    };
                     // A root: four times the distance, twice the change.
                     let ratio = inside(4e-4) / inside(1e-4);
                     assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
                 }
                 End::Breaking => {
                     assert!(node.slope.is_finite() && node.own > 0.0);
-                    assert!(node.breaking.abs() * 256.0 < 2e-3, "{}", node.breaking * 256.0);
+                    assert!(
+                        node.breaking.abs() * 256.0 < 2e-3,
+                        "{}",
+                        node.breaking * 256.0
+                    );
                 }
             }
         }
@@ -210,7 +312,10 @@ fn ends_of_branches_are_folds_or_breakings_as_their_nodes_say() {
         for share in [0.2, 0.5, 0.8] {
             let (u0, h) = (low + share * (high - low), 1e-4);
             let slope = (branch.at(u0 + h).energy - branch.at(u0 - h).energy) / (2.0 * h);
-            assert!((slope - branch.at(u0).stress).abs() < 1e-5 * 0.075, "{slope}");
+            assert!(
+                (slope - branch.at(u0).stress).abs() < 1e-5 * 0.075,
+                "{slope}"
+            );
         }
     }
 }

@@ -6,11 +6,18 @@ use tackscope::physics::theory::{dissipation, flat, ridge, units};
 
 /// Laws in a cell of side 1 with gamma = 1, where lengths are reduced ones.
 fn morse(range: f64) -> Law {
-    Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range }
+    Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 1.0,
+        range,
+    }
 }
 
 fn cosine(range: f64) -> Law {
-    Law { shape: Shape::Cosine(Cosine { smooth: false }), ..morse(range) }
+    Law {
+        shape: Shape::Cosine(Cosine { smooth: false }),
+        ..morse(range)
+    }
 }
 
 #[test]
@@ -32,7 +39,8 @@ fn the_print_takes_a_quarter_too_much_for_the_loss_without_range() {
 
 #[test]
 fn the_loss_is_the_area_between_the_ridge_and_the_flat_surface() {
-    // Simpson's rule over the stress, tensile positive: -p~/u~ of the exact ridge less gamma' of the flat surface.
+    // Simpson's rule over the stress, tensile positive: -p~/u~ of the exact ridge less gamma' of
+    // the flat surface.
     for law in [morse(0.02), morse(0.08), cosine(0.1), cosine(0.3)] {
         let from = flat::limits(&law, 1.0).unwrap().1;
         let to = ridge::critical().displacement;
@@ -61,7 +69,10 @@ fn the_loss_is_the_area_between_the_ridge_and_the_flat_surface() {
 #[test]
 fn the_leading_order_meets_the_whole_as_the_range_shrinks_and_the_printed_one_does_not() {
     let zero = ridge::zero_range_dissipation();
-    for (make, ranges) in [(morse as fn(f64) -> Law, [1e-2, 1e-3, 1e-4, 1e-5]), (cosine, [4e-2, 4e-3, 4e-4, 4e-5])] {
+    for (make, ranges) in [
+        (morse as fn(f64) -> Law, [1e-2, 1e-3, 1e-4, 1e-5]),
+        (cosine, [4e-2, 4e-3, 4e-4, 4e-5]),
+    ] {
         let differences = ranges.map(|range| {
             let law = make(range);
             let approach = flat::limits(&law, 1.0).unwrap().1;
@@ -71,7 +82,10 @@ fn the_leading_order_meets_the_whole_as_the_range_shrinks_and_the_printed_one_do
             (dissipation::leading_order(zero, approach) - whole).abs()
         });
         // The next order of the ridge is u~^2, with logarithms for the Morse law.
-        assert!(differences.windows(2).all(|w| w[1] < 0.1 * w[0]), "{differences:?}");
+        assert!(
+            differences.windows(2).all(|w| w[1] < 0.1 * w[0]),
+            "{differences:?}"
+        );
         assert!(differences[3] < 1e-6, "{differences:?}");
     }
 }
@@ -81,12 +95,20 @@ fn eq_30d_has_the_upper_limit_of_eq_8_for_small_ranges() {
     for range in [1e-2, 1e-3, 1e-4] {
         let exact = flat::limits(&morse(range), 1.0).unwrap().1;
         // Eq. 8 expanded: relative corrections of order rho~^2.
-        assert!((dissipation::morse_approach(range) / exact - 1.0).abs() < 4.0 * range * range, "{range}");
+        assert!(
+            (dissipation::morse_approach(range) / exact - 1.0).abs() < 4.0 * range * range,
+            "{range}"
+        );
     }
     // 30d as printed: 3/2 {alpha_c - [2 rho~/sqrt(pi) ln(2/(pi rho~^2))]^(2/3)}.
     let range: f64 = 0.01;
-    let printed = 1.5 * (0.910_058_79 - (2.0 * range / PI.sqrt() * (2.0 / (PI * range * range)).ln()).powf(2.0 / 3.0));
-    let ours = dissipation::leading_order(dissipation::printed_zero_range(), dissipation::morse_approach(range));
+    let printed = 1.5
+        * (0.910_058_79
+            - (2.0 * range / PI.sqrt() * (2.0 / (PI * range * range)).ln()).powf(2.0 / 3.0));
+    let ours = dissipation::leading_order(
+        dissipation::printed_zero_range(),
+        dissipation::morse_approach(range),
+    );
     assert!((printed - ours).abs() < 1e-8, "{printed} {ours}");
 }
 
@@ -98,16 +120,31 @@ fn the_flat_term_is_negative_and_the_loss_does_not_depend_on_the_units() {
     let ridge_alone = end.energy - ridge::energy(ridge::alpha(approach).unwrap(), approach);
     assert!(dissipation::loss(&law, 1.0).unwrap() < ridge_alone);
     let (length, surface_energy) = (1024.0, 0.15);
-    let scaled = Law { surface_energy, range: units::Units { length, surface_energy }.restore(0.0807), ..law };
-    let (a, b) = (dissipation::loss(&law, 1.0).unwrap(), dissipation::loss(&scaled, length).unwrap());
+    let scaled = Law {
+        surface_energy,
+        range: units::Units {
+            length,
+            surface_energy,
+        }
+        .restore(0.0807),
+        ..law
+    };
+    let (a, b) = (
+        dissipation::loss(&law, 1.0).unwrap(),
+        dissipation::loss(&scaled, length).unwrap(),
+    );
     assert!((a - b).abs() < 1e-12, "{a} {b}");
 }
 
 #[test]
-fn the_cosine_law_gets_nearer_to_the_loss_without_range_on_fine_meshes_and_no_loss_is_foretold_below_l_c() {
-    // Equal largest softening: g_c = sqrt2 pi rho. The cut-off then wins where rho ln(2/(pi rho~^2)) > g_c: rho~ < 0.087.
-    let gain =
-        |range: f64| dissipation::loss(&cosine(SQRT_2 * PI * range), 1.0).unwrap() - dissipation::loss(&morse(range), 1.0).unwrap();
+fn the_cosine_law_gets_nearer_to_the_loss_without_range_on_fine_meshes_and_no_loss_is_foretold_below_l_c()
+ {
+    // Equal largest softening: g_c = sqrt2 pi rho. The cut-off then wins where rho ln(2/(pi
+    // rho~^2)) > g_c: rho~ < 0.087.
+    let gain = |range: f64| {
+        dissipation::loss(&cosine(SQRT_2 * PI * range), 1.0).unwrap()
+            - dissipation::loss(&morse(range), 1.0).unwrap()
+    };
     assert!(gain(0.01) > 0.05 && gain(0.05) > 0.0);
     assert_eq!(dissipation::loss(&morse(0.29), 1.0), None);
 }

@@ -12,8 +12,16 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 
 fn looped(scene: &Scene, reduction: Part) -> LoopRun {
-    let run = run_loop(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-        .unwrap();
+    let run = run_loop(
+        scene,
+        WalkOptions {
+            part: reduction,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -27,13 +35,34 @@ fn wavy() -> Scene {
 
 /// The same jumps at the same places, in ranges, with the same releases.
 fn assert_same(one: &LoopRun, other: &LoopRun, within: f64, range: f64, what: &str) {
-    let places = |run: &LoopRun| run.record.jumps.iter().map(|j| j.mean_displacement / range).collect::<Vec<_>>();
+    let places = |run: &LoopRun| {
+        run.record
+            .jumps
+            .iter()
+            .map(|j| j.mean_displacement / range)
+            .collect::<Vec<_>>()
+    };
     let (a, b) = (places(one), places(other));
     assert_eq!(a.len(), b.len(), "{what}: {a:?} {b:?}");
-    let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let off = a
+        .iter()
+        .zip(&b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
     assert!(off < within, "{what}: {off} ranges, {a:?} {b:?}");
-    let loss = |run: &LoopRun| run.record.jumps.iter().map(|j: &JumpRecord| j.released_energy).sum::<f64>();
-    assert!((loss(one) - loss(other)).abs() < within * loss(one).abs(), "{what}: {} {}", loss(one), loss(other));
+    let loss = |run: &LoopRun| {
+        run.record
+            .jumps
+            .iter()
+            .map(|j: &JumpRecord| j.released_energy)
+            .sum::<f64>()
+    };
+    assert!(
+        (loss(one) - loss(other)).abs() < within * loss(one).abs(),
+        "{what}: {} {}",
+        loss(one),
+        loss(other)
+    );
 }
 
 #[test]
@@ -41,14 +70,23 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
     let mut scene = wavy();
     (scene.drive.turn, scene.drive.step) = (Turn::At(-0.2), 0.03);
     let mut run = |periods, seed| {
-        scene.indenter = Indenter::Wave(Wave { amplitude: 0.3, periods });
+        scene.indenter = Indenter::Wave(Wave {
+            amplitude: 0.3,
+            periods,
+        });
         scene.seed = seed;
         looped(&scene, Part::Whole)
     };
     let along_x = run([3, 0], 1);
     assert!(!along_x.record.jumps.is_empty());
     for seed in 1..4 {
-        assert_same(&along_x, &run([0, 3], seed), 1e-3, 0.3, &format!("seed {seed}"));
+        assert_same(
+            &along_x,
+            &run([0, 3], seed),
+            1e-3,
+            0.3,
+            &format!("seed {seed}"),
+        );
     }
 }
 
@@ -58,12 +96,30 @@ fn jumps_on_waves_do_not_depend_on_seed_or_step() {
     let first = looped(&scene, Part::Whole);
     assert!(first.record.jumps.len() >= 8);
     for seed in 2..4 {
-        assert_same(&first, &looped(&Scene { seed, ..scene.clone() }, Part::Whole), 1e-3, 0.3, &format!("seed {seed}"));
+        assert_same(
+            &first,
+            &looped(
+                &Scene {
+                    seed,
+                    ..scene.clone()
+                },
+                Part::Whole,
+            ),
+            1e-3,
+            0.3,
+            &format!("seed {seed}"),
+        );
     }
     for step in [0.011, 0.05] {
         let mut other = scene.clone();
         other.drive.step = step;
-        assert_same(&first, &looped(&other, Part::Whole), 1e-3, 0.3, &format!("step {step}"));
+        assert_same(
+            &first,
+            &looped(&other, Part::Whole),
+            1e-3,
+            0.3,
+            &format!("step {step}"),
+        );
     }
 }
 
@@ -74,12 +130,20 @@ fn gentle_ground_jumps_where_flat_ground_does() {
         let mut scene = flat.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(points), 0.05);
         (scene.drive.start, scene.drive.turn) = (3.3, Turn::At(2.75));
-        scene.indenter = if amplitude == 0.0 { Indenter::Flat } else { Indenter::Wave(Wave { amplitude, periods: [1, 1] }) };
+        scene.indenter = if amplitude == 0.0 {
+            Indenter::Flat
+        } else {
+            Indenter::Wave(Wave {
+                amplitude,
+                periods: [1, 1],
+            })
+        };
         looped(&scene, Part::Whole)
     };
     let (right, found) = (gentle(48, 0.0), gentle(48, 1e-4));
     assert_eq!(right.record.jumps.len(), 2, "to a bulge and to a ridge");
-    // The crest pulls the ends of branches along by the square root of its height at most: a hundredth of a range.
+    // The crest pulls the ends of branches along by the square root of its height at most: a
+    // hundredth of a range.
     assert_same(&right, &found, 0.02, 1.0, "amplitude 1e-4");
 }
 
@@ -102,7 +166,10 @@ fn steps_longer_than_a_pattern_lives_find_every_pattern() {
 fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     // One crest, on a mesh point here and between points there: that far apart are the meshes.
     let mut scene = wavy();
-    scene.indenter = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 1] });
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.5,
+        periods: [1, 1],
+    });
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.05;
     let (whole, quarter) = (looped(&scene, Part::Whole), looped(&scene, Part::Quarter));
@@ -120,7 +187,10 @@ fn next_jump(mut walk: Walk, target: f64) -> JumpRecord {
                 found = Some(jump);
             }
         });
-        assert!(found.is_some() || progress == Progress::Working, "{progress:?}");
+        assert!(
+            found.is_some() || progress == Progress::Working,
+            "{progress:?}"
+        );
     }
     found.unwrap()
 }
@@ -141,8 +211,8 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
     let mut scene = presets::resolve("fig2").unwrap();
     (scene.cell.points, scene.drive.step) = (Points::Square(40), 0.1);
     let (down, up) = (scene.depth(), scene.drive.start);
-    // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each some 0.2 ranges before its end: two thousand
-    // of the smallest steps.
+    // Bulge, ridge and dimple on the way down, dimple, ridge and bulge on the way up, each some 0.2
+    // ranges before its end: two thousand of the smallest steps.
     let broken = |cause| cause == Cause::SymmetryBreaking;
     for (places, target, breaks) in [
         (&[3.09][..], down, true),
@@ -170,7 +240,11 @@ fn steps_of_any_size_find_the_same_end_for_the_same_cause() {
             let found = with_step(step);
             let off = (found.mean_displacement - usual.mean_displacement).abs();
             assert!(off < 2e-5, "step {step}: {off} ranges from {usual:?}");
-            assert_eq!((found.from, found.to, found.cause), (usual.from, usual.to, usual.cause), "step {step}");
+            assert_eq!(
+                (found.from, found.to, found.cause),
+                (usual.from, usual.to, usual.cause),
+                "step {step}"
+            );
         }
     }
 }
@@ -193,24 +267,41 @@ fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
     let (system, mut ws) = (walk.system(), walk.system().workspace());
     let field = system.field(amplitudes, &mut ws).clone();
     let real = system.amplitudes(&field, &mut ws);
-    let unreal = real.iter().zip(amplitudes).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let unreal = real
+        .iter()
+        .zip(amplitudes)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
     assert!(unreal < 1e-13, "{unreal}");
-    // Its longest waves along x and y tell where the bulge is: on a point of the mesh or between two.
+    // Its longest waves along x and y tell where the bulge is: on a point of the mesh or between
+    // two.
     for pair in [48, 1] {
-        let place = amplitudes[2 * pair + 1].atan2(amplitudes[2 * pair]) * 48.0 / std::f64::consts::PI;
-        assert!((place - place.round()).abs() < 1e-4, "{place} half spacings");
+        let place =
+            amplitudes[2 * pair + 1].atan2(amplitudes[2 * pair]) * 48.0 / std::f64::consts::PI;
+        assert!(
+            (place - place.round()).abs() < 1e-4,
+            "{place} half spacings"
+        );
     }
 }
 
 #[test]
 fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
-    // Four crests: the ground comes back after half a cell along x or y, and is its own mirror image; the contact has fewer symmetries.
+    // Four crests: the ground comes back after half a cell along x or y, and is its own mirror
+    // image; the contact has fewer symmetries.
     let mut scene = wavy();
-    scene.indenter = Indenter::Wave(Wave { amplitude: 0.4, periods: [2, 2] });
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.4,
+        periods: [2, 2],
+    });
     let (there, n) = (standing_at(&scene, &[-0.2]), 32);
     let (system, mut ws) = (there.system(), there.system().workspace());
-    let field = system.field(&there.here().state.amplitudes, &mut ws).clone();
-    let broken = (0..n).map(|i| (field[[0, i]] - field[[0, (i + 16) % n]]).abs()).fold(0.0, f64::max);
+    let field = system
+        .field(&there.here().state.amplitudes, &mut ws)
+        .clone();
+    let broken = (0..n)
+        .map(|i| (field[[0, i]] - field[[0, (i + 16) % n]]).abs())
+        .fold(0.0, f64::max);
     assert!(broken > 0.1, "{broken}");
     let jumps: Vec<JumpRecord> = [(0, 0, false), (16, 0, false), (0, 0, true), (16, 16, true)]
         .into_iter()
@@ -230,6 +321,10 @@ fn a_surface_shifted_and_mirrored_with_its_ground_jumps_at_the_same_place() {
     for jump in &jumps[1..] {
         let off = (jump.mean_displacement - jumps[0].mean_displacement).abs() / 0.3;
         assert!(off < 1e-5, "{off} ranges: {jump:?} for {:?}", jumps[0]);
-        assert!((jump.released_energy / jumps[0].released_energy - 1.0).abs() < 1e-4, "{jump:?} for {:?}", jumps[0]);
+        assert!(
+            (jump.released_energy / jumps[0].released_energy - 1.0).abs() < 1e-4,
+            "{jump:?} for {:?}",
+            jumps[0]
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Where a surface lands when its branch ends: the same place for every seed, on every road, or several that are said.
+//! Where a surface lands when its branch ends: the same place for every seed, on every road, or
+//! several that are said.
 
 use tackscope::follow::record::Cause;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
@@ -13,11 +14,23 @@ use tackscope::study::plan::plan;
 use tackscope::study::planned::run_planned;
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
-    Scene { seed, ..crate::flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n)) }
+    Scene {
+        seed,
+        ..crate::flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n))
+    }
 }
 
 fn quarter(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, WalkOptions { part: Part::Quarter, ..NewtonKrylov.into() }, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        scene,
+        WalkOptions {
+            part: Part::Quarter,
+            ..NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -33,49 +46,104 @@ fn visited(run: &LoopRun) -> Vec<Pattern> {
 
 #[test]
 fn every_seed_and_both_roads_pass_the_same_patterns() {
-    // With inertia in the release seeds parted at the flat limit of the first and at the end of the ridge of the second.
-    for (shape, periods, n) in [(Mie { m: 9.37, n: 2.61 }, 3.0, 56), (Mie { m: 3.703, n: 2.46 }, 2.2, 40)] {
+    // With inertia in the release seeds parted at the flat limit of the first and at the end of the
+    // ridge of the second.
+    for (shape, periods, n) in [
+        (Mie { m: 9.37, n: 2.61 }, 3.0, 56),
+        (Mie { m: 3.703, n: 2.46 }, 2.2, 40),
+    ] {
         let expected = visited(&planned(&scene(shape, periods, n, 1)));
         assert_eq!(expected.len(), 8, "{expected:?}");
         for seed in 1..=10 {
-            assert_eq!(visited(&quarter(&scene(shape, periods, n, seed))), expected, "{shape:?}, seed {seed}");
+            assert_eq!(
+                visited(&quarter(&scene(shape, periods, n, seed))),
+                expected,
+                "{shape:?}, seed {seed}"
+            );
         }
     }
 }
 
 #[test]
 fn fig_2_is_not_contested() {
-    let run = planned(&crate::flat_ground::scene(Shape::Morse(Morse), 3.0, Points::Square(48)));
+    let run = planned(&crate::flat_ground::scene(
+        Shape::Morse(Morse),
+        3.0,
+        Points::Square(48),
+    ));
     assert!(run.record.jumps.iter().all(|jump| jump.landings.is_empty()) && run.rivals.is_empty());
     assert_eq!(run.record.jumps[0].cause_words(), "flat limit");
 }
 
 #[test]
 fn a_contested_landing_is_said_with_its_shares_and_the_loss_of_the_other() {
-    let scene = scene(Mie { m: 9.4735, n: 3.7287 }, 4.009, 72, 100);
+    let scene = scene(
+        Mie {
+            m: 9.4735,
+            n: 3.7287,
+        },
+        4.009,
+        72,
+        100,
+    );
     let run = planned(&scene);
     let jump = &run.record.jumps[0];
-    assert!(jump.landings.len() == 2 && jump.cause == Cause::FlatLimit, "{jump:?}");
+    assert!(
+        jump.landings.len() == 2 && jump.cause == Cause::FlatLimit,
+        "{jump:?}"
+    );
     let all: f64 = jump.landings.iter().map(|share| share.share).sum();
     assert!((all - 1.0).abs() < 1e-12 && jump.landings[0].share > jump.landings[1].share);
-    assert!(jump.cause_words().starts_with("flat limit; contested: "), "{}", jump.cause_words());
-    let [rival] = &run.rivals[..] else { panic!("{:?}", run.rivals) };
+    assert!(
+        jump.cause_words().starts_with("flat limit; contested: "),
+        "{}",
+        jump.cause_words()
+    );
+    let [rival] = &run.rivals[..] else {
+        panic!("{:?}", run.rivals)
+    };
     assert_ne!(rival.landing.pattern, jump.to);
-    // From the same state to the same state: what one way releases in one jump the other releases in two, and they differ by the work
-    // between them.
-    let (usual, other) = (run.record.released_energy_sum(), rival.dissipated_energy.unwrap());
-    assert!((usual - other).abs() > 1e-4 * usual && (usual - other).abs() < 0.05 * usual, "{usual} {other}");
+    // From the same state to the same state: what one way releases in one jump the other releases
+    // in two, and they differ by the work between them.
+    let (usual, other) = (
+        run.record.released_energy_sum(),
+        rival.dissipated_energy.unwrap(),
+    );
+    assert!(
+        (usual - other).abs() > 1e-4 * usual && (usual - other).abs() < 0.05 * usual,
+        "{usual} {other}"
+    );
 }
 
 #[test]
 fn a_dimple_that_ends_beyond_the_flat_limit_jumps_and_does_not_fade() {
     // A step as long as this has gone from the dimple to the flat state unseen; it releases little.
-    let scene = scene(Mie { m: 6.0125, n: 2.6546 }, 1.671, 24, 22);
+    let scene = scene(
+        Mie {
+            m: 6.0125,
+            n: 2.6546,
+        },
+        1.671,
+        24,
+        22,
+    );
     let (walk, atlas) = (quarter(&scene), planned(&scene));
     assert_eq!(visited(&walk), visited(&atlas));
-    let last = |run: &LoopRun| run.record.jumps.iter().find(|jump| jump.to == Pattern::Flat).cloned().unwrap();
+    let last = |run: &LoopRun| {
+        run.record
+            .jumps
+            .iter()
+            .find(|jump| jump.to == Pattern::Flat)
+            .cloned()
+            .unwrap()
+    };
     let (a, b) = (last(&walk), last(&atlas));
     assert_eq!((a.cause, b.cause), (Cause::Fold, Cause::Fold));
-    assert!((a.mean_displacement - b.mean_displacement).abs() < 2e-4, "{} {}", a.mean_displacement, b.mean_displacement);
+    assert!(
+        (a.mean_displacement - b.mean_displacement).abs() < 2e-4,
+        "{} {}",
+        a.mean_displacement,
+        b.mean_displacement
+    );
     assert!((a.released_energy / b.released_energy - 1.0).abs() < 0.01);
 }

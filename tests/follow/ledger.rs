@@ -1,4 +1,5 @@
-//! The ledger of loops: the loss is the sum of releases and within its error; the integral is its check; a loop that does not close has none.
+//! The ledger of loops: the loss is the sum of releases and within its error; the integral is its
+//! check; a loop that does not close has none.
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -24,7 +25,14 @@ fn preset(name: &str) -> Scene {
 
 fn planned(scene: &Scene) -> LoopRun {
     let plan = plan(scene, &scene.model().unwrap(), None);
-    let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_planned(
+        scene,
+        MethodKind::NewtonKrylov,
+        &plan,
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -37,7 +45,8 @@ fn line(shape: Shape, ratio: f64) -> (Scene, Law, f64) {
     (scene, law, length)
 }
 
-/// The even ridge of a line cell by dense Newton steps at fixed first amplitude, with u0 among the unknowns: it goes through its fold.
+/// The even ridge of a line cell by dense Newton steps at fixed first amplitude, with u0 among the
+/// unknowns: it goes through its fold.
 struct Ridge {
     law: Law,
     length: f64,
@@ -49,31 +58,38 @@ impl Ridge {
         (2.0 * PI * (k * i) as f64 / self.n as f64).cos()
     }
 
-    /// Elastic stiffness of the amplitude of cos(k q1 x); the shortest wave of the mesh has no sine beside it.
+    /// Elastic stiffness of the amplitude of cos(k q1 x); the shortest wave of the mesh has no sine
+    /// beside it.
     fn elastic(&self, k: usize) -> f64 {
         let q = 2.0 * PI * k as f64 / self.length;
         if 2 * k == self.n { 0.5 * q } else { 0.25 * q }
     }
 
     fn gap(&self, x: &[f64], i: usize) -> f64 {
-        x[0] + (1..=self.n / 2).map(|k| x[k] * self.cosine(k, i)).sum::<f64>()
+        x[0] + (1..=self.n / 2)
+            .map(|k| x[k] * self.cosine(k, i))
+            .sum::<f64>()
     }
 
-    /// `x` = u0 and the amplitudes 1, 2, .. of the waves; the first wave's is kept. Also du0/da1 along the branch. `None` where Newton's
-    /// method, for which the law has an end at zero gap, does not find it.
+    /// `x` = u0 and the amplitudes 1, 2, .. of the waves; the first wave's is kept. Also du0/da1
+    /// along the branch. `None` where Newton's method, for which the law has an end at zero gap,
+    /// does not find it.
     fn solve(&self, mut x: Vec<f64>) -> Option<(Vec<f64>, f64)> {
         let waves = self.n / 2;
         for _ in 0..60 {
             let at: Vec<_> = (0..self.n).map(|i| self.law.at(self.gap(&x, i))).collect();
             let mean = |f: &dyn Fn(usize) -> f64| (0..self.n).map(f).sum::<f64>() / self.n as f64;
-            let force =
-                DVector::from_fn(waves, |k, _| self.elastic(k + 1) * x[k + 1] + mean(&|i| at[i].traction * self.cosine(k + 1, i)));
+            let force = DVector::from_fn(waves, |k, _| {
+                self.elastic(k + 1) * x[k + 1] + mean(&|i| at[i].traction * self.cosine(k + 1, i))
+            });
             let entry = |k: usize, j: usize| {
                 let own = if k == j { self.elastic(k) } else { 0.0 };
                 own + mean(&|i| at[i].stiffness * self.cosine(k, i) * self.cosine(j, i))
             };
             // The column of the first wave is that of u0 instead.
-            let jacobian = DMatrix::from_fn(waves, waves, |k, j| entry(k + 1, if j == 0 { 0 } else { j + 1 }));
+            let jacobian = DMatrix::from_fn(waves, waves, |k, j| {
+                entry(k + 1, if j == 0 { 0 } else { j + 1 })
+            });
             let lu = jacobian.lu();
             let step = lu.solve(&force)?;
             for (j, dx) in step.iter().enumerate() {
@@ -88,17 +104,27 @@ impl Ridge {
     }
 
     fn energy(&self, x: &[f64]) -> f64 {
-        let elastic: f64 = (1..=self.n / 2).map(|k| 0.5 * self.elastic(k) * x[k] * x[k]).sum();
-        elastic + (0..self.n).map(|i| self.law.at(self.gap(x, i)).energy).sum::<f64>() / self.n as f64
+        let elastic: f64 = (1..=self.n / 2)
+            .map(|k| 0.5 * self.elastic(k) * x[k] * x[k])
+            .sum();
+        elastic
+            + (0..self.n)
+                .map(|i| self.law.at(self.gap(x, i)).energy)
+                .sum::<f64>()
+                / self.n as f64
     }
 
-    /// By bisection in the first amplitude: where `before` turns false, from a state where it is true.
+    /// By bisection in the first amplitude: where `before` turns false, from a state where it is
+    /// true.
     fn locate(&self, from: &[f64], step: f64, before: impl Fn(&[f64], f64) -> bool) -> Vec<f64> {
         let (mut x, mut step) = (from.to_vec(), step);
         while step > 1e-9 {
             let mut trial = x.clone();
             trial[1] += step;
-            match self.solve(trial).filter(|(trial, slope)| before(trial, *slope)) {
+            match self
+                .solve(trial)
+                .filter(|(trial, slope)| before(trial, *slope))
+            {
                 Some((trial, _)) => x = trial,
                 None => step *= 0.5,
             }
@@ -107,7 +133,8 @@ impl Ridge {
     }
 }
 
-/// u0 and release of flat to ridge at the upper limit, and of ridge to flat at the fold, in units of gamma.
+/// u0 and release of flat to ridge at the upper limit, and of ridge to flat at the fold, in units
+/// of gamma.
 fn exact_jumps(law: Law, length: f64) -> [(f64, f64); 2] {
     let ridge = Ridge { law, length, n: 64 };
     let (_, limit) = flat::limits(&law, length).unwrap();
@@ -132,18 +159,28 @@ fn releases_of_a_line_cell_are_exact_within_their_stated_error() {
         let run = planned(&scene);
         let [limit, fold] = exact_jumps(law, length);
         let jump = |branch, from| {
-            let of = |j: &&JumpRecord| (j.direction, j.from) == (branch, from) && j.cause != Cause::Transition;
-            run.record.jumps.iter().rfind(of).unwrap_or_else(|| panic!("{shape:?} {ratio}: {:?}", run.record.jumps))
+            let of = |j: &&JumpRecord| {
+                (j.direction, j.from) == (branch, from) && j.cause != Cause::Transition
+            };
+            run.record
+                .jumps
+                .iter()
+                .rfind(of)
+                .unwrap_or_else(|| panic!("{shape:?} {ratio}: {:?}", run.record.jumps))
         };
-        for (jump, (at, released)) in
-            [(jump(Direction::Approach, Pattern::Flat), limit), (jump(Direction::Retraction, Pattern::Ridge), fold)]
-        {
+        for (jump, (at, released)) in [
+            (jump(Direction::Approach, Pattern::Flat), limit),
+            (jump(Direction::Retraction, Pattern::Ridge), fold),
+        ] {
             println!(
                 "{shape:?} {ratio}: at {} ({at}), {} ({released}) +- {:e}",
                 jump.mean_displacement, jump.released_energy, jump.release_error
             );
             assert!((jump.mean_displacement - at).abs() <= 1e-4, "{jump:?} {at}");
-            assert!((jump.released_energy - released).abs() <= jump.release_error + 1e-8, "{jump:?} {released}");
+            assert!(
+                (jump.released_energy - released).abs() <= jump.release_error + 1e-8,
+                "{jump:?} {released}"
+            );
             assert!(jump.release_error < 2e-5, "{jump:?}");
         }
     }
@@ -157,7 +194,13 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
     let shallow = preset("fig2");
     let mut deep = preset("fig2");
     deep.drive.turn = Turn::At(-20.0);
-    let stepped = [0.5, 1.0, 5.0].map(|step| Scene { drive: Drive { step, ..shallow.drive }, ..shallow.clone() });
+    let stepped = [0.5, 1.0, 5.0].map(|step| Scene {
+        drive: Drive {
+            step,
+            ..shallow.drive
+        },
+        ..shallow.clone()
+    });
     for scene in [&shallow, &deep].into_iter().chain(&stepped) {
         let ledger = planned(scene).ledger(scene.law.surface_energy).unwrap();
         let loss = ledger.dissipated_energy().unwrap();
@@ -171,11 +214,22 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
             scene.drive
         );
     }
-    let walked =
-        run_loop(&deep, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-            .unwrap();
+    let walked = run_loop(
+        &deep,
+        WalkOptions {
+            part: Part::Quarter,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     let ledger = walked.ledger(0.15).unwrap();
-    assert!((ledger.dissipated_energy().unwrap() - FIG_2).abs() < 2e-5 && ledger.mismatch().unwrap() < 1e-4, "{ledger:?}");
+    assert!(
+        (ledger.dissipated_energy().unwrap() - FIG_2).abs() < 2e-5
+            && ledger.mismatch().unwrap() < 1e-4,
+        "{ledger:?}"
+    );
 }
 
 #[test]
@@ -183,33 +237,61 @@ fn an_integral_that_misses_something_is_told_with_the_loss() {
     let mut run = planned(&preset("fig2"));
     run.record.jumps[3].released_energy += 0.01;
     let ledger = run.ledger(0.15).unwrap();
-    assert!(ledger.warning().is_some_and(|words| words.contains("energy is missing")), "{ledger:?}");
+    assert!(
+        ledger
+            .warning()
+            .is_some_and(|words| words.contains("energy is missing")),
+        "{ledger:?}"
+    );
 }
 
 #[test]
 fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothing() {
     let mie = Shape::Mie(Mie { m: 12.0, n: 6.0 });
-    for (shape, ratio) in
-        [(Shape::Morse(Morse), 1.05), (mie, 1.05), (Shape::Morse(Morse), 1.35), (mie, 1.35), (Shape::Morse(Morse), 1.6), (mie, 1.6)]
-    {
+    for (shape, ratio) in [
+        (Shape::Morse(Morse), 1.05),
+        (mie, 1.05),
+        (Shape::Morse(Morse), 1.35),
+        (mie, 1.35),
+        (Shape::Morse(Morse), 1.6),
+        (mie, 1.6),
+    ] {
         let (scene, law, length) = line(shape, ratio);
         let run = planned(&scene);
         let (tally, ledger) = (run.record.tally(), run.ledger(law.surface_energy).unwrap());
         println!("{shape:?} {ratio}: {tally}, {ledger:?}");
-        assert!(tally.jumps.is_multiple_of(2) && tally.transitions.is_multiple_of(2) && tally.transitions > 0, "{tally}");
+        assert!(
+            tally.jumps.is_multiple_of(2)
+                && tally.transitions.is_multiple_of(2)
+                && tally.transitions > 0,
+            "{tally}"
+        );
         let (lower, upper) = flat::limits(&law, length).unwrap();
         for jump in &run.record.jumps {
             assert!(jump.released_energy >= 0.0, "{jump:?}");
             if jump.cause == Cause::Transition {
                 let off = [lower, upper].map(|limit| (jump.mean_displacement - limit).abs());
-                assert!(off[0].min(off[1]) < 1e-4 && jump.released_energy == 0.0, "{jump:?} {lower} {upper}");
+                assert!(
+                    off[0].min(off[1]) < 1e-4 && jump.released_energy == 0.0,
+                    "{jump:?} {lower} {upper}"
+                );
                 assert_ne!(jump.from == Pattern::Flat, jump.to == Pattern::Flat);
             }
         }
-        assert_eq!(tally.transitions, if ratio < 1.1 { 4 } else { 2 }, "{:?}", run.record.jumps);
+        assert_eq!(
+            tally.transitions,
+            if ratio < 1.1 { 4 } else { 2 },
+            "{:?}",
+            run.record.jumps
+        );
         // Below 1.1 L_c both limits are supercritical: patterns, but no hysteresis.
         assert_eq!(ratio < 1.1, tally.jumps == 0, "{tally}");
-        assert!(ratio > 1.1 || ledger.loop_integral.abs() < ledger.integral_error && ledger.integral_error < 1e-4, "{ledger:?}");
+        assert!(
+            ratio > 1.1
+                || ledger.loop_integral.abs() < ledger.integral_error
+                    && ledger.integral_error < 1e-4,
+            "{ledger:?}"
+        );
     }
 }
 
@@ -217,11 +299,23 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
 fn faint_patterns_of_a_square_cell_that_change_their_names_are_no_events() {
     let (mut scene, ..) = line(Shape::Morse(Morse), 1.05);
     scene.cell.points = Points::Square(16);
-    let run =
-        run_loop(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-            .unwrap();
+    let run = run_loop(
+        &scene,
+        WalkOptions {
+            part: Part::Quarter,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     let tally = run.record.tally();
-    assert_eq!((tally.jumps, tally.of_the_mesh, tally.transitions), (0, 0, 4), "{:?}", run.record.jumps);
+    assert_eq!(
+        (tally.jumps, tally.of_the_mesh, tally.transitions),
+        (0, 0, 4),
+        "{:?}",
+        run.record.jumps
+    );
 }
 
 #[test]
@@ -232,9 +326,22 @@ fn a_loop_that_ends_in_another_state_than_it_began_with_is_open_and_loses_nothin
     for (start, turn) in [(3.5, 1.8), (3.5, 0.2), (3.2, 2.0)] {
         (scene.drive.start, scene.drive.turn) = (start, Turn::At(turn));
         let ledger = planned(&scene).ledger(0.15).unwrap();
-        let open = ledger.open.as_ref().unwrap_or_else(|| panic!("{start} {turn}: {ledger:?}"));
-        assert!(open.reason.contains("began as flat") && open.remedy.contains("drive.start"), "{open:?}");
-        assert_eq!((ledger.dissipated_energy(), ledger.mismatch(), ledger.stated_error(1e-4)), (None, None, None));
+        let open = ledger
+            .open
+            .as_ref()
+            .unwrap_or_else(|| panic!("{start} {turn}: {ledger:?}"));
+        assert!(
+            open.reason.contains("began as flat") && open.remedy.contains("drive.start"),
+            "{open:?}"
+        );
+        assert_eq!(
+            (
+                ledger.dissipated_energy(),
+                ledger.mismatch(),
+                ledger.stated_error(1e-4)
+            ),
+            (None, None, None)
+        );
     }
     scene.drive.start = 4.2;
     assert!(planned(&scene).ledger(0.15).unwrap().open.is_none());
@@ -243,28 +350,51 @@ fn a_loop_that_ends_in_another_state_than_it_began_with_is_open_and_loses_nothin
 #[test]
 fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
     let tip = Indenter::Hertz(Hertz { radius: 256.0 });
-    for (indenter, start) in [(Indenter::Flat, 2.5), (Indenter::Flat, 0.9), (tip, -60.0), (tip, -400.0)] {
+    for (indenter, start) in [
+        (Indenter::Flat, 2.5),
+        (Indenter::Flat, 0.9),
+        (tip, -60.0),
+        (tip, -400.0),
+    ] {
         let mut scene = preset("fig2");
         scene.cell.points = Points::Square(16);
-        (scene.indenter, scene.drive) = (indenter, Drive { start, turn: Turn::At(start - 0.1), step: 0.02 });
+        (scene.indenter, scene.drive) = (
+            indenter,
+            Drive {
+                start,
+                turn: Turn::At(start - 0.1),
+                step: 0.02,
+            },
+        );
         for reduction in [Part::Quarter, Part::Whole] {
             let run = run_loop(
                 &scene,
-                WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() },
+                WalkOptions {
+                    part: reduction,
+                    ..MethodKind::NewtonKrylov.into()
+                },
                 &Cancel::default(),
                 &mut |_| {},
             )
             .unwrap();
             let first = &run.record.states[0];
-            let sound = first.stop == Stop::Stable && first.stress.is_finite() && first.energy.is_finite();
+            let sound =
+                first.stop == Stop::Stable && first.stress.is_finite() && first.energy.is_finite();
             println!("{indenter:?} {start}: {:?} {:?}", first.stop, run.outcome);
             match &run.outcome {
-                Outcome::NotConverged { reason, .. } if !sound => assert!(matches!(reason, Stuck::NoStart { .. }), "{reason}"),
+                Outcome::NotConverged { reason, .. } if !sound => {
+                    assert!(matches!(reason, Stuck::NoStart { .. }), "{reason}");
+                }
                 outcome => assert!(sound, "{outcome:?}"),
             }
             assert!(indenter != Indenter::Flat || !sound, "{start}");
             if run.outcome == Outcome::Completed {
-                assert!(run.record.states.iter().all(|s| s.stress.is_finite() && s.energy.is_finite()));
+                assert!(
+                    run.record
+                        .states
+                        .iter()
+                        .all(|s| s.stress.is_finite() && s.energy.is_finite())
+                );
             }
         }
     }
@@ -274,17 +404,31 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
 fn jumps_of_the_mesh_are_told_apart_and_vanish_with_refinement() {
     let coarse = preset("coarse-mesh");
     let whole = |scene: &Scene| {
-        let run =
-            run_loop(scene, WalkOptions { part: Part::Whole, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-                .unwrap();
+        let run = run_loop(
+            scene,
+            WalkOptions {
+                part: Part::Whole,
+                ..MethodKind::NewtonKrylov.into()
+            },
+            &Cancel::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         assert_eq!(run.outcome, Outcome::Completed);
         run
     };
     let run = whole(&coarse);
     let tally = run.record.tally();
     assert!(tally.of_the_mesh > 50 && tally.jumps < 10, "{tally}");
-    let mesh = run.record.jumps.iter().filter(|jump| jump.cause == Cause::Mesh);
-    let largest = mesh.inspect(|jump| assert_eq!(jump.from, jump.to)).map(|jump| jump.released_energy).fold(0.0, f64::max);
+    let mesh = run
+        .record
+        .jumps
+        .iter()
+        .filter(|jump| jump.cause == Cause::Mesh);
+    let largest = mesh
+        .inspect(|jump| assert_eq!(jump.from, jump.to))
+        .map(|jump| jump.released_energy)
+        .fold(0.0, f64::max);
     // The jump into contact releases a tenth of gamma and more.
     assert!(largest < 0.05, "{largest}");
     // The same law on a mesh that is safe for it: nothing of the kind.

@@ -1,4 +1,5 @@
-//! Loops on wavy and rough ground: they close, their ledger closes, nothing gains energy, and parts of the cell agree with the whole.
+//! Loops on wavy and rough ground: they close, their ledger closes, nothing gains energy, and parts
+//! of the cell agree with the whole.
 
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, StateRecord};
@@ -19,7 +20,13 @@ fn preset(name: &str) -> Scene {
 }
 
 fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
 }
@@ -41,19 +48,38 @@ fn every_state_is_a_stable_equilibrium_and_no_jump_gains_energy() {
     for (scene, run) in loops() {
         for state in &run.record.states {
             assert_eq!(state.stop, Stop::Stable, "{}: {state:?}", scene.title);
-            assert!(state.residual <= 1e-6 && state.stiffness_min >= 0.0, "{}: {state:?}", scene.title);
+            assert!(
+                state.residual <= 1e-6 && state.stiffness_min >= 0.0,
+                "{}: {state:?}",
+                scene.title
+            );
         }
         assert!(run.record.jumps.len() >= 10, "{}", scene.title);
-        assert!(run.record.jumps.iter().all(|jump| jump.released_energy >= 0.0), "{:?}", run.record.jumps);
+        assert!(
+            run.record
+                .jumps
+                .iter()
+                .all(|jump| jump.released_energy >= 0.0),
+            "{:?}",
+            run.record.jumps
+        );
     }
 }
 
 #[test]
 fn the_ledger_closes_to_a_thousandth_of_the_surface_energy() {
-    // Events that release less than the audit of a step can see pass unrecorded: each some 1e-5 gamma.
+    // Events that release less than the audit of a step can see pass unrecorded: each some 1e-5
+    // gamma.
     for (scene, run) in loops() {
-        let (work, released) = (run.record.work() / scene.law.surface_energy, run.record.released_energy_sum());
-        assert!((work - released).abs() < 1e-3, "{}: {work} {released}", scene.title);
+        let (work, released) = (
+            run.record.work() / scene.law.surface_energy,
+            run.record.released_energy_sum(),
+        );
+        assert!(
+            (work - released).abs() < 1e-3,
+            "{}: {work} {released}",
+            scene.title
+        );
         assert!(released > 4e-3 && work > 0.0, "{}: {released}", scene.title);
     }
 }
@@ -61,9 +87,16 @@ fn the_ledger_closes_to_a_thousandth_of_the_surface_energy() {
 #[test]
 fn the_surface_closes_its_loop_where_it_began() {
     for (scene, run) in loops() {
-        let (first, last) = (run.record.states.first().unwrap(), run.record.states.last().unwrap());
+        let (first, last) = (
+            run.record.states.first().unwrap(),
+            run.record.states.last().unwrap(),
+        );
         assert_eq!(first.mean_displacement, last.mean_displacement);
-        assert!((first.energy - last.energy).abs() < 1e-9 && (first.stress - last.stress).abs() < 1e-7, "{}", scene.title);
+        assert!(
+            (first.energy - last.energy).abs() < 1e-9 && (first.stress - last.stress).abs() < 1e-7,
+            "{}",
+            scene.title
+        );
     }
 }
 
@@ -72,7 +105,9 @@ fn reach(walk: &mut Walk, target: f64) -> (StateRecord, bool) {
     walk.set_target(target);
     let mut jumped = false;
     loop {
-        match walk.step(&Cancel::default(), &mut |observed| jumped |= matches!(observed, Observed::Jump(_))) {
+        match walk.step(&Cancel::default(), &mut |observed| {
+            jumped |= matches!(observed, Observed::Jump(_));
+        }) {
             Progress::Working => {}
             Progress::Resting => return (walk.record().clone(), jumped),
             stopped => panic!("{stopped:?} at {}", walk.displacement()),
@@ -86,7 +121,8 @@ fn stress_is_the_derivative_of_the_energy() {
         let mut scene = preset(name);
         scene.drive.step = 0.05;
         let sigma = scene.model().unwrap().law.traction_max();
-        let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+        let mut walk =
+            Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
         let mut checked = 0;
         for i in 0..12 {
             let (u0, short) = (1.2 - 0.2 * f64::from(i), 2e-3);
@@ -98,9 +134,13 @@ fn stress_is_the_derivative_of_the_energy() {
             }
             let [a, b, c] = [&before, &here, &after].map(|s| s.stress);
             let difference = (before.energy - after.energy) / (2.0 * short);
-            // Simpson's rule, whose error is far below its own correction of the middle value, and the tolerance of the states.
+            // Simpson's rule, whose error is far below its own correction of the middle value, and
+            // the tolerance of the states.
             let (simpson, correction) = ((a + 4.0 * b + c) / 6.0, (a - 2.0 * b + c).abs() / 6.0);
-            assert!((difference - simpson).abs() < 0.1 * correction + 1e-6 * sigma, "{name} at {u0}: {difference} {simpson}");
+            assert!(
+                (difference - simpson).abs() < 0.1 * correction + 1e-6 * sigma,
+                "{name} at {u0}: {difference} {simpson}"
+            );
             checked += 1;
         }
         assert!(checked >= 10, "{name}: {checked}");
@@ -110,15 +150,31 @@ fn stress_is_the_derivative_of_the_energy() {
 #[test]
 fn retraction_holds_at_least_as_strongly_as_approach_on_the_whole() {
     let (scene, run) = &loops()[1];
-    let Indenter::Rough(rough) = scene.indenter else { panic!("not rough") };
-    let law = MeasuredLaw::of(&run.record, rough.mean_height(&scene.model().unwrap().grid), 100);
-    let lost: f64 = law.rows.iter().map(|row| row.retraction - row.approach).sum();
+    let Indenter::Rough(rough) = scene.indenter else {
+        panic!("not rough")
+    };
+    let law = MeasuredLaw::of(
+        &run.record,
+        rough.mean_height(&scene.model().unwrap().grid),
+        100,
+    );
+    let lost: f64 = law
+        .rows
+        .iter()
+        .map(|row| row.retraction - row.approach)
+        .sum();
     assert!(lost > 0.0, "{lost}");
     // Rough ground holds far less than the law it is made of, and well outside the law's own range.
     let (gap, most) = law.strongest();
     let sigma = scene.model().unwrap().law.traction_max();
-    assert!(most < 0.3 * sigma && gap > 2.0 * 0.23, "{gap} {most} {sigma}");
-    assert_eq!(law.window(most).last().map(|point| point[1] > -most), Some(true));
+    assert!(
+        most < 0.3 * sigma && gap > 2.0 * 0.23,
+        "{gap} {most} {sigma}"
+    );
+    assert_eq!(
+        law.window(most).last().map(|point| point[1] > -most),
+        Some(true)
+    );
 }
 
 #[test]
@@ -129,32 +185,53 @@ fn in_deep_compression_nothing_jumps() {
     scene.drive.step = 0.03;
     let run = newton(&scene);
     assert!(
-        run.record.jumps.iter().all(|jump| jump.mean_displacement > -2.9 && jump.released_energy >= 0.0),
+        run.record
+            .jumps
+            .iter()
+            .all(|jump| jump.mean_displacement > -2.9 && jump.released_energy >= 0.0),
         "{:?}",
         run.record.jumps
     );
-    // Going down and coming up it is the same surface: its softest mode too, which the tracking must not lose.
+    // Going down and coming up it is the same surface: its softest mode too, which the tracking
+    // must not lose.
     let at = |direction: Direction| {
-        let near = |s: &&StateRecord| s.direction == direction && (s.mean_displacement + 3.0).abs() < 1e-9;
+        let near =
+            |s: &&StateRecord| s.direction == direction && (s.mean_displacement + 3.0).abs() < 1e-9;
         run.record.states.iter().find(near).cloned().unwrap()
     };
     let (down, up) = (at(Direction::Approach), at(Direction::Retraction));
     assert!((down.stress - up.stress).abs() < 1e-6 && (down.energy - up.energy).abs() < 1e-9);
-    let allowed = 0.3 * down.stiffness_min + down.stiffness_error.min(1.0) + up.stiffness_error.min(1.0);
-    assert!((down.stiffness_min - up.stiffness_min).abs() < allowed, "{} {}", down.stiffness_min, up.stiffness_min);
+    let allowed =
+        0.3 * down.stiffness_min + down.stiffness_error.min(1.0) + up.stiffness_error.min(1.0);
+    assert!(
+        (down.stiffness_min - up.stiffness_min).abs() < allowed,
+        "{} {}",
+        down.stiffness_min,
+        up.stiffness_min
+    );
 }
 
 #[test]
 fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
     let mut scene = preset("wavy");
-    scene.indenter = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 1] });
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.5,
+        periods: [1, 1],
+    });
     scene.drive.step = 0.05;
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
     let walked = |reduction| {
-        let run =
-            run_loop(&scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-                .unwrap();
+        let run = run_loop(
+            &scene,
+            WalkOptions {
+                part: reduction,
+                ..MethodKind::NewtonKrylov.into()
+            },
+            &Cancel::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         assert_eq!(run.outcome, Outcome::Completed);
         run.record.released_energy_sum()
     };
@@ -167,29 +244,61 @@ fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
 fn rough_ground_and_several_crests_are_left_to_the_whole_cell() {
     for name in ["wavy", "rough"] {
         let scene = preset(name);
-        assert_eq!(plan(&scene, &scene.model().unwrap(), None).road, Road::WHOLE, "{name}");
+        assert_eq!(
+            plan(&scene, &scene.model().unwrap(), None).road,
+            Road::WHOLE,
+            "{name}"
+        );
     }
     let scene = preset("rough");
     let asked = plan(&scene, &scene.model().unwrap(), Some(Road::QUARTER));
     assert_eq!(asked.road, Road::WHOLE);
-    assert!(asked.words.contains("no mirror symmetry"), "{}", asked.words);
-    let refused = Walk::start(&scene, WalkOptions { part: Part::Quarter, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(refused.contains("indenter.kind") && refused.contains("needs the whole"), "{refused}");
+    assert!(
+        asked.words.contains("no mirror symmetry"),
+        "{}",
+        asked.words
+    );
+    let refused = Walk::start(
+        &scene,
+        WalkOptions {
+            part: Part::Quarter,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+    )
+    .err()
+    .unwrap()
+    .to_string();
+    assert!(
+        refused.contains("indenter.kind") && refused.contains("needs the whole"),
+        "{refused}"
+    );
 }
 
 #[test]
 fn waves_along_x_alone_let_patterns_slide_along_y() {
     let mut scene = preset("wavy");
-    scene.indenter = Indenter::Wave(Wave { amplitude: 0.25, periods: [1, 0] });
+    scene.indenter = Indenter::Wave(Wave {
+        amplitude: 0.25,
+        periods: [1, 0],
+    });
     (scene.drive.step, scene.cell.points) = (0.05, Points::Square(48));
     let run = newton(&scene);
-    assert!(run.record.states.iter().all(|state| state.stop == Stop::Stable));
-    // A translation along y costs nothing: were it not left out, it would be taken for an instability wherever a neck has formed.
+    assert!(
+        run.record
+            .states
+            .iter()
+            .all(|state| state.stop == Stop::Stable)
+    );
+    // A translation along y costs nothing: were it not left out, it would be taken for an
+    // instability wherever a neck has formed.
     assert!(run.record.jumps.len() < 12, "{:?}", run.record.jumps);
-    assert!(run.record.jumps.iter().all(|jump| jump.released_energy >= 0.0 && jump.cause != Cause::PatternChange));
+    assert!(
+        run.record
+            .jumps
+            .iter()
+            .all(|jump| jump.released_energy >= 0.0 && jump.cause != Cause::PatternChange)
+    );
 }
 
 #[test]
@@ -202,9 +311,20 @@ fn line_cells_walk_on_waves_and_on_rough_profiles() {
         }
         scene.drive.turn = Turn::At(-0.8);
         let run = newton(&scene);
-        let (work, released) = (run.record.work() / scene.law.surface_energy, run.record.released_energy_sum());
-        assert!((work - released).abs() < 1e-3 + 5e-3 * released, "{name}: {work} {released}");
-        assert!(run.record.jumps.iter().all(|jump| jump.released_energy >= 0.0));
+        let (work, released) = (
+            run.record.work() / scene.law.surface_energy,
+            run.record.released_energy_sum(),
+        );
+        assert!(
+            (work - released).abs() < 1e-3 + 5e-3 * released,
+            "{name}: {work} {released}"
+        );
+        assert!(
+            run.record
+                .jumps
+                .iter()
+                .all(|jump| jump.released_energy >= 0.0)
+        );
     }
 }
 
@@ -212,16 +332,35 @@ fn line_cells_walk_on_waves_and_on_rough_profiles() {
 fn a_mesh_too_coarse_for_the_roughness_says_so_and_auto_chooses_one_that_is_not() {
     let mut scene = preset("rough");
     scene.cell.points = Points::Square(16);
-    assert!(scene.model().unwrap().warning().unwrap().contains("waves of length 2"));
+    assert!(
+        scene
+            .model()
+            .unwrap()
+            .warning()
+            .unwrap()
+            .contains("waves of length 2")
+    );
     (scene.cell.points, scene.law.range) = (Points::Auto, Range::Length(2.0));
     let model = scene.model().unwrap();
-    assert!(model.grid.nx >= 32 && model.warning().is_none(), "{model:?}");
+    assert!(
+        model.grid.nx >= 32 && model.warning().is_none(),
+        "{model:?}"
+    );
 }
 
 #[test]
 fn the_search_for_the_first_state_obeys_a_stop() {
     let cancel = Cancel::default();
     cancel.request();
-    let run = run_loop(&preset("rough"), MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {}).unwrap();
-    assert_eq!((run.outcome, run.record.states[0].stop), (Outcome::Cancelled, Stop::Cancelled));
+    let run = run_loop(
+        &preset("rough"),
+        MethodKind::NewtonKrylov.into(),
+        &cancel,
+        &mut |_| {},
+    )
+    .unwrap();
+    assert_eq!(
+        (run.outcome, run.record.states[0].stop),
+        (Outcome::Cancelled, Stop::Cancelled)
+    );
 }

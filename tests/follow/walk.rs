@@ -16,7 +16,13 @@ fn preset(name: &str) -> Scene {
 }
 
 fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     run
 }
@@ -28,8 +34,18 @@ fn fig2() -> &'static LoopRun {
 }
 
 fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
-    let jumps: Vec<_> = run.record.jumps.iter().filter(|j| j.direction == direction).collect();
-    jumps.first().map(|j| j.from).into_iter().chain(jumps.iter().map(|j| j.to)).collect()
+    let jumps: Vec<_> = run
+        .record
+        .jumps
+        .iter()
+        .filter(|j| j.direction == direction)
+        .collect();
+    jumps
+        .first()
+        .map(|j| j.from)
+        .into_iter()
+        .chain(jumps.iter().map(|j| j.to))
+        .collect()
 }
 
 fn dissipated(run: &LoopRun, scene: &Scene) -> f64 {
@@ -38,42 +54,81 @@ fn dissipated(run: &LoopRun, scene: &Scene) -> f64 {
 
 fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
     let (da, db) = (dissipated(a, scene), dissipated(b, scene));
-    assert!((da / db - 1.0).abs() < 5e-3, "{what}: dissipated {da} and {db}");
-    let places = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>();
+    assert!(
+        (da / db - 1.0).abs() < 5e-3,
+        "{what}: dissipated {da} and {db}"
+    );
+    let places = |run: &LoopRun| {
+        run.record
+            .jumps
+            .iter()
+            .map(|j| (j.direction, j.from, j.to))
+            .collect::<Vec<_>>()
+    };
     assert_eq!(places(a), places(b), "{what}");
     for (ja, jb) in a.record.jumps.iter().zip(&b.record.jumps) {
-        assert!((ja.mean_displacement - jb.mean_displacement).abs() < 0.01, "{what}: {ja:?} {jb:?}");
+        assert!(
+            (ja.mean_displacement - jb.mean_displacement).abs() < 0.01,
+            "{what}: {ja:?} {jb:?}"
+        );
     }
 }
 
 #[test]
 fn fig_2_shows_flat_bulge_ridge_dimple_flat_and_the_same_backwards() {
-    assert_eq!(sequence(fig2(), Direction::Approach), [Flat, Bulge, Ridge, Dimple, Flat]);
-    assert_eq!(sequence(fig2(), Direction::Retraction), [Flat, Dimple, Ridge, Bulge, Flat]);
+    assert_eq!(
+        sequence(fig2(), Direction::Approach),
+        [Flat, Bulge, Ridge, Dimple, Flat]
+    );
+    assert_eq!(
+        sequence(fig2(), Direction::Retraction),
+        [Flat, Dimple, Ridge, Bulge, Flat]
+    );
 }
 
 #[test]
 fn flat_state_loses_stability_at_eq_8() {
     let gamma_per_length = 0.15 * 256.0;
-    let eq_8 = |sign: f64| -((1.0 + sign * (1.0 - 4.0 * std::f64::consts::PI / gamma_per_length).sqrt()) / 4.0).ln();
-    let limits: Vec<&JumpRecord> = fig2().record.jumps.iter().filter(|j| j.cause == Cause::FlatLimit).collect();
+    let eq_8 = |sign: f64| {
+        -((1.0 + sign * (1.0 - 4.0 * std::f64::consts::PI / gamma_per_length).sqrt()) / 4.0).ln()
+    };
+    let limits: Vec<&JumpRecord> = fig2()
+        .record
+        .jumps
+        .iter()
+        .filter(|j| j.cause == Cause::FlatLimit)
+        .collect();
     assert_eq!(limits.len(), 2);
-    assert!((limits[0].mean_displacement - eq_8(-1.0)).abs() < 1e-6, "{}", limits[0].mean_displacement);
-    assert!((limits[1].mean_displacement - eq_8(1.0)).abs() < 1e-6, "{}", limits[1].mean_displacement);
+    assert!(
+        (limits[0].mean_displacement - eq_8(-1.0)).abs() < 1e-6,
+        "{}",
+        limits[0].mean_displacement
+    );
+    assert!(
+        (limits[1].mean_displacement - eq_8(1.0)).abs() < 1e-6,
+        "{}",
+        limits[1].mean_displacement
+    );
 }
 
 #[test]
 fn every_recorded_state_of_fig_2_is_a_stable_equilibrium() {
     for state in &fig2().record.states {
         assert_eq!(state.stop, Stop::Stable, "{state:?}");
-        assert!(state.stiffness_min >= 0.0 && state.residual <= 1e-6, "{state:?}");
+        assert!(
+            state.stiffness_min >= 0.0 && state.residual <= 1e-6,
+            "{state:?}"
+        );
     }
 }
 
 #[test]
 fn released_energies_add_up_to_the_loop_integral_and_none_is_negative() {
     let scene = preset("fig2");
-    let (work, released) = (dissipated(fig2(), &scene), fig2().record.released_energy_sum());
+    let (work, released) = (
+        dissipated(fig2(), &scene),
+        fig2().record.released_energy_sum(),
+    );
     assert!((work - released).abs() < 2e-3 * work, "{work} {released}");
     assert!(fig2().record.jumps.iter().all(|j| j.released_energy > 0.0));
 }
@@ -84,9 +139,12 @@ fn along_branches_stress_is_the_derivative_of_the_energy() {
     let mut checked = 0;
     for three in states.windows(3) {
         let [a, b, c] = [&three[0], &three[1], &three[2]].map(|s| s.mean_displacement);
-        // Simpson's rule needs equal steps on one branch; within half a range of a fold its own error is not small.
+        // Simpson's rule needs equal steps on one branch; within half a range of a fold its own
+        // error is not small.
         let near_a_jump =
-            fig2().record.jumps.iter().any(|j| j.direction == three[2].direction && (j.mean_displacement - b).abs() < 0.5);
+            fig2().record.jumps.iter().any(|j| {
+                j.direction == three[2].direction && (j.mean_displacement - b).abs() < 0.5
+            });
         if near_a_jump || three[0].pattern != three[2].pattern || ((b - a) - (c - b)).abs() > 1e-9 {
             continue;
         }
@@ -99,17 +157,30 @@ fn along_branches_stress_is_the_derivative_of_the_energy() {
 }
 
 #[test]
-fn fig_2_costs_at_most_60_transforms_per_patterned_increment_and_as_many_again_to_prove_it_stable() {
+fn fig_2_costs_at_most_60_transforms_per_patterned_increment_and_as_many_again_to_prove_it_stable()
+{
     let counts = fig2().counts;
     assert!(counts.patterned_increments >= 200);
-    assert!(counts.transforms - counts.proof_transforms <= 60 * counts.patterned_increments, "{counts:?}");
-    assert!(counts.proof_transforms <= 70 * counts.patterned_increments, "{counts:?}");
+    assert!(
+        counts.transforms - counts.proof_transforms <= 60 * counts.patterned_increments,
+        "{counts:?}"
+    );
+    assert!(
+        counts.proof_transforms <= 70 * counts.patterned_increments,
+        "{counts:?}"
+    );
 }
 
 #[test]
 fn fig_2_does_not_depend_on_mesh_or_step() {
     let scene = preset("fig2");
-    let fine = Scene { cell: tackscope::scene::Cell { points: Points::Square(128), ..scene.cell }, ..scene.clone() };
+    let fine = Scene {
+        cell: tackscope::scene::Cell {
+            points: Points::Square(128),
+            ..scene.cell
+        },
+        ..scene.clone()
+    };
     assert_same_loop(fig2(), &newton(&fine), &scene, "n = 64 and 128");
     let mut short = scene.clone();
     short.drive.step = 0.01;
@@ -120,7 +191,10 @@ fn fig_2_does_not_depend_on_mesh_or_step() {
 fn fig_2_is_the_same_loop_for_at_least_10_seeds_of_12() {
     let scene = preset("fig2");
     let same = (1..=12).filter(|seed| {
-        let run = newton(&Scene { seed: *seed, ..scene.clone() });
+        let run = newton(&Scene {
+            seed: *seed,
+            ..scene.clone()
+        });
         run.record.jumps.len() == fig2().record.jumps.len()
             && (dissipated(&run, &scene) / dissipated(fig2(), &scene) - 1.0).abs() < 5e-3
             && run
@@ -128,7 +202,10 @@ fn fig_2_is_the_same_loop_for_at_least_10_seeds_of_12() {
                 .jumps
                 .iter()
                 .zip(&fig2().record.jumps)
-                .all(|(a, b)| (a.from, a.to) == (b.from, b.to) && (a.mean_displacement - b.mean_displacement).abs() < 0.01)
+                .all(|(a, b)| {
+                    (a.from, a.to) == (b.from, b.to)
+                        && (a.mean_displacement - b.mean_displacement).abs() < 0.01
+                })
     });
     assert!(same.count() >= 10);
 }
@@ -138,7 +215,13 @@ fn the_same_seed_gives_the_same_loop_to_the_last_bit() {
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(32);
     scene.drive.step = 0.05;
-    let states = |run: LoopRun| run.record.states.iter().map(|s| (s.mean_displacement, s.stress, s.energy)).collect::<Vec<_>>();
+    let states = |run: LoopRun| {
+        run.record
+            .states
+            .iter()
+            .map(|s| (s.mean_displacement, s.stress, s.energy))
+            .collect::<Vec<_>>()
+    };
     assert_eq!(states(newton(&scene)), states(newton(&scene)));
 }
 
@@ -148,8 +231,14 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
     // Jumps are located whatever the step; between them half a range shows enough.
     scene.drive.step = 0.5;
     let run = newton(&scene);
-    assert_eq!(sequence(&run, Direction::Approach), [Flat, Ridge, Dimple, Flat]);
-    assert_eq!(sequence(&run, Direction::Retraction), [Flat, Dimple, Ridge, Flat]);
+    assert_eq!(
+        sequence(&run, Direction::Approach),
+        [Flat, Ridge, Dimple, Flat]
+    );
+    assert_eq!(
+        sequence(&run, Direction::Retraction),
+        [Flat, Dimple, Ridge, Flat]
+    );
     let ratio = dissipated(&run, &scene) / dissipated(fig2(), &preset("fig2"));
     assert!((3.0..=4.0).contains(&ratio), "{ratio}");
 }
@@ -176,7 +265,12 @@ fn deviation_from_the_exact_ridge(length: f64, points: usize) -> f64 {
     let unit = (0.15 * length).sqrt();
     let ridges = run.record.states.iter().filter(|s| s.pattern == Ridge);
     let deviations: Vec<f64> = ridges
-        .map(|s| (s.mean_displacement / unit, -s.stress * s.mean_displacement / 0.15))
+        .map(|s| {
+            (
+                s.mean_displacement / unit,
+                -s.stress * s.mean_displacement / 0.15,
+            )
+        })
         .filter(|(u, _)| (0.3..0.5).contains(u))
         .map(|(u, p)| (p / ridge::pressure(u).unwrap() - 1.0).abs())
         .collect();
@@ -187,7 +281,9 @@ fn deviation_from_the_exact_ridge(length: f64, points: usize) -> f64 {
 #[test]
 fn line_cell_follows_the_exact_ridge_within_a_difference_that_shrinks_with_the_range() {
     // rho~ = 0.161, 0.0807, 0.0403: the range halves each time, at equal mu_rho.
-    let d: Vec<f64> = [(256.0, 64), (1024.0, 256), (4096.0, 1024)].map(|(l, n)| deviation_from_the_exact_ridge(l, n)).to_vec();
+    let d: Vec<f64> = [(256.0, 64), (1024.0, 256), (4096.0, 1024)]
+        .map(|(l, n)| deviation_from_the_exact_ridge(l, n))
+        .to_vec();
     assert!(d[1] < 0.6 * d[0] && d[2] < 0.6 * d[1], "{d:?}");
     assert!(d[2] < 0.05, "{d:?}");
 }
@@ -196,12 +292,17 @@ fn line_cell_follows_the_exact_ridge_within_a_difference_that_shrinks_with_the_r
 fn a_cancelled_loop_keeps_what_was_computed() {
     let (cancel, mut seen) = (Cancel::default(), 0);
     let token = cancel.clone();
-    let run = run_loop(&preset("fig2"), MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {
-        seen += 1;
-        if seen == 80 {
-            token.request();
-        }
-    })
+    let run = run_loop(
+        &preset("fig2"),
+        MethodKind::NewtonKrylov.into(),
+        &cancel,
+        &mut |_| {
+            seen += 1;
+            if seen == 80 {
+                token.request();
+            }
+        },
+    )
     .unwrap();
     assert_eq!(run.outcome, Outcome::Cancelled);
     assert!(run.record.states.len() > 60);
@@ -212,10 +313,15 @@ fn a_walk_along_the_flat_state_obeys_a_stop_too() {
     let mut scene = preset("fig2");
     (scene.drive.start, scene.drive.turn, scene.drive.step) = (24.0, Turn::At(4.0), 2e-4);
     let (cancel, mut seen) = (Cancel::default(), 0);
-    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &cancel, &mut |_| {
-        seen += 1;
-        cancel.request();
-    })
+    let run = run_loop(
+        &scene,
+        MethodKind::NewtonKrylov.into(),
+        &cancel,
+        &mut |_| {
+            seen += 1;
+            cancel.request();
+        },
+    )
     .unwrap();
     assert_eq!((run.outcome, seen), (Outcome::Cancelled, 1));
 }
@@ -225,13 +331,28 @@ fn the_papers_method_stands_behind_the_same_interface_and_says_that_it_has_not_c
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(32);
     scene.drive.step = 0.05;
-    let run = run_loop(&scene, MethodKind::Gfmd.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        &scene,
+        MethodKind::Gfmd.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     // A thermostat keeps every state above the tolerance, and the record admits it.
-    assert!(run.record.states.iter().skip(1).all(|s| s.stop == Stop::NotConverged && s.residual > 1e-6));
+    assert!(
+        run.record
+            .states
+            .iter()
+            .skip(1)
+            .all(|s| s.stop == Stop::NotConverged && s.residual > 1e-6)
+    );
     let loss = dissipated(&run, &scene);
     // Late instabilities of a finite budget can only add to the loss.
-    assert!(loss > dissipated(fig2(), &scene) && loss < 1.5 * dissipated(fig2(), &scene), "{loss}");
+    assert!(
+        loss > dissipated(fig2(), &scene) && loss < 1.5 * dissipated(fig2(), &scene),
+        "{loss}"
+    );
 }
 
 #[test]
@@ -239,7 +360,12 @@ fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode(
     use tackscope::follow::walk::{Progress, Walk};
     use tackscope::numerics::vector::{add, dot, norm};
     use tackscope::solver::mechanics::{Mechanics, Slides};
-    let mut walk = Walk::start(&preset("fig2"), MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk = Walk::start(
+        &preset("fig2"),
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+    )
+    .unwrap();
     walk.set_target(1.34);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     assert_eq!(walk.record().pattern, Ridge);
@@ -251,7 +377,12 @@ fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode(
     let basis = mechanics.sliding_basis(&z, &walk.here().fields);
     assert_eq!(basis.len(), 1, "a ridge slides in one direction");
     let derivatives = system.sliding_modes(&soft);
-    assert!(derivatives.iter().all(|d| (dot(&basis[0], d) / norm(d)).abs() < 0.1), "and not along its modulation");
+    assert!(
+        derivatives
+            .iter()
+            .all(|d| (dot(&basis[0], d) / norm(d)).abs() < 0.1),
+        "and not along its modulation"
+    );
 }
 
 #[test]
@@ -282,14 +413,21 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         let model = scene.model().unwrap();
         let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
         let (rest, width) = (model.law.equilibrium_gap(), upper - lower);
-        scene.drive = Drive { start: upper + 0.7 * width, turn: Turn::At(rest + 0.25 * (lower - rest)), step: width / 100.0 };
+        scene.drive = Drive {
+            start: upper + 0.7 * width,
+            turn: Turn::At(rest + 0.25 * (lower - rest)),
+            step: width / 100.0,
+        };
         let run = newton(&scene);
         // Small mesh jumps within a pattern (the cosine law has them at its cut-off) are left out.
         let mut seen = sequence(&run, Direction::Approach);
         seen.dedup();
         assert_eq!(seen, [Flat, Bulge, Ridge, Dimple, Flat], "{shape:?}");
         let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
-        assert!((work - released).abs() < 5e-3 * work, "{shape:?}: {work} {released}");
+        assert!(
+            (work - released).abs() < 5e-3 * work,
+            "{shape:?}: {work} {released}"
+        );
     }
 }
 
@@ -299,13 +437,27 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
                 [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0001\n";
     let scene = scene_file::parse(text, "hertz").unwrap();
     let run = newton(&scene);
-    let jumps: Vec<_> = run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect();
+    let jumps: Vec<_> = run
+        .record
+        .jumps
+        .iter()
+        .map(|j| (j.direction, j.from, j.to))
+        .collect();
     assert_eq!(
         jumps,
-        [(Direction::Approach, Pattern::Other, Pattern::Contact), (Direction::Retraction, Pattern::Contact, Pattern::Other)]
+        [
+            (Direction::Approach, Pattern::Other, Pattern::Contact),
+            (Direction::Retraction, Pattern::Contact, Pattern::Other)
+        ]
     );
-    // The pull-off force of JKR, (3/2) pi gamma R, within the few per cent that a range this long costs.
-    let pull = run.record.states.iter().map(|s| s.stress).fold(0.0, f64::max);
+    // The pull-off force of JKR, (3/2) pi gamma R, within the few per cent that a range this long
+    // costs.
+    let pull = run
+        .record
+        .states
+        .iter()
+        .map(|s| s.stress)
+        .fold(0.0, f64::max);
     let jkr = 1.5 * std::f64::consts::PI * 0.5859e-3;
     assert!((pull / jkr - 1.0).abs() < 0.1, "{}", pull / jkr);
     let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
@@ -317,8 +469,19 @@ fn after_landing_flat_the_walk_goes_on_in_the_steps_of_the_scene() {
     let mut scene = preset("fig2");
     (scene.cell.points, scene.drive.step) = (Points::Square(24), 0.1);
     let run = newton(&scene);
-    let landed = run.record.jumps.iter().rev().find(|jump| jump.to == Flat).unwrap().mean_displacement;
-    let after = run.record.states.iter().filter(|s| s.direction == Direction::Retraction && s.mean_displacement > landed);
+    let landed = run
+        .record
+        .jumps
+        .iter()
+        .rev()
+        .find(|jump| jump.to == Flat)
+        .unwrap()
+        .mean_displacement;
+    let after = run
+        .record
+        .states
+        .iter()
+        .filter(|s| s.direction == Direction::Retraction && s.mean_displacement > landed);
     let expected = ((scene.drive.start - landed) / scene.drive.step).ceil() as usize;
     assert_eq!(after.count(), expected);
 }

@@ -1,4 +1,5 @@
-//! The asymptotes of Eqs 22 to 29 against what they are asymptotes of: each must be approached at the rate of its next term.
+//! The asymptotes of Eqs 22 to 29 against what they are asymptotes of: each must be approached at
+//! the rate of its next term.
 
 use std::f64::consts::PI;
 use tackscope::physics::theory::asymptotes::*;
@@ -10,7 +11,10 @@ use tackscope::physics::theory::ridge;
 fn the_thick_ridge_is_approached_with_the_square_of_alpha() {
     for alpha in [1e-2, 1e-3] {
         let found = ridge_thick(alpha) / ridge::elastic_energy(alpha)[0] - 1.0;
-        assert!((found / (PI * PI * alpha * alpha / 24.0) - 1.0).abs() < 1e-2, "{alpha}: {found}");
+        assert!(
+            (found / (PI * PI * alpha * alpha / 24.0) - 1.0).abs() < 1e-2,
+            "{alpha}: {found}"
+        );
     }
 }
 
@@ -18,9 +22,15 @@ fn the_thick_ridge_is_approached_with_the_square_of_alpha() {
 fn the_thin_ridge_needs_the_constant_ln_2_over_2() {
     for abar in [1e-2, 1e-4] {
         let exact = ridge::elastic_energy(1.0 - abar)[0];
-        assert!((ridge_thin(abar, THIN_CONSTANT) / exact - 1.0).abs() < 0.2 * abar * abar + 1e-11, "{abar}");
+        assert!(
+            (ridge_thin(abar, THIN_CONSTANT) / exact - 1.0).abs() < 0.2 * abar * abar + 1e-11,
+            "{abar}"
+        );
         // With the printed constant the error fades as 1/ln abar only.
-        assert!((ridge_thin(abar, THIN_CONSTANT_PRINTED) / exact - 1.0).abs() > 0.005, "{abar}");
+        assert!(
+            (ridge_thin(abar, THIN_CONSTANT_PRINTED) / exact - 1.0).abs() > 0.005,
+            "{abar}"
+        );
     }
     // Exactly as printed, with alpha for abar and +8c, the energy is negative.
     let printed = -PI / (4.0 * (PI * 0.99_f64).ln() + 8.0 * THIN_CONSTANT_PRINTED);
@@ -33,7 +43,9 @@ fn equations_23_and_26_hold_for_small_displacements() {
         // Next order alpha^2: relative errors of a few alpha^2.
         let alpha = ridge::alpha(u).unwrap();
         assert!((ridge_thick_alpha(u) / alpha - 1.0).abs() < alpha * alpha);
-        assert!((ridge_thick_pressure(u) / ridge::pressure(u).unwrap() - 1.0).abs() < alpha * alpha);
+        assert!(
+            (ridge_thick_pressure(u) / ridge::pressure(u).unwrap() - 1.0).abs() < alpha * alpha
+        );
     }
 }
 
@@ -44,8 +56,16 @@ fn equations_24_and_27_meet_the_exact_ridge_at_its_end_and_the_printed_constants
         let u = right.displacement - distance;
         // Both miss terms of the order of the distance itself.
         let (alpha, pressure) = (ridge::alpha(u).unwrap(), ridge::pressure(u).unwrap());
-        assert!((right.alpha_at(u) - alpha).abs() < 2.0 * distance, "{distance}: {} {alpha}", right.alpha_at(u));
-        assert!((right.pressure_at(u) - pressure).abs() < 4.0 * distance, "{distance}: {} {pressure}", right.pressure_at(u));
+        assert!(
+            (right.alpha_at(u) - alpha).abs() < 2.0 * distance,
+            "{distance}: {} {alpha}",
+            right.alpha_at(u)
+        );
+        assert!(
+            (right.pressure_at(u) - pressure).abs() < 4.0 * distance,
+            "{distance}: {} {pressure}",
+            right.pressure_at(u)
+        );
         assert!((FLATTENING_PRINTED.pressure_at(u) - pressure).abs() > 0.02);
     }
     let around = ridge::elastic_energy(right.alpha + 1e-3)[1];
@@ -55,10 +75,14 @@ fn equations_24_and_27_meet_the_exact_ridge_at_its_end_and_the_printed_constants
 
 #[test]
 fn the_printed_pressure_root_lacks_a_root() {
-    // u~ = u_c~ + u'' (p~ - p_c~)^2/2 gives p^(1/2) = -sqrt(-2/u''). The project's reference constants.json: u'' = -4.86277.
+    // u~ = u_c~ + u'' (p~ - p_c~)^2/2 gives p^(1/2) = -sqrt(-2/u''). The project's reference
+    // constants.json: u'' = -4.86277.
     let curvature = -4.8627675924887_f64;
     assert!((flattening().pressure_root + (-2.0 / curvature).sqrt()).abs() < 1e-9);
-    assert!((FLATTENING_PRINTED.pressure_root - 2.0 / curvature).abs() > 0.05, "not even -2/|u''|, which is -0.411");
+    assert!(
+        (FLATTENING_PRINTED.pressure_root - 2.0 / curvature).abs() > 0.05,
+        "not even -2/|u''|, which is -0.411"
+    );
 }
 
 #[test]
@@ -66,10 +90,19 @@ fn equation_28_corrected_is_the_limit_of_both_series_with_its_next_term() {
     for size in [0.1, 0.05] {
         // The dimple's third term is of relative order alpha^5 or alpha^6; the bulge's of abar^5.
         let vhat = discs::elastic_energy(Kind::Dimple, size);
-        assert!((dimple_next(size) / vhat - 1.0).abs() < size.powi(5), "{size}");
-        assert!((dimple(size) / vhat - 1.0).abs() < 0.25 * size.powi(3) && dimple_printed(size) / vhat > 1.7);
+        assert!(
+            (dimple_next(size) / vhat - 1.0).abs() < size.powi(5),
+            "{size}"
+        );
+        assert!(
+            (dimple(size) / vhat - 1.0).abs() < 0.25 * size.powi(3)
+                && dimple_printed(size) / vhat > 1.7
+        );
         let vhat = discs::elastic_energy(Kind::Bulge, size);
-        assert!((bulge_next(size) / vhat - 1.0).abs() < size.powi(5), "{size}");
+        assert!(
+            (bulge_next(size) / vhat - 1.0).abs() < size.powi(5),
+            "{size}"
+        );
         assert!((bulge(size) / vhat - 1.0).abs() < 1.3 * size && bulge_printed(size) / vhat < 0.9);
     }
 }
@@ -79,7 +112,10 @@ fn equation_29_corrected_is_the_limit_of_the_dimple() {
     for u in [1e-4, 1e-3] {
         let exact = circular::dimple().at(u, Part::Stable).unwrap();
         let cube = exact.size.powi(3);
-        assert!((dimple_pressure(u) / exact.pressure - 1.0).abs() < cube, "{u}");
+        assert!(
+            (dimple_pressure(u) / exact.pressure - 1.0).abs() < cube,
+            "{u}"
+        );
         assert!((dimple_pressure_printed(u) / exact.pressure - 0.789).abs() < 0.001);
     }
     // The project's notes: -(1.7930074 u~)^(4/5).

@@ -1,4 +1,5 @@
-//! Boundary elements at zero range against the exact ridge and the reference tables of dimple and bulge.
+//! Boundary elements at zero range against the exact ridge and the reference tables of dimple and
+//! bulge.
 
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::boundary_elements as be;
@@ -16,7 +17,10 @@ fn the_extrapolated_ridge_is_the_exact_one_within_its_own_error() {
         for levels in [4, 5] {
             let found = be::ridge_extrapolated(32, free, levels, &free_run()).unwrap();
             let off = (found.value - exact).abs();
-            assert!(off < 1e-4 * exact && off <= found.error, "{free} {levels}: {found:?} for {exact}");
+            assert!(
+                off < 1e-4 * exact && off <= found.error,
+                "{free} {levels}: {found:?} for {exact}"
+            );
         }
     }
 }
@@ -27,9 +31,15 @@ fn the_slope_of_the_ridge_is_the_exact_one() {
         let exact = ridge::elastic_energy(free as f64 / 256.0)[1];
         let found = be::ridge_slope(256, free, 4, &free_run()).unwrap();
         let off = (found.value - exact).abs();
-        assert!(off < found.error && off < 5e-4 * -exact, "{free}: {found:?} for {exact}");
+        assert!(
+            off < found.error && off < 5e-4 * -exact,
+            "{free}: {found:?} for {exact}"
+        );
         // In the wide middle better than a tenth of that.
-        assert!(free == 246 || off < 5e-5 * -exact, "{free}: {found:?} for {exact}");
+        assert!(
+            free == 246 || off < 5e-5 * -exact,
+            "{free}: {found:?} for {exact}"
+        );
     }
 }
 
@@ -46,12 +56,18 @@ fn straight_edges_lie_0_19_spacings_beyond_the_free_pixels() {
 #[test]
 fn round_edges_lie_0_127_spacings_beyond_a_dimple_s_pixels_and_within_a_bulge_s() {
     // The project's notes: 0.127(8), contact -0.127.
-    for (kind, pattern, sign) in [(Kind::Dimple, circular::dimple(), 1.0), (Kind::Bulge, circular::bulge(), -1.0)] {
+    for (kind, pattern, sign) in [
+        (Kind::Dimple, circular::dimple(), 1.0),
+        (Kind::Bulge, circular::bulge(), -1.0),
+    ] {
         for size in [0.3, 0.6] {
             let [vhat, slope, _] = pattern.elastic_energy(size);
             let mesh = be::disc_on_mesh(kind, size, 256, 8, &free_run()).unwrap();
             let shift = (mesh.value - vhat) / slope * 256.0 / 2.0;
-            assert!((shift - sign * 0.127).abs() < 0.008, "{kind:?} {size}: {shift}");
+            assert!(
+                (shift - sign * 0.127).abs() < 0.008,
+                "{kind:?} {size}: {shift}"
+            );
         }
     }
 }
@@ -71,8 +87,15 @@ fn extrapolated_discs_are_the_reference_ones_within_the_stated_error() {
     ];
     for (kind, size, vhat) in rows {
         let found = be::disc_extrapolated(kind, size, 64, 8, &free_run()).unwrap();
-        println!("{kind:?} {size}: {:.1e} +- {:.1e}", found.value / vhat - 1.0, found.error / vhat);
-        assert!((found.value - vhat).abs() < found.error && found.error < 5e-3 * vhat, "{kind:?} {size}: {found:?} for {vhat}");
+        println!(
+            "{kind:?} {size}: {:.1e} +- {:.1e}",
+            found.value / vhat - 1.0,
+            found.error / vhat
+        );
+        assert!(
+            (found.value - vhat).abs() < found.error && found.error < 5e-3 * vhat,
+            "{kind:?} {size}: {found:?} for {vhat}"
+        );
     }
 }
 
@@ -81,5 +104,8 @@ fn a_request_to_stop_is_heard() {
     let cancel = Cancel::default();
     cancel.request();
     assert_eq!(be::ridge(64, 32, &cancel), None);
-    assert_eq!(be::disc_extrapolated(Kind::Bulge, 0.5, 32, 2, &cancel), None);
+    assert_eq!(
+        be::disc_extrapolated(Kind::Bulge, 0.5, 32, 2, &cancel),
+        None
+    );
 }

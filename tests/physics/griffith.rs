@@ -5,37 +5,108 @@ use tackscope::physics::theory::discs::{self, Kind};
 
 /// alpha, vhat, u~, p~, W of the dimple.
 ///
-/// Rows of the project's reference file dimple.csv, solved there by collocation on the rim; its own relative uncertainty is 1e-10 in
-/// vhat (3e-10 at 0.97, 3e-8 at 0.98) and that of 1/u~^2 grows from 1e-8 to 1e-4 in the last two.
+/// Rows of the project's reference file dimple.csv, solved there by collocation on the rim; its own
+/// relative uncertainty is 1e-10 in vhat (3e-10 at 0.97, 3e-8 at 0.98) and that of 1/u~^2 grows
+/// from 1e-8 to 1e-4 in the last two.
 const DIMPLE: [[f64; 5]; 10] = [
-    [0.02, 187499.6405, 3.342171033e-05, -0.0004188782174, -0.9994764016],
-    [0.1, 1499.639648, 0.001868330024, -0.0104694555, -0.9869112906],
-    [0.3, 55.18755396, 0.02912282521, -0.09361342795, -0.8825074513],
+    [
+        0.02,
+        187499.6405,
+        3.342171033e-05,
+        -0.0004188782174,
+        -0.9994764016,
+    ],
+    [
+        0.1,
+        1499.639648,
+        0.001868330024,
+        -0.0104694555,
+        -0.9869112906,
+    ],
+    [
+        0.3,
+        55.18755396,
+        0.02912282521,
+        -0.09361342795,
+        -0.8825074513,
+    ],
     [0.5, 11.61466963, 0.1043572113, -0.2529774363, -0.677161741],
     [0.7, 3.954593912, 0.2407466134, -0.4584080782, -0.3859508609],
     [0.8, 2.483064342, 0.3330338223, -0.5508009145, -0.2219447182],
     [0.9, 1.565718848, 0.43516659, -0.5930002346, -0.06732737033],
-    [0.95, 1.219781174, 0.479522031, -0.5609563288, -0.01069999315],
-    [0.97, 1.091561812, 0.4888057393, -0.5216160213, -0.0002108574017],
-    [0.98, 1.027445953, 0.4876344941, -0.4886274032, -0.001389902259],
+    [
+        0.95,
+        1.219781174,
+        0.479522031,
+        -0.5609563288,
+        -0.01069999315,
+    ],
+    [
+        0.97,
+        1.091561812,
+        0.4888057393,
+        -0.5216160213,
+        -0.0002108574017,
+    ],
+    [
+        0.98,
+        1.027445953,
+        0.4876344941,
+        -0.4886274032,
+        -0.001389902259,
+    ],
 ];
 
-/// abar, vhat, u~, p~, W of the bulge. Rows of the project's reference file bulge.csv, likewise (1e-3 in 1/u~^2 in the last).
+/// abar, vhat, u~, p~, W of the bulge. Rows of the project's reference file bulge.csv, likewise
+/// (1e-3 in 1/u~^2 in the last).
 const BULGE: [[f64; 5]; 10] = [
-    [0.02, 0.01025460061, 0.2444398543, -0.00122544205, 0.0002985617597],
-    [0.1, 0.05707171441, 0.4911661808, -0.02753644213, 0.00591423943],
-    [0.28, 0.2128603097, 0.6202139583, -0.1637599728, 0.02030477039],
+    [
+        0.02,
+        0.01025460061,
+        0.2444398543,
+        -0.00122544205,
+        0.0002985617597,
+    ],
+    [
+        0.1,
+        0.05707171441,
+        0.4911661808,
+        -0.02753644213,
+        0.00591423943,
+    ],
+    [
+        0.28,
+        0.2128603097,
+        0.6202139583,
+        -0.1637599728,
+        0.02030477039,
+    ],
     [0.3, 0.2365500907, 0.619745461, -0.1817104166, 0.02016937358],
-    [0.5, 0.6091606128, 0.5318581552, -0.3446302986, -0.02403439157],
+    [
+        0.5,
+        0.6091606128,
+        0.5318581552,
+        -0.3446302986,
+        -0.02403439157,
+    ],
     [0.65, 1.234144938, 0.408189428, -0.4112630261, -0.126199211],
     [0.8, 2.804831819, 0.2703129876, -0.4098931365, -0.2977082563],
     [0.9, 5.513620535, 0.1854562803, -0.3792712812, -0.4465368717],
     [0.95, 8.152699398, 0.1496533784, -0.3651778909, -0.526232897],
-    [0.97, 9.622877506, 0.1373365285, -0.3630003835, -0.5574809402],
+    [
+        0.97,
+        9.622877506,
+        0.1373365285,
+        -0.3630003835,
+        -0.5574809402,
+    ],
 ];
 
 fn both() -> [(Kind, &'static Pattern, [[f64; 5]; 10]); 2] {
-    [(Kind::Dimple, circular::dimple(), DIMPLE), (Kind::Bulge, circular::bulge(), BULGE)]
+    [
+        (Kind::Dimple, circular::dimple(), DIMPLE),
+        (Kind::Bulge, circular::bulge(), BULGE),
+    ]
 }
 
 #[test]
@@ -53,7 +124,10 @@ fn the_series_of_both_patterns_is_the_reference_table() {
             } else {
                 4e-8
             };
-            assert!((found / vhat - 1.0).abs() < tolerance, "{kind:?} {size}: {found} for {vhat}");
+            assert!(
+                (found / vhat - 1.0).abs() < tolerance,
+                "{kind:?} {size}: {found} for {vhat}"
+            );
         }
     }
 }
@@ -71,10 +145,25 @@ fn the_branches_follow_the_reference_table() {
                 3e-5
             };
             let state = pattern.state(size);
-            assert!((pattern.elastic_energy(size)[0] / vhat - 1.0).abs() < 1e-8, "{kind:?} {size}");
-            assert!((state.displacement / u - 1.0).abs() < slope, "{kind:?} {size}: {} for {u}", state.displacement);
-            assert!((state.pressure / p - 1.0).abs() < 2.0 * slope, "{kind:?} {size}: {} for {p}", state.pressure);
-            assert!((state.energy - w).abs() < slope, "{kind:?} {size}: {} for {w}", state.energy);
+            assert!(
+                (pattern.elastic_energy(size)[0] / vhat - 1.0).abs() < 1e-8,
+                "{kind:?} {size}"
+            );
+            assert!(
+                (state.displacement / u - 1.0).abs() < slope,
+                "{kind:?} {size}: {} for {u}",
+                state.displacement
+            );
+            assert!(
+                (state.pressure / p - 1.0).abs() < 2.0 * slope,
+                "{kind:?} {size}: {} for {p}",
+                state.pressure
+            );
+            assert!(
+                (state.energy - w).abs() < slope,
+                "{kind:?} {size}: {} for {w}",
+                state.energy
+            );
         }
     }
 }
@@ -86,22 +175,36 @@ fn the_interpolant_agrees_with_the_series_between_its_points() {
             let h = 1e-3 * f64::min(size, 1.0 - size);
             let series = [-h, 0.0, h].map(|d| discs::elastic_energy(kind, size + d));
             let [vhat, slope, curvature] = pattern.elastic_energy(size);
-            assert!((vhat / series[1] - 1.0).abs() < 1e-8, "{kind:?} {size}: {}", vhat / series[1] - 1.0);
+            assert!(
+                (vhat / series[1] - 1.0).abs() < 1e-8,
+                "{kind:?} {size}: {}",
+                vhat / series[1] - 1.0
+            );
             // Truncation 1e-6 times ratios of derivatives; rounding of 1e-10 over h.
             let first = (series[2] - series[0]) / (2.0 * h);
-            assert!((slope / first - 1.0).abs() < 1e-5, "{kind:?} {size}: {slope} for {first}");
+            assert!(
+                (slope / first - 1.0).abs() < 1e-5,
+                "{kind:?} {size}: {slope} for {first}"
+            );
             let second = (series[2] - 2.0 * series[1] + series[0]) / (h * h);
-            assert!((curvature - second).abs() < 1e-3 * (second.abs() + vhat), "{kind:?} {size}: {curvature} for {second}");
+            assert!(
+                (curvature - second).abs() < 1e-3 * (second.abs() + vhat),
+                "{kind:?} {size}: {curvature} for {second}"
+            );
         }
     }
 }
 
 #[test]
 fn the_radial_folds_are_those_of_the_notes() {
-    // The project's reference constants.json: dimple with uncertainties 0.002 and 0.0002. Its bulge gives abar = 0.2853357, of which
-    // the last digits are uncertain (u~ is flat there); six-point differences of the series put it at 0.28533255(1).
+    // The project's reference constants.json: dimple with uncertainties 0.002 and 0.0002. Its bulge
+    // gives abar = 0.2853357, of which the last digits are uncertain (u~ is flat there); six-point
+    // differences of the series put it at 0.28533255(1).
     let dimple = circular::dimple().fold();
-    assert!((dimple.size - 0.97345).abs() < 0.002 && (dimple.displacement - 0.48911).abs() < 2e-4, "{dimple:?}");
+    assert!(
+        (dimple.size - 0.97345).abs() < 0.002 && (dimple.displacement - 0.48911).abs() < 2e-4,
+        "{dimple:?}"
+    );
     assert!((dimple.pressure + 0.5117).abs() < 5e-3);
     let bulge = circular::bulge().fold();
     assert!(
@@ -110,7 +213,10 @@ fn the_radial_folds_are_those_of_the_notes() {
             && (bulge.displacement - 0.620287930).abs() < 2e-8,
         "{bulge:?}"
     );
-    assert!((bulge.pressure + 0.16853764).abs() < 5e-6 && (bulge.energy - 0.02032449).abs() < 1e-7, "{bulge:?}");
+    assert!(
+        (bulge.pressure + 0.16853764).abs() < 5e-6 && (bulge.energy - 0.02032449).abs() < 1e-7,
+        "{bulge:?}"
+    );
 }
 
 #[test]
@@ -126,15 +232,22 @@ fn the_equal_energies_are_those_of_the_notes() {
 fn a_circle_gives_way_to_an_ellipse_where_the_notes_say() {
     // Found there by another ellipse test at constant area, +-0.001.
     let dimple = circular::dimple().elliptic_limit();
-    assert!((dimple.size - 0.8649).abs() < 0.001 && (dimple.displacement - 0.39925).abs() < 0.001, "{dimple:?}");
+    assert!(
+        (dimple.size - 0.8649).abs() < 0.001 && (dimple.displacement - 0.39925).abs() < 0.001,
+        "{dimple:?}"
+    );
     let bulge = circular::bulge().elliptic_limit();
-    assert!((bulge.size - 0.6559).abs() < 0.001 && (bulge.displacement - 0.40284).abs() < 0.001, "{bulge:?}");
+    assert!(
+        (bulge.size - 0.6559).abs() < 0.001 && (bulge.displacement - 0.40284).abs() < 0.001,
+        "{bulge:?}"
+    );
 }
 
 #[test]
 fn a_stretched_patch_far_from_its_neighbours_has_more_energy_than_a_circle() {
-    // Of all flat patches of one area the circle has the least capacity, and the least energy as a bulge at given displacement.
-    // As a dimple at given mean displacement the circle has the least as well (its volume under unit stress is greatest).
+    // Of all flat patches of one area the circle has the least capacity, and the least energy as a
+    // bulge at given displacement. As a dimple at given mean displacement the circle has the least
+    // as well (its volume under unit stress is greatest).
     for kind in [Kind::Dimple, Kind::Bulge] {
         let circle = discs::elastic_energy(kind, 0.1);
         let [thin, thick] = [0.05, -0.05].map(|stretch| discs::ellipse_energy(kind, 0.1, stretch));
@@ -144,8 +257,9 @@ fn a_stretched_patch_far_from_its_neighbours_has_more_energy_than_a_circle() {
 
 #[test]
 fn an_ellipse_alone_is_the_one_of_elliptic_integrals() {
-    // Punch on an elliptic area: F = pi E* u0 a/K(e^2); per area of the cell vhat = pi a/(2 K) with semi-axis a. Neighbours at
-    // distance 1 raise the force by about 1.24149 abar, which is taken out through Eq. 28's next term.
+    // Punch on an elliptic area: F = pi E* u0 a/K(e^2); per area of the cell vhat = pi a/(2 K) with
+    // semi-axis a. Neighbours at distance 1 raise the force by about 1.24149 abar, which is taken
+    // out through Eq. 28's next term.
     let (size, stretch) = (0.01_f64, 0.3_f64);
     let (a, b) = (0.5 * size * stretch.exp(), 0.5 * size * (-stretch).exp());
     // K = pi/(2 M(1, b/a)) by the arithmetic-geometric mean.
@@ -156,7 +270,10 @@ fn an_ellipse_alone_is_the_one_of_elliptic_integrals() {
     let alone = a * x;
     let expected = 1.0 / (1.0 / alone - 2.0 * 1.2414929);
     let found = discs::ellipse_energy(Kind::Bulge, size, stretch);
-    assert!((found / expected - 1.0).abs() < 1e-6, "{found} for {expected}");
+    assert!(
+        (found / expected - 1.0).abs() < 1e-6,
+        "{found} for {expected}"
+    );
 }
 
 #[test]
@@ -165,17 +282,26 @@ fn the_bulge_is_metastable_at_zero_range_contrary_to_the_print() {
     for u in [0.41, 0.5, 0.55, 0.62] {
         let stable = bulge.at(u, Part::Stable).unwrap();
         let unstable = bulge.at(u, Part::Unstable).unwrap();
-        assert!((stable.displacement / u - 1.0).abs() < 1e-12 && (unstable.displacement / u - 1.0).abs() < 1e-12);
-        assert!(unstable.size < fold.size && fold.size < stable.size && stable.energy < unstable.energy);
+        assert!(
+            (stable.displacement / u - 1.0).abs() < 1e-12
+                && (unstable.displacement / u - 1.0).abs() < 1e-12
+        );
+        assert!(
+            unstable.size < fold.size && fold.size < stable.size && stable.energy < unstable.energy
+        );
         // A minimum of W at fixed u~ among sizes, on values of the series themselves.
-        let w = |size: f64| u * u * discs::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size);
+        let w =
+            |size: f64| u * u * discs::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size);
         for step in [1e-3, -1e-3] {
             assert!(w(stable.size + step) > w(stable.size), "{u}");
             assert!(w(unstable.size + step) < w(unstable.size), "{u}");
         }
         // And among ellipses of its area.
         let ellipse = discs::ellipse_energy(Kind::Bulge, stable.size, 0.01);
-        assert!(ellipse > discs::elastic_energy(Kind::Bulge, stable.size), "{u}");
+        assert!(
+            ellipse > discs::elastic_energy(Kind::Bulge, stable.size),
+            "{u}"
+        );
     }
     assert_eq!(bulge.size(fold.displacement * 1.000001, Part::Stable), None);
 }
@@ -187,6 +313,9 @@ fn the_pressure_of_a_dimple_is_the_slope_of_its_energy() {
         let w = |u: f64| circular::dimple().at(u, Part::Stable).unwrap().energy;
         let slope = -u * (w(u + h) - w(u - h)) / (2.0 * h);
         let found = circular::dimple().at(u, Part::Stable).unwrap().pressure;
-        assert!((slope / found - 1.0).abs() < 1e-6, "{u}: {found} for {slope}");
+        assert!(
+            (slope / found - 1.0).abs() < 1e-6,
+            "{u}: {found} for {slope}"
+        );
     }
 }

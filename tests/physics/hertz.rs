@@ -15,11 +15,22 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
 use tackscope::study::plan::plan;
 
-const TIP: Jkr = Jkr { radius: 1.0, surface_energy: scenes::TIP_SURFACE_ENERGY };
+const TIP: Jkr = Jkr {
+    radius: 1.0,
+    surface_energy: scenes::TIP_SURFACE_ENERGY,
+};
 
 fn run(scene: &Scene, reduction: Part) -> LoopRun {
-    let run = run_loop(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default(), &mut |_| {})
-        .unwrap();
+    let run = run_loop(
+        scene,
+        WalkOptions {
+            part: reduction,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
 }
@@ -32,27 +43,58 @@ fn fine(points: usize) -> &'static LoopRun {
 
 /// Over the pull-off force of JKR. The cell has side 1: a mean stress is a force.
 fn pull_off(run: &LoopRun) -> f64 {
-    run.record.states.iter().map(|s| s.stress).fold(0.0, f64::max) / TIP.pull_off_force()
+    run.record
+        .states
+        .iter()
+        .map(|s| s.stress)
+        .fold(0.0, f64::max)
+        / TIP.pull_off_force()
 }
 
 /// V_hys over that of JKR, as the sum of the releases and as the loop integral.
 fn losses(run: &LoopRun) -> [f64; 2] {
-    [run.record.released_energy_sum() * TIP.surface_energy, run.record.work()].map(|v| v / TIP.dissipation())
+    [
+        run.record.released_energy_sum() * TIP.surface_energy,
+        run.record.work(),
+    ]
+    .map(|v| v / TIP.dissipation())
 }
 
 fn assert_sound(run: &LoopRun) {
     let [released, integral] = losses(run);
     assert!((released - integral).abs() < 1e-3, "{released} {integral}");
-    assert!(run.record.jumps.iter().all(|jump| jump.released_energy > 0.0));
-    assert!(run.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-6 && s.stress.is_finite()));
+    assert!(
+        run.record
+            .jumps
+            .iter()
+            .all(|jump| jump.released_energy > 0.0)
+    );
+    assert!(
+        run.record
+            .states
+            .iter()
+            .all(|s| s.stop == Stop::Stable && s.residual <= 1e-6 && s.stress.is_finite())
+    );
 }
 
 #[test]
 fn at_mu_rho_one_half_there_are_no_jumps_on_32_points_and_exactly_two_on_finer_meshes() {
     assert!(fine(32).record.jumps.is_empty());
     for points in [64, 128] {
-        let jumps: Vec<_> = fine(points).record.jumps.iter().map(|j| (j.from, j.to)).collect();
-        assert_eq!(jumps, [(Pattern::Other, Pattern::Contact), (Pattern::Contact, Pattern::Other)], "{points}");
+        let jumps: Vec<_> = fine(points)
+            .record
+            .jumps
+            .iter()
+            .map(|j| (j.from, j.to))
+            .collect();
+        assert_eq!(
+            jumps,
+            [
+                (Pattern::Other, Pattern::Contact),
+                (Pattern::Contact, Pattern::Other)
+            ],
+            "{points}"
+        );
     }
 }
 
@@ -67,29 +109,50 @@ fn force_and_loss_move_towards_the_periodic_reference_and_the_ledger_closes() {
     }
     // The force errs by the range, whose square halves with the mesh: a root of two less each time.
     let errors = [coarse, middle, finest].map(|run| pull_off(run) - force);
-    assert!(errors[2] > 0.0 && errors[2] < 0.8 * errors[1] && errors[1] < 0.8 * errors[0], "{errors:?}");
+    assert!(
+        errors[2] > 0.0 && errors[2] < 0.8 * errors[1] && errors[1] < 0.8 * errors[0],
+        "{errors:?}"
+    );
     let missing = [coarse, middle, finest].map(|run| loss - losses(run)[0]);
-    assert!(missing[2] > 0.0 && missing[2] < missing[1] && missing[1] < missing[0], "{missing:?}");
-    // The prototype that set the project's reference lost 0.14 of the periodic reference on 128 points.
-    assert!((losses(finest)[0] / loss - 0.14).abs() < 0.01, "{}", losses(finest)[0] / loss);
+    assert!(
+        missing[2] > 0.0 && missing[2] < missing[1] && missing[1] < missing[0],
+        "{missing:?}"
+    );
+    // The prototype that set the project's reference lost 0.14 of the periodic reference on 128
+    // points.
+    assert!(
+        (losses(finest)[0] / loss - 0.14).abs() < 0.01,
+        "{}",
+        losses(finest)[0] / loss
+    );
 }
 
 #[test]
 fn in_contact_the_loop_follows_periodic_jkr_within_a_few_per_cent_of_the_pull_off_force() {
     let periodic = PeriodicJkr::new(TIP, 1.0);
     let worst = |points: usize| {
-        let states = fine(points).record.states.iter().filter(|s| s.mean_displacement < 0.0);
+        let states = fine(points)
+            .record
+            .states
+            .iter()
+            .filter(|s| s.mean_displacement < 0.0);
         let contact = states.filter(|s| s.pattern == Pattern::Contact);
         let branch = |u0: f64| {
             // u0 falls with a from the touch on.
             let (mut low, mut high) = (0.12, 0.25);
             for _ in 0..60 {
                 let a = 0.5 * (low + high);
-                if periodic.contact(a).mean_displacement > u0 { low = a } else { high = a }
+                if periodic.contact(a).mean_displacement > u0 {
+                    low = a;
+                } else {
+                    high = a;
+                }
             }
             periodic.contact(low).force
         };
-        contact.map(|s| ((s.stress - branch(s.mean_displacement)) / TIP.pull_off_force()).abs()).fold(0.0, f64::max)
+        contact
+            .map(|s| ((s.stress - branch(s.mean_displacement)) / TIP.pull_off_force()).abs())
+            .fold(0.0, f64::max)
     };
     let (coarse, fine) = (worst(64), worst(128));
     assert!(fine < 0.75 * coarse && fine < 0.08, "{coarse} {fine}");
@@ -103,13 +166,22 @@ fn quarter_and_whole_cell_agree_where_the_mesh_resolves_the_range() {
         // The apex lies on a point there and between points here.
         assert_eq!(whole.record.jumps.len(), quarter.record.jumps.len());
         assert!((pull_off(&whole) - pull_off(quarter)).abs() < 0.01);
-        assert!((losses(&whole)[0] - losses(quarter)[0]).abs() < 1e-3, "{:?} {:?}", losses(&whole), losses(quarter));
+        assert!(
+            (losses(&whole)[0] - losses(quarter)[0]).abs() < 1e-3,
+            "{:?} {:?}",
+            losses(&whole),
+            losses(quarter)
+        );
     }
 }
 
 /// The loop on the quarter held mirror-symmetric.
 fn mirrored(scene: &Scene, trapped_within: Option<f64>) -> LoopRun {
-    let options = WalkOptions { part: Part::Mirrored, trapped_within, ..WalkOptions::default() };
+    let options = WalkOptions {
+        part: Part::Mirrored,
+        trapped_within,
+        ..WalkOptions::default()
+    };
     let run = run_loop(scene, options, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     assert_sound(&run);
@@ -152,12 +224,29 @@ fn steps_gone_downhill_lose_what_bracketed_jumps_lose_and_their_ledgers_close_al
 fn every_loop_of_the_tip_is_kept_with_the_program() {
     let kept = tips::kept();
     let (mus, meshes) = tips::KEPT;
-    let wanted: Vec<_> = mus.iter().flat_map(|mu| meshes.iter().map(move |n| (*mu, *n))).collect();
-    assert_eq!(kept.iter().map(|tip| (tip.mu_rho, tip.points)).collect::<Vec<_>>(), wanted);
+    let wanted: Vec<_> = mus
+        .iter()
+        .flat_map(|mu| meshes.iter().map(move |n| (*mu, *n)))
+        .collect();
+    assert_eq!(
+        kept.iter()
+            .map(|tip| (tip.mu_rho, tip.points))
+            .collect::<Vec<_>>(),
+        wanted
+    );
     for tip in kept {
-        let range = scenes::tip(tip.points, tip.mu_rho).model().unwrap().law.range;
+        let range = scenes::tip(tip.points, tip.mu_rho)
+            .model()
+            .unwrap()
+            .law
+            .range;
         assert!((tip.range / range - 1.0).abs() < 1e-6);
-        assert!((tip.jumps.iter().sum::<f64>() - tip.released).abs() < 1e-3, "{} {}", tip.mu_rho, tip.points);
+        assert!(
+            (tip.jumps.iter().sum::<f64>() - tip.released).abs() < 1e-3,
+            "{} {}",
+            tip.mu_rho,
+            tip.points
+        );
     }
 }
 
@@ -168,16 +257,31 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
     scene.drive.turn = Turn::At(-0.03);
     let run = run(&scene, Part::Quarter);
     for state in &run.record.states {
-        assert!(state.stress.is_finite() && state.energy.is_finite() && state.residual <= 1e-6, "{state:?}");
+        assert!(
+            state.stress.is_finite() && state.energy.is_finite() && state.residual <= 1e-6,
+            "{state:?}"
+        );
     }
     assert!(run.record.jumps.iter().all(|j| j.released_energy > 0.0));
-    let deepest = run.record.states.iter().min_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement)).unwrap();
+    let deepest = run
+        .record
+        .states
+        .iter()
+        .min_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement))
+        .unwrap();
     let periodic = PeriodicJkr::new(TIP, 1.0);
-    let equal = (1..2000).map(|i| periodic.contact(0.2 + 5e-5 * f64::from(i))).find(|c| c.force < deepest.stress).unwrap();
+    let equal = (1..2000)
+        .map(|i| periodic.contact(0.2 + 5e-5 * f64::from(i)))
+        .find(|c| c.force < deepest.stress)
+        .unwrap();
     // At equal force the wall of the law gives way by less than half a range.
     let range = scene.model().unwrap().law.range;
     let given = equal.mean_displacement - deepest.mean_displacement;
-    assert!(deepest.stress < -2.0 * TIP.pull_off_force() && (0.0..0.5 * range).contains(&given), "{} {given}", deepest.stress);
+    assert!(
+        deepest.stress < -2.0 * TIP.pull_off_force() && (0.0..0.5 * range).contains(&given),
+        "{} {given}",
+        deepest.stress
+    );
 }
 
 #[test]

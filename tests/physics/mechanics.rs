@@ -1,4 +1,5 @@
-//! Energy, residual and Hessian of the half-space: derivatives by finite differences, and the symmetries of the problem.
+//! Energy, residual and Hessian of the half-space: derivatives by finite differences, and the
+//! symmetries of the problem.
 
 use ndarray::Array2;
 use proptest::prelude::*;
@@ -14,7 +15,11 @@ use tackscope::physics::preconditioner::Preconditioner;
 use tackscope::physics::system::System;
 use tackscope::solver::stability::random_smooth;
 
-const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+const LAW: Law = Law {
+    shape: Shape::Morse(Morse),
+    surface_energy: 0.15,
+    range: 1.0,
+};
 
 fn system(grid: Grid) -> System {
     System::new(grid, LAW, &Indenter::Flat)
@@ -40,7 +45,9 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
     let (system, amplitude, u0) = (system(grid), 0.7, 1.5);
     let q = TAU / grid.length * 5f64.sqrt();
     let wave = |x: f64, y: f64| amplitude * (TAU * (2.0 * x + y)).cos();
-    let field = Array2::from_shape_fn(grid.shape(), |(j, i)| wave(i as f64 / 32.0, j as f64 / 32.0));
+    let field = Array2::from_shape_fn(grid.shape(), |(j, i)| {
+        wave(i as f64 / 32.0, j as f64 / 32.0)
+    });
     let mut ws = system.workspace();
     let z = system.amplitudes(&field, &mut ws);
     let at = system.at(z, u0, &mut ws).state;
@@ -51,7 +58,12 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
         let r = LAW.at(gap);
         (e + r.energy / 4000.0, s + r.traction / 4000.0)
     });
-    assert!((at.energy - elastic - adhesive).abs() < 1e-13, "{} {}", at.energy, elastic + adhesive);
+    assert!(
+        (at.energy - elastic - adhesive).abs() < 1e-13,
+        "{} {}",
+        at.energy,
+        elastic + adhesive
+    );
     assert!((at.stress - stress).abs() < 1e-13);
 }
 
@@ -60,10 +72,20 @@ fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
     for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
         let system = system(grid);
         let (z, v) = (surface(&system, 1, 0.6), surface(&system, 2, 1.0));
-        let slope = dot(&system.at(z.clone(), 1.2, &mut system.workspace()).gradient, &v);
-        let error = |h: f64| ((energy(&system, &z, &v, h, 1.2) - energy(&system, &z, &v, -h, 1.2)) / (2.0 * h) - slope).abs();
+        let slope = dot(
+            &system.at(z.clone(), 1.2, &mut system.workspace()).gradient,
+            &v,
+        );
+        let error = |h: f64| {
+            ((energy(&system, &z, &v, h, 1.2) - energy(&system, &z, &v, -h, 1.2)) / (2.0 * h)
+                - slope)
+                .abs()
+        };
         let ratio = error(1e-2) / error(1e-3);
-        assert!((50.0..200.0).contains(&ratio), "error falls by {ratio}, not by 100");
+        assert!(
+            (50.0..200.0).contains(&ratio),
+            "error falls by {ratio}, not by 100"
+        );
         assert!(error(1e-4) < 1e-8);
     }
 }
@@ -72,7 +94,11 @@ fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
 fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
     for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
         let system = system(grid);
-        let (z, v, w) = (surface(&system, 3, 0.6), surface(&system, 4, 1.0), surface(&system, 5, 1.0));
+        let (z, v, w) = (
+            surface(&system, 3, 0.6),
+            surface(&system, 4, 1.0),
+            surface(&system, 5, 1.0),
+        );
         let mut ws = system.workspace();
         let at = system.at(z.clone(), 1.2, &mut ws);
         let (mut hv, mut hw) = (vec![0.0; z.len()], vec![0.0; z.len()]);
@@ -92,7 +118,10 @@ fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
             norm(&d)
         };
         let ratio = error(1e-2) / error(1e-3);
-        assert!((50.0..200.0).contains(&ratio), "error falls by {ratio}, not by 100");
+        assert!(
+            (50.0..200.0).contains(&ratio),
+            "error falls by {ratio}, not by 100"
+        );
     }
 }
 
@@ -100,10 +129,15 @@ fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
 fn mean_stress_is_the_derivative_of_the_energy_along_u0() {
     let system = system(Grid::square(60.0, 12));
     let z = surface(&system, 6, 0.5);
-    let stress = system.at(z.clone(), 1.0, &mut system.workspace()).state.stress;
+    let stress = system
+        .at(z.clone(), 1.0, &mut system.workspace())
+        .state
+        .stress;
     let still = vec![0.0; z.len()];
     let h = 1e-4;
-    let slope = (energy(&system, &z, &still, 0.0, 1.0 + h) - energy(&system, &z, &still, 0.0, 1.0 - h)) / (2.0 * h);
+    let slope = (energy(&system, &z, &still, 0.0, 1.0 + h)
+        - energy(&system, &z, &still, 0.0, 1.0 - h))
+        / (2.0 * h);
     assert!((slope - stress).abs() < 1e-9);
 }
 
@@ -144,18 +178,26 @@ proptest! {
     }
 }
 
-/// The Hessian as a dense matrix over real fields with zero mean, assembled in real space from cosines: nothing of the system's own
-/// transforms. Returns its eigenvalues in the metric mean(v^2), ascending.
+/// The Hessian as a dense matrix over real fields with zero mean, assembled in real space from
+/// cosines: nothing of the system's own transforms. Returns its eigenvalues in the metric
+/// mean(v^2), ascending.
 fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
     let (ny, nx) = grid.shape();
     let n = nx * ny;
-    let signed = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
+    let signed = |k: usize, n: usize| {
+        if 2 * k > n {
+            k as f64 - n as f64
+        } else {
+            k as f64
+        }
+    };
     let kernel = Array2::from_shape_fn((ny, nx), |(j, i)| {
         let mut sum = 0.0;
         for l in 0..ny {
             for k in 0..nx {
                 let q = TAU / grid.length * signed(k, nx).hypot(signed(l, ny));
-                sum += q / 2.0 * (TAU * (k * i) as f64 / nx as f64 + TAU * (l * j) as f64 / ny as f64).cos();
+                sum += q / 2.0
+                    * (TAU * (k * i) as f64 / nx as f64 + TAU * (l * j) as f64 / ny as f64).cos();
             }
         }
         sum / n as f64
@@ -169,7 +211,9 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
         a[r][r] += stiffness[r];
     }
     // Project the mean out, P A P with P = 1 - mean, and lift the uniform field out of the way.
-    let mean_row: Vec<f64> = (0..n).map(|s| (0..n).map(|r| a[r][s]).sum::<f64>() / n as f64).collect();
+    let mean_row: Vec<f64> = (0..n)
+        .map(|s| (0..n).map(|r| a[r][s]).sum::<f64>() / n as f64)
+        .collect();
     let mean = mean_row.iter().sum::<f64>() / n as f64;
     for (row, row_mean) in a.iter_mut().zip(&mean_row) {
         for (entry, column_mean) in row.iter_mut().zip(&mean_row) {
@@ -183,7 +227,11 @@ fn dense_eigenvalues(grid: &Grid, gap: &Array2<f64>) -> Vec<f64> {
 fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_space() {
     use tackscope::solver::mechanics::{Mechanics, Slides};
     use tackscope::solver::stability::Tracker;
-    for (grid, seed) in [(Grid::square(60.0, 8), 8), (Grid::line(90.0, 32), 9), (Grid::square(40.0, 10), 10)] {
+    for (grid, seed) in [
+        (Grid::square(60.0, 8), 8),
+        (Grid::line(90.0, 32), 9),
+        (Grid::square(40.0, 10), 10),
+    ] {
         let system = system(grid);
         let z = surface(&system, seed, 0.5);
         let mut mechanics = Mechanics::new(system, Slides::Never);
@@ -192,8 +240,16 @@ fn tracked_smallest_eigenvalue_agrees_with_a_dense_matrix_assembled_in_real_spac
         mechanics.refresh(&at.fields);
         let mut tracker = Tracker::new(Pcg64::seed_from_u64(1));
         let (found, _) = tracker.check(&mut mechanics, &at.state.amplitudes, &at.fields);
-        assert!((found.value - dense[0]).abs() <= found.error + 1e-12, "{grid:?}: {found:?}, dense {}", dense[0]);
-        assert!((found.value - dense[0]).abs() < 2e-3 * PI / grid.length, "{grid:?}: {found:?}, dense {}", dense[0]);
+        assert!(
+            (found.value - dense[0]).abs() <= found.error + 1e-12,
+            "{grid:?}: {found:?}, dense {}",
+            dense[0]
+        );
+        assert!(
+            (found.value - dense[0]).abs() < 2e-3 * PI / grid.length,
+            "{grid:?}: {found:?}, dense {}",
+            dense[0]
+        );
     }
 }
 
@@ -202,7 +258,8 @@ fn preconditioner_inverts_the_hessian_exactly_within_its_block_of_long_waves() {
     for grid in [Grid::square(60.0, 24), Grid::line(60.0, 24)] {
         let system = system(grid);
         let mut ws = system.workspace();
-        // The waves up to six per side: a stated property of the preconditioner, or 5 where 24 points allow no more.
+        // The waves up to six per side: a stated property of the preconditioner, or 5 where 24
+        // points allow no more.
         const BLOCK: f64 = 5.0;
         // A stiff state (deep in contact): no pivot is at its floor.
         let z = surface(&system, 11, 0.1);
@@ -251,10 +308,19 @@ fn a_moved_surface_has_the_field_of_the_surface_moved() {
 
 #[test]
 fn a_mie_law_across_zero_gap_has_no_finite_energy() {
-    let law = Law { shape: Shape::Mie(Mie { m: 8.0, n: 2.0 }), ..LAW };
+    let law = Law {
+        shape: Shape::Mie(Mie { m: 8.0, n: 2.0 }),
+        ..LAW
+    };
     let system = System::new(Grid::square(60.0, 12), law, &Indenter::Flat);
     let z = surface(&system, 14, 2.0);
-    assert!(!system.at(z, 0.5, &mut system.workspace()).state.energy.is_finite());
+    assert!(
+        !system
+            .at(z, 0.5, &mut system.workspace())
+            .state
+            .energy
+            .is_finite()
+    );
 }
 
 #[test]
@@ -262,9 +328,16 @@ fn threads_do_not_change_energy_force_or_hessian_by_a_single_bit() {
     let grid = Grid::square(256.0, 256);
     for make in [System::new, System::even] {
         // A quarter cell is shared from 512 points a side on.
-        let grid = if make(grid, LAW, &Indenter::Flat).is_even() { Grid::square(256.0, 512) } else { grid };
+        let grid = if make(grid, LAW, &Indenter::Flat).is_even() {
+            Grid::square(256.0, 512)
+        } else {
+            grid
+        };
         let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
             pool.install(|| {
                 let system = make(grid, LAW, &Indenter::Flat);
                 let (z, v) = (surface(&system, 3, 0.4), surface(&system, 4, 1.0));

@@ -7,7 +7,11 @@ use tackscope::physics::mesh_rule::*;
 use tackscope::physics::theory::{flat, units};
 
 fn law(shape: Shape) -> Law {
-    Law { shape, surface_energy: 0.15, range: 1.0 }
+    Law {
+        shape,
+        surface_energy: 0.15,
+        range: 1.0,
+    }
 }
 
 #[test]
@@ -17,12 +21,19 @@ fn the_range_is_equation_11_for_morse_and_its_likes_for_the_other_laws() {
     for (shape, factor, digits) in [
         (Shape::Morse(Morse), 0.5, 1e-15),
         // The softening of 8-2 to the seven digits printed.
-        (Shape::Mie(Mie { m: 8.0, n: 2.0 }), 1.252758_f64.sqrt(), 2e-7),
+        (
+            Shape::Mie(Mie { m: 8.0, n: 2.0 }),
+            1.252758_f64.sqrt(),
+            2e-7,
+        ),
         (Shape::Cosine(Cosine { smooth: false }), PI / SQRT_2, 1e-15),
         (Shape::Cosine(Cosine { smooth: true }), PI / SQRT_2, 1e-15),
     ] {
         let range = range_for_mu_rho(&law(shape), da, mu);
-        assert!((range - factor * unit).abs() <= digits * range, "{shape:?}: {range}");
+        assert!(
+            (range - factor * unit).abs() <= digits * range,
+            "{shape:?}: {range}"
+        );
     }
 }
 
@@ -32,7 +43,10 @@ fn figure_2_at_64_points_has_the_mu_rho_of_equation_11() {
     let law = law(Shape::Morse(Morse));
     assert!((mu_rho(&law, 4.0) - 0.6_f64.sqrt() / 2.0).abs() < 1e-15);
     assert!((points_for_mu_rho(&law, 256.0, 0.5) - 38.4).abs() < 1e-12);
-    let units = units::Units { length: 256.0, surface_energy: 0.15 };
+    let units = units::Units {
+        length: 256.0,
+        surface_energy: 0.15,
+    };
     assert!((units::mu_rho(units.reduce(1.0), 64.0) - mu_rho(&law, 4.0)).abs() < 1e-15);
 }
 
@@ -47,7 +61,10 @@ fn equation_33_as_printed_is_mu_rho_of_one() {
 fn equation_9_as_printed_is_mu_rho_of_root_pi() {
     // rho = sqrt(gamma da/(4 pi E*)) for Morse.
     let da: f64 = 0.7;
-    let law = Law { range: (0.15 * da / (4.0 * PI)).sqrt(), ..law(Shape::Morse(Morse)) };
+    let law = Law {
+        range: (0.15 * da / (4.0 * PI)).sqrt(),
+        ..law(Shape::Morse(Morse))
+    };
     assert!((mu_rho(&law, da) - PI.sqrt()).abs() < 1e-14);
 }
 
@@ -77,10 +94,24 @@ fn table_1_follows_from_the_cohesive_zone_lengths() {
     for model in TABLE_1 {
         // Printed to three digits: half a unit in the last one is 5e-4, for Hui's 1.09 5e-3.
         let rounding = if model.author == "Hui" { 5e-3 } else { 5e-4 };
-        assert!((mu_rho_of_zone(model.zone) - model.mu_rho).abs() <= rounding, "{}", model.author);
+        assert!(
+            (mu_rho_of_zone(model.zone) - model.mu_rho).abs() <= rounding,
+            "{}",
+            model.author
+        );
     }
     // The lengths of the literature, in units of E* gamma/sigma_max^2.
-    assert_eq!(TABLE_1.map(|model| model.zone), [PI / 8.0, 1.0, 1.0 / PI, 9.0 * PI / 32.0, 2.0 / (3.0 * PI), 0.47]);
+    assert_eq!(
+        TABLE_1.map(|model| model.zone),
+        [
+            PI / 8.0,
+            1.0,
+            1.0 / PI,
+            9.0 * PI / 32.0,
+            2.0 / (3.0 * PI),
+            0.47
+        ]
+    );
 }
 
 proptest! {

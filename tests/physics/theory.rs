@@ -5,10 +5,11 @@ use std::f64::consts::{LN_2, PI};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::{flat, ridge, units};
 
-/// L/L_c, rho~, upper and lower limit of the Morse law over rho, lower limit of the cosine law of equal softening over rho.
+/// L/L_c, rho~, upper and lower limit of the Morse law over rho, lower limit of the cosine law of
+/// equal softening over rho.
 ///
-/// Rows of the project's reference file fig4.csv, which evaluates Eq. 8 and the cosine's arccos form with many digits and prints
-/// eight.
+/// Rows of the project's reference file fig4.csv, which evaluates Eq. 8 and the cosine's arccos
+/// form with many digits and prints eight.
 const FIG_4: [[f64; 5]; 10] = [
     [1.001, 0.28195385, 1.4184116, 1.3551766, 4.3796637],
     [1.05, 0.27529633, 1.6324736, 1.1889053, 4.0046964],
@@ -24,28 +25,87 @@ const FIG_4: [[f64; 5]; 10] = [
 
 /// u~, alpha, vhat, p~, W of the exact zero-range ridge.
 ///
-/// Rows of the project's reference file ridge_exact.csv: roots found with 40 digits, printed with ten; checked there by a
-/// Gauss-Chebyshev solution and by an extrapolated boundary-element solution.
+/// Rows of the project's reference file ridge_exact.csv: roots found with 40 digits, printed with
+/// ten; checked there by a Gauss-Chebyshev solution and by an extrapolated boundary-element
+/// solution.
 const RIDGE: [[f64; 5]; 15] = [
-    [0.0001, 0.00233508865, 116754.1707, -0.002335083414, -0.9964973696],
-    [0.001, 0.01083852141, 5418.998889, -0.01083799778, -0.9837424797],
-    [0.01, 0.05030797084, 251.2777272, -0.05025554545, -0.9245642564],
-    [0.05, 0.1471037473, 29.15610917, -0.1457805458, -0.7800059798],
+    [
+        0.0001,
+        0.00233508865,
+        116754.1707,
+        -0.002335083414,
+        -0.9964973696,
+    ],
+    [
+        0.001,
+        0.01083852141,
+        5418.998889,
+        -0.01083799778,
+        -0.9837424797,
+    ],
+    [
+        0.01,
+        0.05030797084,
+        251.2777272,
+        -0.05025554545,
+        -0.9245642564,
+    ],
+    [
+        0.05,
+        0.1471037473,
+        29.15610917,
+        -0.1457805458,
+        -0.7800059798,
+    ],
     [0.1, 0.2335336754, 11.40754288, -0.2281508576, -0.6523908958],
     [0.2, 0.3709460883, 4.355220088, -0.3484176071, -0.4548451081],
     [0.3, 0.4869138365, 2.405988179, -0.4330778722, -0.2965472274],
     [0.4, 0.5920772575, 1.52656816, -0.4885018112, -0.1636718369],
     [0.5, 0.6924862343, 1.02419025, -0.5120951249, -0.05146620321],
-    [0.55, 0.7431812343, 0.8399316761, -0.508158664, -0.002739433696],
+    [
+        0.55,
+        0.7431812343,
+        0.8399316761,
+        -0.508158664,
+        -0.002739433696,
+    ],
     [0.6, 0.7969394696, 0.6772524768, -0.4876217833, 0.0407503613],
-    [0.64, 0.8473764451, 0.5462515422, -0.4474892634, 0.07112107681],
-    [0.66, 0.8836818894, 0.4605322714, -0.4012157148, 0.08428974681],
-    [0.664, 0.8965366664, 0.4312149212, -0.3802418678, 0.08665760026],
-    [0.665, 0.9019037771, 0.4190613752, -0.3706388333, 0.08722319372],
+    [
+        0.64,
+        0.8473764451,
+        0.5462515422,
+        -0.4474892634,
+        0.07112107681,
+    ],
+    [
+        0.66,
+        0.8836818894,
+        0.4605322714,
+        -0.4012157148,
+        0.08428974681,
+    ],
+    [
+        0.664,
+        0.8965366664,
+        0.4312149212,
+        -0.3802418678,
+        0.08665760026,
+    ],
+    [
+        0.665,
+        0.9019037771,
+        0.4190613752,
+        -0.3706388333,
+        0.08722319372,
+    ],
 ];
 
 fn morse() -> Law {
-    Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+    Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 0.15,
+        range: 1.0,
+    }
 }
 
 /// Eq. 8: lower and upper limit of the Morse law, with E* = 1.
@@ -57,11 +117,18 @@ fn equation_8(law: &Law, length: f64) -> (f64, f64) {
 
 #[test]
 fn the_limits_of_figures_2_and_3_are_those_of_equation_8() {
-    // 3.10228 and 0.78734 are printed in the project's physics notes, 4.5616584 and 0.7142579 in fig4.csv.
+    // 3.10228 and 0.78734 are printed in the project's physics notes, 4.5616584 and 0.7142579 in
+    // fig4.csv.
     let (lower, upper) = flat::limits(&morse(), 256.0).unwrap();
-    assert!((lower - 0.78734).abs() < 5e-6 && (upper - 3.10228).abs() < 5e-6, "{lower} {upper}");
+    assert!(
+        (lower - 0.78734).abs() < 5e-6 && (upper - 3.10228).abs() < 5e-6,
+        "{lower} {upper}"
+    );
     let (lower, upper) = flat::limits(&morse(), 1024.0).unwrap();
-    assert!((lower - 0.7142579).abs() < 5e-8 && (upper - 4.5616584).abs() < 5e-8, "{lower} {upper}");
+    assert!(
+        (lower - 0.7142579).abs() < 5e-8 && (upper - 4.5616584).abs() < 5e-8,
+        "{lower} {upper}"
+    );
 }
 
 #[test]
@@ -71,14 +138,31 @@ fn the_limits_follow_figure_4_for_morse_and_cosine() {
         let length = ratio * flat::critical_length(&law);
         let (found_lower, found_upper) = flat::limits(&law, length).unwrap();
         // Printed to eight digits.
-        assert!((found_upper / upper - 1.0).abs() < 6e-8, "{ratio}: {found_upper}");
-        assert!((found_lower / lower - 1.0).abs() < 6e-8, "{ratio}: {found_lower}");
+        assert!(
+            (found_upper / upper - 1.0).abs() < 6e-8,
+            "{ratio}: {found_upper}"
+        );
+        assert!(
+            (found_lower / lower - 1.0).abs() < 6e-8,
+            "{ratio}: {found_lower}"
+        );
         assert!((units::length_ratio(rho) / ratio - 1.0).abs() < 2e-7);
-        // The cosine law with the same largest softening has g_c = sqrt2 pi rho, and so the same L_c.
-        let cosine = Law { shape: Shape::Cosine(Cosine { smooth: false }), range: 2.0_f64.sqrt() * PI, ..law };
+        // The cosine law with the same largest softening has g_c = sqrt2 pi rho, and so the same
+        // L_c.
+        let cosine = Law {
+            shape: Shape::Cosine(Cosine { smooth: false }),
+            range: 2.0_f64.sqrt() * PI,
+            ..law
+        };
         let (found_lower, found_upper) = flat::limits(&cosine, length).unwrap();
-        assert_eq!(found_upper, cosine.range, "the upper limit is the cut-off itself");
-        assert!((found_lower / cosine_lower - 1.0).abs() < 6e-8, "{ratio}: {found_lower}");
+        assert_eq!(
+            found_upper, cosine.range,
+            "the upper limit is the cut-off itself"
+        );
+        assert!(
+            (found_lower / cosine_lower - 1.0).abs() < 6e-8,
+            "{ratio}: {found_lower}"
+        );
     }
 }
 
@@ -100,12 +184,19 @@ fn the_two_limits_close_in_on_the_softest_gap_at_the_critical_length() {
     let law = morse();
     let (lower, upper) = flat::limits(&law, flat::critical_length(&law) * (1.0 + 1e-8)).unwrap();
     // Eq. 8 with the root sqrt(1e-8): ln 4 -+ 1e-4.
-    assert!((upper - 2.0 * LN_2 - 1e-4).abs() < 1e-7 && (lower - 2.0 * LN_2 + 1e-4).abs() < 1e-7, "{lower} {upper}");
+    assert!(
+        (upper - 2.0 * LN_2 - 1e-4).abs() < 1e-7 && (lower - 2.0 * LN_2 + 1e-4).abs() < 1e-7,
+        "{lower} {upper}"
+    );
 }
 
 #[test]
 fn the_flat_state_is_unstable_between_its_limits_and_stable_outside_for_every_law() {
-    let more = [Shape::Cosine(Cosine { smooth: true }), Shape::Mie(Mie { m: 12.0, n: 6.0 }), Shape::Mie(Mie { m: 3.0, n: 0.5 })];
+    let more = [
+        Shape::Cosine(Cosine { smooth: true }),
+        Shape::Mie(Mie { m: 12.0, n: 6.0 }),
+        Shape::Mie(Mie { m: 3.0, n: 0.5 }),
+    ];
     for shape in Shape::all().into_iter().chain(more) {
         let law = Law { shape, ..morse() };
         for ratio in [1.01, 3.0, 50.0, 1e4] {
@@ -113,16 +204,22 @@ fn the_flat_state_is_unstable_between_its_limits_and_stable_outside_for_every_la
             let (lower, upper) = flat::limits(&law, length).unwrap();
             assert!(law.equilibrium_gap() < lower && lower < upper, "{shape:?}");
             let stiffness = |u0: f64| flat::stiffness_min(&law, length, u0);
-            assert!(stiffness(lower * (1.0 - 1e-9)) > 0.0 && stiffness(lower * (1.0 + 1e-9)) < 0.0, "{shape:?} {ratio}");
-            assert!(stiffness(upper * (1.0 - 1e-9)) < 0.0 && stiffness(upper * (1.0 + 1e-9)) > 0.0, "{shape:?} {ratio}");
+            assert!(
+                stiffness(lower * (1.0 - 1e-9)) > 0.0 && stiffness(lower * (1.0 + 1e-9)) < 0.0,
+                "{shape:?} {ratio}"
+            );
+            assert!(
+                stiffness(upper * (1.0 - 1e-9)) < 0.0 && stiffness(upper * (1.0 + 1e-9)) > 0.0,
+                "{shape:?} {ratio}"
+            );
         }
     }
 }
 
 #[test]
 fn the_flat_stiffness_is_the_energy_of_the_longest_wave() {
-    // Second difference in the amplitude a of the energy per area of u = u0 + a sqrt2 cos(q1 x):
-    // V = (q1 E*/4) a^2 + mean gamma(u), with q1 = 2 pi/L; Hessian times L/E* against pi + L gamma''.
+    // Second difference in the amplitude a of the energy per area of u = u0 + a sqrt2 cos(q1 x): V
+    // = (q1 E*/4) a^2 + mean gamma(u), with q1 = 2 pi/L; Hessian times L/E* against pi + L gamma''.
     let (law, length, u0) = (morse(), 256.0, 3.3);
     let n = 64;
     let energy = |a: f64| {
@@ -133,20 +230,31 @@ fn the_flat_stiffness_is_the_energy_of_the_longest_wave() {
     let a = 1e-3;
     let second = length * (energy(a) - 2.0 * energy(0.0) + energy(-a)) / (a * a);
     // Truncation a^2 times a fourth derivative of order one times L; rounding 1e-17 L/a^2.
-    assert!((second - flat::stiffness_min(&law, length, u0)).abs() < 2e-5, "{second}");
+    assert!(
+        (second - flat::stiffness_min(&law, length, u0)).abs() < 2e-5,
+        "{second}"
+    );
 }
 
 #[test]
 fn the_derivatives_of_the_ridge_energy_match_finite_differences() {
     for alpha in [0.05, 0.2, 0.49, 0.51, 0.7, 0.91, 0.97] {
         let h = 1e-5 * f64::min(alpha, 1.0 - alpha);
-        let (left, here, right) =
-            (ridge::elastic_energy(alpha - h), ridge::elastic_energy(alpha), ridge::elastic_energy(alpha + h));
+        let (left, here, right) = (
+            ridge::elastic_energy(alpha - h),
+            ridge::elastic_energy(alpha),
+            ridge::elastic_energy(alpha + h),
+        );
         for k in 0..3 {
             let difference = (right[k] - left[k]) / (2.0 * h);
-            // vhat goes as alpha^-2 for small alpha: h^2/6 of the next but one derivative is 5e-10 of this one; rounding 1e-16/1e-5.
+            // vhat goes as alpha^-2 for small alpha: h^2/6 of the next but one derivative is 5e-10
+            // of this one; rounding 1e-16/1e-5.
             let scale = here[k + 1].abs() + here[k].abs() / alpha.min(1.0 - alpha);
-            assert!((difference - here[k + 1]).abs() < 2e-9 * scale, "{alpha} {k}: {difference} for {}", here[k + 1]);
+            assert!(
+                (difference - here[k + 1]).abs() < 2e-9 * scale,
+                "{alpha} {k}: {difference} for {}",
+                here[k + 1]
+            );
         }
     }
 }
@@ -165,7 +273,12 @@ fn the_ridge_energy_is_the_logarithm_of_the_cosine_and_joins_smoothly_at_one_hal
 fn the_flattening_point_is_the_reference_one() {
     let c = ridge::critical();
     // The project's reference constants.json: closed form evaluated with 40 digits.
-    let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-8, "{found} for {expected}");
+    let close = |found: f64, expected: f64| {
+        assert!(
+            (found / expected - 1.0).abs() < 1e-8,
+            "{found} for {expected}"
+        );
+    };
     close(c.alpha, 0.910058790103261);
     close(c.displacement, 0.665607924044715);
     close(c.elastic_energy[0], 0.400642787007369);
@@ -182,10 +295,14 @@ fn the_flattening_point_is_the_reference_one() {
 fn the_ridge_branch_follows_the_reference_table() {
     for [u, alpha, vhat, p, w] in RIDGE {
         let found = ridge::alpha(u).unwrap();
-        // Ten digits are printed; close to the fold alpha is a square root of u_c - u and loses some.
+        // Ten digits are printed; close to the fold alpha is a square root of u_c - u and loses
+        // some.
         let fold = (1.0 / (ridge::critical().displacement - u)).sqrt();
         let close = |found: f64, expected: f64| {
-            assert!((found - expected).abs() < 2e-10 * fold * expected.abs().max(0.1), "{u}: {found} for {expected}");
+            assert!(
+                (found - expected).abs() < 2e-10 * fold * expected.abs().max(0.1),
+                "{u}: {found} for {expected}"
+            );
         };
         close(found, alpha);
         close(ridge::elastic_energy(found)[0], vhat);
@@ -201,13 +318,17 @@ fn the_pressure_of_the_ridge_is_the_slope_of_its_energy() {
         let h = 1e-5 * u;
         let w = |u: f64| ridge::energy(ridge::alpha(u).unwrap(), u);
         let slope = -u * (w(u + h) - w(u - h)) / (2.0 * h);
-        assert!((slope / ridge::pressure(u).unwrap() - 1.0).abs() < 1e-8, "{u}");
+        assert!(
+            (slope / ridge::pressure(u).unwrap() - 1.0).abs() < 1e-8,
+            "{u}"
+        );
     }
 }
 
 #[test]
 fn the_thick_asymptote_is_within_one_per_cent_only_below_five_hundredths() {
-    let error = |u: f64| (-(4.0 / PI).cbrt() * u.powf(2.0 / 3.0) / ridge::pressure(u).unwrap() - 1.0).abs();
+    let error =
+        |u: f64| (-(4.0 / PI).cbrt() * u.powf(2.0 / 3.0) / ridge::pressure(u).unwrap() - 1.0).abs();
     assert!(error(0.049) < 0.01 && error(0.06) > 0.01);
 }
 
@@ -215,16 +336,31 @@ fn the_thick_asymptote_is_within_one_per_cent_only_below_five_hundredths() {
 fn next_to_the_fold_the_pressure_follows_its_square_root() {
     let c = ridge::critical();
     let slope = |d: f64| (ridge::pressure(c.displacement - d).unwrap() - c.pressure) / d.sqrt();
-    // The next term is of order sqrt(d): a tenth of d makes the distance from the limit smaller by sqrt(10).
-    let (far, near) = (slope(1e-5) / c.pressure_root - 1.0, slope(1e-6) / c.pressure_root - 1.0);
-    assert!(near.abs() < 0.01 && (far / near - 10.0_f64.sqrt()).abs() < 0.1, "{far} {near}");
+    // The next term is of order sqrt(d): a tenth of d makes the distance from the limit smaller by
+    // sqrt(10).
+    let (far, near) = (
+        slope(1e-5) / c.pressure_root - 1.0,
+        slope(1e-6) / c.pressure_root - 1.0,
+    );
+    assert!(
+        near.abs() < 0.01 && (far / near - 10.0_f64.sqrt()).abs() < 0.1,
+        "{far} {near}"
+    );
 }
 
 #[test]
 fn there_is_no_stable_ridge_beyond_the_fold_nor_at_zero_or_nan() {
     let end = ridge::critical().displacement;
     assert!(ridge::alpha(end).is_some());
-    for u in [end * (1.0 + 1e-12), 0.7, 1e9, 0.0, -0.1, f64::NAN, f64::INFINITY] {
+    for u in [
+        end * (1.0 + 1e-12),
+        0.7,
+        1e9,
+        0.0,
+        -0.1,
+        f64::NAN,
+        f64::INFINITY,
+    ] {
         assert_eq!(ridge::alpha(u), None, "{u}");
     }
 }
@@ -238,7 +374,10 @@ fn the_ridge_has_the_energy_of_the_flat_state_at_the_maxwell_point() {
 
 #[test]
 fn the_numbers_of_figure_2_in_reduced_units() {
-    let units = units::Units { length: 256.0, surface_energy: 0.15 };
+    let units = units::Units {
+        length: 256.0,
+        surface_energy: 0.15,
+    };
     // 0.16137 and 3.06 are printed in the project's notes.
     assert!((units.reduce(1.0) - 0.16137).abs() < 5e-6);
     assert!((units::length_ratio(units.reduce(1.0)) - 3.06).abs() < 5e-3);

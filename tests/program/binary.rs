@@ -19,7 +19,12 @@ pub fn folder() -> TempDir {
 }
 
 pub fn run(scene: &str, out: &Path, more: &[&str]) -> Output {
-    tackscope().args(["run", scene, "--out"]).arg(out).args(more).output().expect("the binary runs")
+    tackscope()
+        .args(["run", scene, "--out"])
+        .arg(out)
+        .args(more)
+        .output()
+        .expect("the binary runs")
 }
 
 pub fn errors(output: &Output) -> String {
@@ -27,10 +32,12 @@ pub fn errors(output: &Output) -> String {
 }
 
 pub fn summary(folder: &Path) -> serde_json::Value {
-    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("summary.json")).expect("JSON")
+    serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("summary.json"))
+        .expect("JSON")
 }
 
-/// The path of a scene file in a folder of its own: Fig. 2, in which the beginnings of lines are replaced.
+/// The path of a scene file in a folder of its own: Fig. 2, in which the beginnings of lines are
+/// replaced.
 pub fn fig2_with(replacements: &[(&str, &str)]) -> (String, TempDir) {
     let home = folder();
     let mut text = presets::find("fig2").expect("built in").text.to_owned();
@@ -57,7 +64,11 @@ impl Running {
     }
 
     pub fn spawn(mut command: Command) -> Self {
-        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("the binary runs");
+        let mut child = command
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("the binary runs");
         let told = BufReader::new(child.stderr.take().expect("a pipe"));
         Self { child, told }
     }
@@ -74,7 +85,10 @@ impl Running {
     }
 
     pub fn signal(&self, name: &str) {
-        let sent = Command::new("kill").args([&format!("-{name}"), &self.id().to_string()]).status().expect("kill runs");
+        let sent = Command::new("kill")
+            .args([&format!("-{name}"), &self.id().to_string()])
+            .status()
+            .expect("kill runs");
         assert!(sent.success(), "it has ended before {name}");
     }
 

@@ -15,10 +15,16 @@ fn refused(scene: &str, more: &[&str], parts: &[&str]) {
     let sentence = errors(&output);
     assert_eq!(output.status.code(), Some(2), "{sentence}");
     for part in parts {
-        assert!(sentence.contains(part), "{part:?} is missing in: {sentence}");
+        assert!(
+            sentence.contains(part),
+            "{part:?} is missing in: {sentence}"
+        );
     }
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
-    assert!(!out.path().join("out").exists(), "nothing is written for a refused scene");
+    assert!(
+        !out.path().join("out").exists(),
+        "nothing is written for a refused scene"
+    );
 }
 
 /// Fig. 2 with one line replaced, refused as a file of its own whose name is in the sentence.
@@ -35,54 +41,121 @@ fn refused_line(line: &str, replacement: &str, parts: &[&str]) {
 
 #[test]
 fn a_missing_file_is_named_with_the_presets() {
-    refused("nowhere/mine.toml", &[], &["nowhere/mine.toml", "no such preset or scene file", "fig2, fig3, no-hysteresis"]);
+    refused(
+        "nowhere/mine.toml",
+        &[],
+        &[
+            "nowhere/mine.toml",
+            "no such preset or scene file",
+            "fig2, fig3, no-hysteresis",
+        ],
+    );
     refused("fig22", &[], &["fig22", "did you mean fig2"]);
 }
 
 #[test]
 fn bad_toml_is_refused_with_line_and_column() {
-    refused_line("length = 256.0", "length = = 256.0", &["line 8", "column 10", "not TOML"]);
+    refused_line(
+        "length = 256.0",
+        "length = = 256.0",
+        &["line 8", "column 10", "not TOML"],
+    );
 }
 
 #[test]
 fn an_unknown_key_is_refused() {
-    refused_line("length = 256.0", "lenght = 256.0", &["cell.lenght", "did you mean length", "length, points"]);
+    refused_line(
+        "length = 256.0",
+        "lenght = 256.0",
+        &["cell.lenght", "did you mean length", "length, points"],
+    );
 }
 
 #[test]
 fn nan_is_refused() {
-    refused_line("length = 256.0", "length = nan", &["cell.length = nan", "a finite number above 0"]);
-    refused("fig2", &["--step", "nan"], &["--step NaN", "drive.step = NaN", "a finite number above 0"]);
+    refused_line(
+        "length = 256.0",
+        "length = nan",
+        &["cell.length = nan", "a finite number above 0"],
+    );
+    refused(
+        "fig2",
+        &["--step", "nan"],
+        &["--step NaN", "drive.step = NaN", "a finite number above 0"],
+    );
 }
 
 #[test]
 fn an_odd_or_zero_or_enormous_number_of_points_is_refused() {
     for n in ["63", "0", "1000000"] {
         let value = format!("cell.points = {n}");
-        refused_line("points = 64", &format!("points = {n}"), &[&value, "an even number from 4 to 4096"]);
-        refused("fig2", &["--points", n], &["fig2 with --points", &value, "an even number from 4 to 4096"]);
+        refused_line(
+            "points = 64",
+            &format!("points = {n}"),
+            &[&value, "an even number from 4 to 4096"],
+        );
+        refused(
+            "fig2",
+            &["--points", n],
+            &[
+                "fig2 with --points",
+                &value,
+                "an even number from 4 to 4096",
+            ],
+        );
     }
 }
 
 #[test]
 fn a_negative_range_is_refused() {
-    refused_line("range = 1.0", "range = -1.0", &["law.range = -1", "a finite number above 0"]);
+    refused_line(
+        "range = 1.0",
+        "range = -1.0",
+        &["law.range = -1", "a finite number above 0"],
+    );
 }
 
 #[test]
 fn a_mie_law_with_m_not_above_n_is_refused() {
-    refused_line("kind = \"morse\"", "kind = \"mie\"\nm = 2.0\nn = 2.0", &["law.m = 2", "above law.n = 2"]);
-    refused_line("kind = \"morse\"", "kind = \"mie\"\nm = 2.0\nn = 8.0", &["law.m = 2", "above law.n = 8"]);
+    refused_line(
+        "kind = \"morse\"",
+        "kind = \"mie\"\nm = 2.0\nn = 2.0",
+        &["law.m = 2", "above law.n = 2"],
+    );
+    refused_line(
+        "kind = \"morse\"",
+        "kind = \"mie\"\nm = 2.0\nn = 8.0",
+        &["law.m = 2", "above law.n = 8"],
+    );
 }
 
 #[test]
 fn a_negative_step_is_refused_by_the_scene_and_a_bad_option_by_the_command_line() {
-    refused("fig2", &["--step", "-0.1"], &["drive.step = -0.1", "above 0"]);
-    for bad in [["--seed", "-1"], ["--method", "magic"], ["--points", "many"]] {
-        assert_eq!(run("fig2", folder().path(), &bad).status.code(), Some(2), "{bad:?}");
+    refused(
+        "fig2",
+        &["--step", "-0.1"],
+        &["drive.step = -0.1", "above 0"],
+    );
+    for bad in [
+        ["--seed", "-1"],
+        ["--method", "magic"],
+        ["--points", "many"],
+    ] {
+        assert_eq!(
+            run("fig2", folder().path(), &bad).status.code(),
+            Some(2),
+            "{bad:?}"
+        );
     }
-    assert_eq!(tackscope().arg("run").output().expect("runs").status.code(), Some(2));
-    refused("fig2", &["--yardstick", "--method", "gfmd"], &["--yardstick", "leave one of the two out"]);
+    assert_eq!(
+        tackscope().arg("run").output().expect("runs").status.code(),
+        Some(2)
+    );
+    refused(
+        "fig2",
+        &["--yardstick", "--method", "gfmd"],
+        &["--yardstick", "leave one of the two out"],
+    );
 }
 
 #[test]
@@ -94,7 +167,10 @@ fn a_folder_that_cannot_be_written_is_refused_before_anything_is_computed() {
         let output = run("fig2", &out, &[]);
         let sentence = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{sentence}");
-        assert!(sentence.contains(&out.display().to_string()) && sentence.contains("cannot be written"), "{sentence}");
+        assert!(
+            sentence.contains(&out.display().to_string()) && sentence.contains("cannot be written"),
+            "{sentence}"
+        );
         assert_eq!(sentence.lines().count(), 1, "{sentence}");
     }
     assert_eq!(fs::read_to_string(&file).expect("there"), "in the way");
@@ -107,25 +183,51 @@ fn a_run_writes_every_file_and_one_closing_line() {
     let output = run("no-hysteresis", &out, &[]);
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
     let line = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(line.contains("dissipated energy 0.0000 gamma") && line.lines().count() == 1, "{line}");
+    assert!(
+        line.contains("dissipated energy 0.0000 gamma") && line.lines().count() == 1,
+        "{line}"
+    );
     let loop_csv = fs::read_to_string(out.join("loop.csv")).expect("loop.csv");
     assert!(loop_csv.starts_with(
         "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds\n"
     ));
     assert!(loop_csv.lines().count() > 400);
     let events = fs::read_to_string(out.join("events.csv")).expect("events.csv");
-    assert_eq!(events, "branch,mean_displacement,from,to,released_energy,cause\n");
+    assert_eq!(
+        events,
+        "branch,mean_displacement,from,to,released_energy,cause\n"
+    );
     let summary = summary(&out);
     assert_eq!(summary["completed"], true);
     assert_eq!(summary["stop"], "completed");
-    assert!(summary["dissipated_energy"].as_f64().expect("a number").abs() < 1e-6);
+    assert!(
+        summary["dissipated_energy"]
+            .as_f64()
+            .expect("a number")
+            .abs()
+            < 1e-6
+    );
     assert_eq!(summary["ledger_mismatch"], "not available");
     assert_eq!(summary["counts"]["jumps"], 0);
     let scene = summary["scene"]["toml"].as_str().expect("the scene");
-    assert_eq!(tackscope::storage::scene_file::parse(scene, "summary"), presets::find("no-hysteresis").expect("built in").scene());
-    assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("no jumps"));
-    assert!(fs::read(out.join("loop.png")).expect("loop.png").starts_with(b"\x89PNG"));
-    let hidden = fs::read_dir(&out).expect("listed").flatten().filter(|e| e.file_name().to_string_lossy().starts_with('.'));
+    assert_eq!(
+        tackscope::storage::scene_file::parse(scene, "summary"),
+        presets::find("no-hysteresis").expect("built in").scene()
+    );
+    assert!(
+        fs::read_to_string(out.join("loop.svg"))
+            .expect("loop.svg")
+            .contains("no jumps")
+    );
+    assert!(
+        fs::read(out.join("loop.png"))
+            .expect("loop.png")
+            .starts_with(b"\x89PNG")
+    );
+    let hidden = fs::read_dir(&out)
+        .expect("listed")
+        .flatten()
+        .filter(|e| e.file_name().to_string_lossy().starts_with('.'));
     assert_eq!(hidden.count(), 0, "no temporary file is left");
 }
 
@@ -143,9 +245,21 @@ fn run_with(preset: &str, lines: &[(&str, &str)], out: &Path, more: &[&str]) -> 
 
 #[test]
 fn an_atlas_is_refused_where_the_scene_has_none() {
-    refused("hertz", &["--model", "atlas"], &["--model = atlas", "uneven ground", "leave --model out"]);
-    refused("ridge-line", &["--model", "atlas"], &["--model = atlas", "line cell"]);
-    refused("fig2", &["--points", "6", "--model", "atlas"], &["--model = atlas", "6 points"]);
+    refused(
+        "hertz",
+        &["--model", "atlas"],
+        &["--model = atlas", "uneven ground", "leave --model out"],
+    );
+    refused(
+        "ridge-line",
+        &["--model", "atlas"],
+        &["--model = atlas", "line cell"],
+    );
+    refused(
+        "fig2",
+        &["--points", "6", "--model", "atlas"],
+        &["--model = atlas", "6 points"],
+    );
 }
 
 #[test]
@@ -153,41 +267,106 @@ fn the_loss_comes_with_its_check_and_a_check_that_fails_is_told_everywhere() {
     let home = folder();
     let told = run("fig2", home.path(), &[]);
     let line = String::from_utf8(told.stdout).expect("UTF-8");
-    assert!(line.contains("dissipated energy 0.1175 gamma, expected error 0.0") && line.contains("8 jumps"), "{line}");
+    assert!(
+        line.contains("dissipated energy 0.1175 gamma, expected error 0.0")
+            && line.contains("8 jumps"),
+        "{line}"
+    );
     let good = summary(home.path());
     assert_eq!(good["warnings"], serde_json::json!([]));
-    assert_eq!((&good["closed"], &good["counts"]["jumps"], &good["counts"]["transitions"]), (&true.into(), &8.into(), &0.into()));
+    assert_eq!(
+        (
+            &good["closed"],
+            &good["counts"]["jumps"],
+            &good["counts"]["transitions"]
+        ),
+        (&true.into(), &8.into(), &0.into())
+    );
     let number = |summary: &serde_json::Value, key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
-    assert_eq!(number(&good, "dissipated_energy"), number(&good, "released_energy_sum"));
-    assert!((number(&good, "loop_integral") / number(&good, "dissipated_energy") - 1.0).abs() < 1e-4);
+    assert_eq!(
+        number(&good, "dissipated_energy"),
+        number(&good, "released_energy_sum")
+    );
+    assert!(
+        (number(&good, "loop_integral") / number(&good, "dissipated_energy") - 1.0).abs() < 1e-4
+    );
     assert!(number(&good, "released_energy_error") > 0.0 && number(&good, "stated_error") < 1e-3);
     let told = run("fig2", home.path(), &["--step", "5"]);
-    assert!(errors(&told).contains("the loop integral"), "{}", errors(&told));
+    assert!(
+        errors(&told).contains("the loop integral"),
+        "{}",
+        errors(&told)
+    );
     let rough = summary(home.path());
-    assert!((number(&rough, "dissipated_energy") - number(&good, "dissipated_energy")).abs() < 1e-6);
-    assert!(rough["warnings"][0].as_str().is_some_and(|words| words.contains("a smaller drive.step")), "{rough}");
+    assert!(
+        (number(&rough, "dissipated_energy") - number(&good, "dissipated_energy")).abs() < 1e-6
+    );
+    assert!(
+        rough["warnings"][0]
+            .as_str()
+            .is_some_and(|words| words.contains("a smaller drive.step")),
+        "{rough}"
+    );
 }
 
 #[test]
 fn an_open_loop_says_so_and_gives_no_loss_and_an_unstable_start_is_not_driven() {
     let home = folder();
-    let open = run_with("fig2", &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")], home.path(), &[]);
+    let open = run_with(
+        "fig2",
+        &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")],
+        home.path(),
+        &[],
+    );
     assert_eq!(open.status.code(), Some(0), "{}", errors(&open));
-    assert!(errors(&open).contains("loop not closed: ") && errors(&open).contains("raise drive.start"), "{}", errors(&open));
-    assert!(String::from_utf8(open.stdout).expect("UTF-8").starts_with("loop not closed"));
+    assert!(
+        errors(&open).contains("loop not closed: ") && errors(&open).contains("raise drive.start"),
+        "{}",
+        errors(&open)
+    );
+    assert!(
+        String::from_utf8(open.stdout)
+            .expect("UTF-8")
+            .starts_with("loop not closed")
+    );
     let told = summary(home.path());
-    assert_eq!((&told["completed"], &told["closed"]), (&true.into(), &false.into()));
+    assert_eq!(
+        (&told["completed"], &told["closed"]),
+        (&true.into(), &false.into())
+    );
     assert!(told["open_reason"].is_string() && told["open_remedy"].is_string());
-    for key in ["dissipated_energy", "loop_integral", "ledger_mismatch", "stated_error"] {
+    for key in [
+        "dissipated_energy",
+        "loop_integral",
+        "ledger_mismatch",
+        "stated_error",
+    ] {
         assert_eq!(told[key], "not available", "{key}");
     }
-    assert!(fs::read_to_string(home.path().join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
-    let open = run_with("fig2", &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")], home.path(), &["--verify"]);
-    assert!(errors(&open).contains("nothing to verify"), "{}", errors(&open));
+    assert!(
+        fs::read_to_string(home.path().join("loop.svg"))
+            .expect("loop.svg")
+            .contains("Loop not closed")
+    );
+    let open = run_with(
+        "fig2",
+        &[("start = 4.2", "start = 3.5"), ("turn = 0.2", "turn = 1.8")],
+        home.path(),
+        &["--verify"],
+    );
+    assert!(
+        errors(&open).contains("nothing to verify"),
+        "{}",
+        errors(&open)
+    );
     assert_eq!(summary(home.path())["measured_error"], "not available");
     let unstable = run_with("fig2", &[("start = 4.2", "start = 2.5")], home.path(), &[]);
     assert_eq!(unstable.status.code(), Some(3));
-    assert!(errors(&unstable).contains("the first state is unstable"), "{}", errors(&unstable));
+    assert!(
+        errors(&unstable).contains("the first state is unstable"),
+        "{}",
+        errors(&unstable)
+    );
     assert_eq!(summary(home.path())["dissipated_energy"], "not available");
 }
 
@@ -199,7 +378,12 @@ fn gap_pictures_of_an_earlier_run_go_and_other_files_stay() {
     for name in ["7-approach-bulge.png", "notes.txt"] {
         fs::write(gaps.join(name), "old").expect("written");
     }
-    assert_eq!(run("no-hysteresis", home.path(), &["--quiet"]).status.code(), Some(0));
+    assert_eq!(
+        run("no-hysteresis", home.path(), &["--quiet"])
+            .status
+            .code(),
+        Some(0)
+    );
     assert!(!gaps.join("7-approach-bulge.png").exists() && gaps.join("notes.txt").exists());
 }
 
@@ -207,8 +391,14 @@ fn gap_pictures_of_an_earlier_run_go_and_other_files_stay() {
 fn progress_is_plain_lines_where_there_is_no_terminal_and_quiet_is_silent() {
     let home = folder();
     let told = errors(&run("no-hysteresis", home.path(), &[]));
-    assert!(told.contains(" 10 %  approach at u0 = 3.4") && told.contains("100 %"), "{told}");
-    assert!(told.lines().count() <= 12 && !told.contains('\u{1b}'), "{told}");
+    assert!(
+        told.contains(" 10 %  approach at u0 = 3.4") && told.contains("100 %"),
+        "{told}"
+    );
+    assert!(
+        told.lines().count() <= 12 && !told.contains('\u{1b}'),
+        "{told}"
+    );
     let quiet = run("no-hysteresis", home.path(), &["--quiet"]);
     assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
 }
@@ -216,44 +406,100 @@ fn progress_is_plain_lines_where_there_is_no_terminal_and_quiet_is_silent() {
 #[test]
 fn options_replace_values_of_the_scene_and_the_summary_keeps_them() {
     let home = folder();
-    let output = run("no-hysteresis", home.path(), &["--quiet", "--points", "16", "--step", "0.1", "--seed", "7", "--yardstick"]);
+    let output = run(
+        "no-hysteresis",
+        home.path(),
+        &[
+            "--quiet",
+            "--points",
+            "16",
+            "--step",
+            "0.1",
+            "--seed",
+            "7",
+            "--yardstick",
+        ],
+    );
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
     let summary = summary(home.path());
     assert_eq!(summary["plan"]["points"], serde_json::json!([16, 16]));
     let scene = summary["scene"]["toml"].as_str().expect("the scene");
-    assert!(scene.contains("points = 16\n") && scene.contains("step = 0.1\n") && scene.contains("seed = 7\n"), "{scene}");
+    assert!(
+        scene.contains("points = 16\n")
+            && scene.contains("step = 0.1\n")
+            && scene.contains("seed = 7\n"),
+        "{scene}"
+    );
     assert_eq!(summary["method"], "newton");
     assert_eq!(summary["yardstick"]["method"], "gfmd");
-    assert!(summary["yardstick"]["processor_time_ratio"].as_f64().is_some_and(|ratio| ratio > 0.0));
-    assert_eq!(run("ridge-line", home.path(), &["--quiet", "--points", "32", "--step", "0.2"]).status.code(), Some(0));
-    assert_eq!(self::summary(home.path())["plan"]["points"], serde_json::json!([32, 1]), "a line stays a line");
+    assert!(
+        summary["yardstick"]["processor_time_ratio"]
+            .as_f64()
+            .is_some_and(|ratio| ratio > 0.0)
+    );
+    assert_eq!(
+        run(
+            "ridge-line",
+            home.path(),
+            &["--quiet", "--points", "32", "--step", "0.2"]
+        )
+        .status
+        .code(),
+        Some(0)
+    );
+    assert_eq!(
+        self::summary(home.path())["plan"]["points"],
+        serde_json::json!([32, 1]),
+        "a line stays a line"
+    );
 }
 
 #[test]
 fn a_file_of_ones_own_runs_like_a_preset() {
     let home = folder();
     let path = home.path().join("mine.toml");
-    fs::write(&path, presets::find("no-hysteresis").expect("built in").text).expect("written");
-    let output = run(&path.display().to_string(), &home.path().join("out"), &["--quiet"]);
+    fs::write(
+        &path,
+        presets::find("no-hysteresis").expect("built in").text,
+    )
+    .expect("written");
+    let output = run(
+        &path.display().to_string(),
+        &home.path().join("out"),
+        &["--quiet"],
+    );
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    assert_eq!(summary(&home.path().join("out"))["scene"]["given"], path.display().to_string());
+    assert_eq!(
+        summary(&home.path().join("out"))["scene"]["given"],
+        path.display().to_string()
+    );
 }
 
 #[test]
 fn presets_are_listed_with_title_and_facts() {
-    let output = tackscope().arg("presets").output().expect("the binary runs");
+    let output = tackscope()
+        .arg("presets")
+        .output()
+        .expect("the binary runs");
     let list = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0));
-    for part in
-        ["fig2 ", "Fig. 2: four patterns", "64 x 64 points", "mu_rho = 0.387", "ridge-line", "256 x 1 points", "What to look for"]
-    {
+    for part in [
+        "fig2 ",
+        "Fig. 2: four patterns",
+        "64 x 64 points",
+        "mu_rho = 0.387",
+        "ridge-line",
+        "256 x 1 points",
+        "What to look for",
+    ] {
         assert!(list.contains(part), "{part:?} is missing in: {list}");
     }
 }
 
 #[test]
 fn the_help_names_the_commands_that_exist_and_no_others() {
-    let help = String::from_utf8(tackscope().arg("--help").output().expect("runs").stdout).expect("UTF-8");
+    let help =
+        String::from_utf8(tackscope().arg("--help").output().expect("runs").stdout).expect("UTF-8");
     for word in ["run", "chart", "figure", "table", "presets", "130"] {
         assert!(help.contains(word), "{word} is missing in: {help}");
     }
@@ -266,11 +512,22 @@ fn without_a_display_it_says_so_in_one_line_and_runs_the_default_scene() {
     for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(display);
     }
-    let output = command.current_dir(home.path()).output().expect("the binary runs");
+    let output = command
+        .current_dir(home.path())
+        .output()
+        .expect("the binary runs");
     let told = errors(&output);
     assert_eq!(output.status.code(), Some(0), "{told}");
-    assert!(told.lines().next().is_some_and(|line| line.contains("no window here") && line.contains("tackscope-out/")), "{told}");
-    assert_eq!(summary(&home.path().join("tackscope-out"))["scene"]["given"], "fig2");
+    assert!(
+        told.lines()
+            .next()
+            .is_some_and(|line| line.contains("no window here") && line.contains("tackscope-out/")),
+        "{told}"
+    );
+    assert_eq!(
+        summary(&home.path().join("tackscope-out"))["scene"]["given"],
+        "fig2"
+    );
 }
 
 #[test]
@@ -279,40 +536,81 @@ fn ctrl_c_in_mid_run_writes_what_was_computed_and_says_so() {
     let home = folder();
     let out: PathBuf = home.path().join("out");
     let mut command = tackscope();
-    command.args(["run", "fig2", "--points", "512", "--step", "0.0005", "--out"]).arg(&out);
-    let mut child = command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("the binary runs");
+    command
+        .args([
+            "run", "fig2", "--points", "512", "--step", "0.0005", "--out",
+        ])
+        .arg(&out);
+    let mut child = command
+        .stderr(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
     let mut told = BufReader::new(child.stderr.take().expect("a pipe"));
     let mut heading = String::new();
     told.read_line(&mut heading).expect("a heading");
     std::thread::sleep(std::time::Duration::from_millis(500));
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
-    assert!(killed.success(), "the run is still going half a second after it began");
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .expect("kill runs");
+    assert!(
+        killed.success(),
+        "the run is still going half a second after it began"
+    );
     let status = child.wait().expect("it ends");
     let mut rest = String::new();
     told.read_to_string(&mut rest).expect("text");
     assert_eq!(status.code(), Some(130), "{rest}");
-    assert!(rest.contains("cancelled at u0 = ") && rest.contains("interrupted; what was computed is in"), "{rest}");
+    assert!(
+        rest.contains("cancelled at u0 = ")
+            && rest.contains("interrupted; what was computed is in"),
+        "{rest}"
+    );
     let summary = summary(&out);
     assert_eq!(summary["completed"], false);
     assert_eq!(summary["stop"], "cancelled");
     assert_eq!(summary["dissipated_energy"], "not available");
     let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
     assert!(states > 0, "something was computed");
-    assert_eq!(fs::read_to_string(out.join("loop.csv")).expect("loop.csv").lines().count(), states + 1);
-    assert!(fs::read_to_string(out.join("loop.svg")).expect("loop.svg").contains("Loop not closed"));
+    assert_eq!(
+        fs::read_to_string(out.join("loop.csv"))
+            .expect("loop.csv")
+            .lines()
+            .count(),
+        states + 1
+    );
+    assert!(
+        fs::read_to_string(out.join("loop.svg"))
+            .expect("loop.svg")
+            .contains("Loop not closed")
+    );
     assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
 }
 
 #[test]
 fn a_target_that_is_not_met_is_said_with_the_mesh_that_comes_closer() {
     let home = folder();
-    let lines = [("points = 64", "points = 40"), ("target = 0.01", "target = 1e-5"), ("step = 0.02", "step = 0.2")];
+    let lines = [
+        ("points = 64", "points = 40"),
+        ("target = 0.01", "target = 1e-5"),
+        ("step = 0.02", "step = 0.2"),
+    ];
     let told = errors(&run_with("fig2", &lines, home.path(), &[]));
     assert!(
-        told.contains("accuracy.target = 0.00001 is not met (expected error 0.") && told.contains("cell.points = 64"),
+        told.contains("accuracy.target = 0.00001 is not met (expected error 0.")
+            && told.contains("cell.points = 64"),
         "{told}"
     );
     let summary = summary(home.path());
-    assert!(summary["predicted_error"].as_f64().is_some_and(|error| error > 1e-5 && error < 1e-2));
-    assert!(summary["warnings"][0].as_str().is_some_and(|warning| told.contains(warning)));
+    assert!(
+        summary["predicted_error"]
+            .as_f64()
+            .is_some_and(|error| error > 1e-5 && error < 1e-2)
+    );
+    assert!(
+        summary["warnings"][0]
+            .as_str()
+            .is_some_and(|warning| told.contains(warning))
+    );
 }

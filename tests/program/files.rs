@@ -8,24 +8,47 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tackscope::storage::{files, presets};
 
-const RESULTS: [&str; 5] = ["loop.csv", "events.csv", "loop.svg", "loop.png", "summary.json"];
+const RESULTS: [&str; 5] = [
+    "loop.csv",
+    "events.csv",
+    "loop.svg",
+    "loop.png",
+    "summary.json",
+];
 
 fn quick(out: &Path) -> Output {
-    run("no-hysteresis", out, &["--quiet", "--points", "8", "--step", "0.1"])
+    run(
+        "no-hysteresis",
+        out,
+        &["--quiet", "--points", "8", "--step", "0.1"],
+    )
 }
 
 /// Everything below a folder that is no result of a run.
 fn strangers(folder: &Path) -> Vec<String> {
-    let names =
-        fs::read_dir(folder).expect("listed").map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"));
-    names.filter(|name| !RESULTS.contains(&name.as_str()) && name != "gaps").collect()
+    let names = fs::read_dir(folder).expect("listed").map(|entry| {
+        entry
+            .expect("an entry")
+            .file_name()
+            .into_string()
+            .expect("UTF-8")
+    });
+    names
+        .filter(|name| !RESULTS.contains(&name.as_str()) && name != "gaps")
+        .collect()
 }
 
 #[test]
 fn one_file_that_cannot_be_written_does_not_keep_the_others() {
     let home = folder();
     let pipe = home.path().join("pipe");
-    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .expect("mkfifo runs")
+            .success()
+    );
     let out = home.path().join("out");
     fs::create_dir_all(out.join("loop.svg")).expect("made");
     symlink(&pipe, out.join("events.csv")).expect("linked");
@@ -33,14 +56,19 @@ fn one_file_that_cannot_be_written_does_not_keep_the_others() {
     let output = quick(&out);
     let told = errors(&output);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    for part in
-        ["loop.svg: cannot be written (it is a folder", "events.csv: cannot be written (it is a device or a pipe", "loop.csv"]
-    {
+    for part in [
+        "loop.svg: cannot be written (it is a folder",
+        "events.csv: cannot be written (it is a device or a pipe",
+        "loop.csv",
+    ] {
         assert!(told.contains(part), "{part:?} is missing in: {told}");
     }
     assert_eq!(told.lines().count(), 3, "{told}");
     assert!(out.join("loop.png").exists() && summary(&out)["stop"] == "completed");
-    assert!(fs::metadata(&pipe).expect("there").file_type().is_fifo(), "the pipe is still one");
+    assert!(
+        fs::metadata(&pipe).expect("there").file_type().is_fifo(),
+        "the pipe is still one"
+    );
 }
 
 #[test]
@@ -52,17 +80,31 @@ fn what_is_read_only_is_refused_before_anything_is_computed_or_removed() {
     fs::set_permissions(&events, fs::Permissions::from_mode(0o444)).expect("set");
     let output = run("no-hysteresis", home.path(), &["--points", "8"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(errors(&output).contains("events.csv: cannot be written (it is read-only"), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("events.csv: cannot be written (it is read-only"),
+        "{}",
+        errors(&output)
+    );
     assert_eq!(fs::read_to_string(&events).expect("there"), "mine");
-    assert_eq!(summary(home.path())["plan"]["points"], serde_json::json!([8, 8]));
-    assert!(files::write_whole(&events, b"yours").expect_err("refused").to_string().contains("read-only"));
+    assert_eq!(
+        summary(home.path())["plan"]["points"],
+        serde_json::json!([8, 8])
+    );
+    assert!(
+        files::write_whole(&events, b"yours")
+            .expect_err("refused")
+            .to_string()
+            .contains("read-only")
+    );
     assert_eq!(strangers(home.path()), Vec::<String>::new());
 }
 
 #[test]
 fn a_link_stays_a_link_and_its_file_keeps_its_mode() {
     let home = folder();
-    let (old, new, link, dangling) = ["old.csv", "new.csv", "link.csv", "dangling.csv"].map(|name| home.path().join(name)).into();
+    let (old, new, link, dangling) = ["old.csv", "new.csv", "link.csv", "dangling.csv"]
+        .map(|name| home.path().join(name))
+        .into();
     fs::write(&old, "old").expect("written");
     fs::set_permissions(&old, fs::Permissions::from_mode(0o640)).expect("set");
     symlink("old.csv", &link).expect("linked");
@@ -73,10 +115,18 @@ fn a_link_stays_a_link_and_its_file_keeps_its_mode() {
         assert!(fs::symlink_metadata(link).expect("there").is_symlink());
         assert_eq!(fs::read_to_string(file).expect("there"), text);
     }
-    assert_eq!(fs::metadata(&old).expect("there").permissions().mode() & 0o777, 0o640);
+    assert_eq!(
+        fs::metadata(&old).expect("there").permissions().mode() & 0o777,
+        0o640
+    );
     let circle = home.path().join("circle");
     symlink(&circle, &circle).expect("linked");
-    assert!(files::write_whole(&circle, b"x").expect_err("refused").to_string().contains("circle"));
+    assert!(
+        files::write_whole(&circle, b"x")
+            .expect_err("refused")
+            .to_string()
+            .contains("circle")
+    );
     // What a process has open is no file to be replaced, though it may look like one.
     let open = File::open(&old).expect("open");
     let path = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&open));
@@ -87,31 +137,82 @@ fn a_link_stays_a_link_and_its_file_keeps_its_mode() {
 #[test]
 fn an_earlier_run_is_gone_when_the_next_one_begins_and_that_is_said() {
     let home = folder();
-    assert_eq!(run("fig2", home.path(), &["--quiet"]).status.code(), Some(0));
-    assert!(fs::read_dir(home.path().join("gaps")).expect("listed").count() > 2);
+    assert_eq!(
+        run("fig2", home.path(), &["--quiet"]).status.code(),
+        Some(0)
+    );
+    assert!(
+        fs::read_dir(home.path().join("gaps"))
+            .expect("listed")
+            .count()
+            > 2
+    );
     fs::write(home.path().join("notes.txt"), "mine").expect("written");
     let (scene, _kept) = fig2_with(&[("title = ", "title = \"the second\" #")]);
-    let mut running = Running::start(&scene, home.path(), &["--points", "512", "--step", "0.0005", "--model", "whole"]);
-    assert!(running.line().contains("held an earlier run, which this one replaces"));
+    let mut running = Running::start(
+        &scene,
+        home.path(),
+        &["--points", "512", "--step", "0.0005", "--model", "whole"],
+    );
+    assert!(
+        running
+            .line()
+            .contains("held an earlier run, which this one replaces")
+    );
     assert!(running.line().starts_with("the second: "));
     let begun = summary(home.path());
-    assert_eq!((&begun["stop"], &begun["completed"]), (&"running".into(), &false.into()));
+    assert_eq!(
+        (&begun["stop"], &begun["completed"]),
+        (&"running".into(), &false.into())
+    );
     assert_eq!(begun["scene"]["title"], "the second");
     assert_eq!(begun["released_energy_sum"], "not available");
-    assert!(RESULTS[..4].iter().all(|name| !home.path().join(name).exists()));
-    assert_eq!(fs::read_dir(home.path().join("gaps")).expect("listed").count(), 0);
+    assert!(
+        RESULTS[..4]
+            .iter()
+            .all(|name| !home.path().join(name).exists())
+    );
+    assert_eq!(
+        fs::read_dir(home.path().join("gaps"))
+            .expect("listed")
+            .count(),
+        0
+    );
 
-    for more in [&["run", "fig2"][..], &["table", "1"], &["figure", "4", "--quick"], &["chart", "fig2", "--quick"]] {
-        let output = tackscope().args(more).arg("--out").arg(home.path()).output().expect("runs");
+    for more in [
+        &["run", "fig2"][..],
+        &["table", "1"],
+        &["figure", "4", "--quick"],
+        &["chart", "fig2", "--quick"],
+    ] {
+        let output = tackscope()
+            .args(more)
+            .arg("--out")
+            .arg(home.path())
+            .output()
+            .expect("runs");
         let told = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains(&format!("another tackscope (process {}) is writing into it", running.id())), "{told}");
+        assert!(
+            told.contains(&format!(
+                "another tackscope (process {}) is writing into it",
+                running.id()
+            )),
+            "{told}"
+        );
         assert_eq!(told.lines().count(), 1, "{told}");
     }
     running.signal("KILL");
     assert_eq!(running.end().0, None);
-    assert_eq!(summary(home.path())["stop"], "running", "a killed run is recognised");
-    assert_eq!(fs::read_to_string(home.path().join("notes.txt")).expect("there"), "mine");
+    assert_eq!(
+        summary(home.path())["stop"],
+        "running",
+        "a killed run is recognised"
+    );
+    assert_eq!(
+        fs::read_to_string(home.path().join("notes.txt")).expect("there"),
+        "mine"
+    );
     // The lock went with its process.
     assert_eq!(quick(home.path()).status.code(), Some(0));
     assert_eq!(strangers(home.path()), ["notes.txt"]);
@@ -140,11 +241,23 @@ fn a_full_disk_is_noticed_before_the_computation() {
     let home = folder();
     let out = home.path().join("out");
     // No file may grow beyond 64 kB.
-    let command = format!("trap '' XFSZ; ulimit -f 128; exec {} run fig2 --out {}", env!("CARGO_BIN_EXE_tackscope"), out.display());
-    let output = Command::new("sh").args(["-c", &command]).output().expect("sh runs");
+    let command = format!(
+        "trap '' XFSZ; ulimit -f 128; exec {} run fig2 --out {}",
+        env!("CARGO_BIN_EXE_tackscope"),
+        out.display()
+    );
+    let output = Command::new("sh")
+        .args(["-c", &command])
+        .output()
+        .expect("sh runs");
     let told = errors(&output);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("cannot be written") && told.contains("MB are needed") && told.lines().count() == 1, "{told}");
+    assert!(
+        told.contains("cannot be written")
+            && told.contains("MB are needed")
+            && told.lines().count() == 1,
+        "{told}"
+    );
     assert_eq!(fs::read_dir(&out).expect("listed").count(), 0);
 }
 
@@ -153,13 +266,38 @@ fn a_standard_output_that_is_full_is_a_failure_and_a_closed_pipe_is_none() {
     let home = folder();
     let out = home.path().display().to_string();
     let run = ["run", "no-hysteresis", "--points", "8", "--out", &out];
-    for arguments in [&["presets"][..], &["--help"], &["--version"], &["table", "1", "--out", &out], &run] {
-        let full = File::options().write(true).open("/dev/full").expect("/dev/full");
-        let output = tackscope().args(arguments).stdout(full).stderr(Stdio::piped()).output().expect("runs");
+    for arguments in [
+        &["presets"][..],
+        &["--help"],
+        &["--version"],
+        &["table", "1", "--out", &out],
+        &run,
+    ] {
+        let full = File::options()
+            .write(true)
+            .open("/dev/full")
+            .expect("/dev/full");
+        let output = tackscope()
+            .args(arguments)
+            .stdout(full)
+            .stderr(Stdio::piped())
+            .output()
+            .expect("runs");
         let told = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert_eq!(told.lines().filter(|line| line.contains("standard output: cannot be written")).count(), 1, "{told}");
-        let mut piped = tackscope().args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("runs");
+        assert_eq!(
+            told.lines()
+                .filter(|line| line.contains("standard output: cannot be written"))
+                .count(),
+            1,
+            "{told}"
+        );
+        let mut piped = tackscope()
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("runs");
         drop(piped.stdout.take());
         assert_eq!(piped.wait().expect("ends").code(), Some(0), "{arguments:?}");
     }
@@ -169,16 +307,38 @@ fn a_standard_output_that_is_full_is_a_failure_and_a_closed_pipe_is_none() {
 #[test]
 fn where_nobody_hears_it_the_work_is_done_all_the_same() {
     let home = folder();
-    let deaf = || File::options().write(true).open("/dev/full").expect("/dev/full");
+    let deaf = || {
+        File::options()
+            .write(true)
+            .open("/dev/full")
+            .expect("/dev/full")
+    };
     let mut command = tackscope();
     for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(display);
     }
-    let status = command.current_dir(home.path()).stdout(Stdio::null()).stderr(deaf()).status().expect("runs");
+    let status = command
+        .current_dir(home.path())
+        .stdout(Stdio::null())
+        .stderr(deaf())
+        .status()
+        .expect("runs");
     assert_eq!(status.code(), Some(0));
-    assert_eq!(summary(&home.path().join("tackscope-out"))["stop"], "completed");
-    for (arguments, code) in [(&["run", "nowhere", "--out", "x"][..], 2), (&["figure", "99", "--out", "x"], 2), (&["--magic"], 2)] {
-        let status = tackscope().args(arguments).current_dir(home.path()).stderr(deaf()).status().expect("runs");
+    assert_eq!(
+        summary(&home.path().join("tackscope-out"))["stop"],
+        "completed"
+    );
+    for (arguments, code) in [
+        (&["run", "nowhere", "--out", "x"][..], 2),
+        (&["figure", "99", "--out", "x"], 2),
+        (&["--magic"], 2),
+    ] {
+        let status = tackscope()
+            .args(arguments)
+            .current_dir(home.path())
+            .stderr(deaf())
+            .status()
+            .expect("runs");
         assert_eq!(status.code(), Some(code), "{arguments:?}");
     }
 }
@@ -186,39 +346,65 @@ fn where_nobody_hears_it_the_work_is_done_all_the_same() {
 #[test]
 fn nothing_that_steers_a_terminal_or_spoils_an_svg_gets_out() {
     const EVIL: &str = "bad \u{1b}]0;owned\u{7} \u{9b}31m\u{202e}\n";
-    let escaped = EVIL
-        .trim_end()
-        .chars()
-        .map(|c| if c == ' ' || c.is_ascii_graphic() { c.to_string() } else { c.escape_unicode().to_string() });
+    let escaped = EVIL.trim_end().chars().map(|c| {
+        if c == ' ' || c.is_ascii_graphic() {
+            c.to_string()
+        } else {
+            c.escape_unicode().to_string()
+        }
+    });
     let escaped: String = escaped.collect();
     let toml = "bad \\u001b]0;owned\\u0007 \\u009b31m\\u202e\\ufffe\\n";
-    let (scene, home) =
-        fig2_with(&[("title = ", &format!("title = \"{toml}\" #")), ("source = ", &format!("source = \"{toml}\" #"))]);
+    let (scene, home) = fig2_with(&[
+        ("title = ", &format!("title = \"{toml}\" #")),
+        ("source = ", &format!("source = \"{toml}\" #")),
+    ]);
     let out = home.path().join(EVIL);
     let named = home.path().join(format!("{EVIL}.toml"));
     fs::copy(&scene, &named).expect("copied");
-    fs::write(home.path().join("broken.toml"), format!("format = 1\n'{}' = 3", EVIL.trim())).expect("written");
+    fs::write(
+        home.path().join("broken.toml"),
+        format!("format = 1\n'{}' = 3", EVIL.trim()),
+    )
+    .expect("written");
     let evil = named.display().to_string();
     let broken = home.path().join("broken.toml").display().to_string();
     let missing = format!("{evil}.gone");
-    for arguments in
-        [&["run", &evil][..], &["run", &broken], &["run", &missing], &["run", "fig2", "--points", EVIL], &["figure", EVIL], &[EVIL]]
-    {
+    for arguments in [
+        &["run", &evil][..],
+        &["run", &broken],
+        &["run", &missing],
+        &["run", "fig2", "--points", EVIL],
+        &["figure", EVIL],
+        &[EVIL],
+    ] {
         let mut command = tackscope();
         command.args(arguments);
         if arguments.len() > 1 {
             command.arg("--out").arg(&out);
         }
         let output = command.output().expect("runs");
-        for text in [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("UTF-8")) {
-            assert!(text.chars().all(|c| c == '\n' || !c.is_control() && c != '\u{202e}' && c != '\u{fffe}'), "{text:?}");
+        for text in
+            [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("UTF-8"))
+        {
+            assert!(
+                text.chars()
+                    .all(|c| c == '\n' || !c.is_control() && c != '\u{202e}' && c != '\u{fffe}'),
+                "{text:?}"
+            );
         }
     }
     let svg = fs::read_to_string(out.join("loop.svg")).expect("loop.svg");
     // The characters of XML 1.0.
     assert!(svg.chars().all(|c| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)));
-    assert!(svg.contains(&escaped) && svg.contains("\\u{fffe}"), "it stays visible what the title is");
-    assert_eq!(summary(&out)["scene"]["title"].as_str().expect("text"), EVIL.replace('\n', "\u{fffe}\n"));
+    assert!(
+        svg.contains(&escaped) && svg.contains("\\u{fffe}"),
+        "it stays visible what the title is"
+    );
+    assert_eq!(
+        summary(&out)["scene"]["title"].as_str().expect("text"),
+        EVIL.replace('\n', "\u{fffe}\n")
+    );
 }
 
 #[test]
@@ -229,21 +415,36 @@ fn a_tilde_that_no_shell_has_replaced_is_the_home_folder_or_refused() {
     let go = |scene: &str, out: &str| {
         let mut command = tackscope();
         command.env("HOME", home.path()).current_dir(place.path());
-        command.args(["run", scene, "--quiet", "--points", "16", "--out", out]).output().expect("runs")
+        command
+            .args(["run", scene, "--quiet", "--points", "16", "--out", out])
+            .output()
+            .expect("runs")
     };
     let output = go("~/mine.toml", "~/results");
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
     assert_eq!(summary(&home.path().join("results"))["stop"], "completed");
-    for (scene, out) in [("fig2", "~nobody/results"), ("~nobody/mine.toml", "results"), ("fig2", "")] {
+    for (scene, out) in [
+        ("fig2", "~nobody/results"),
+        ("~nobody/mine.toml", "results"),
+        ("fig2", ""),
+    ] {
         let output = go(scene, out);
         assert_eq!(output.status.code(), Some(2));
         let told = errors(&output);
-        assert!(told.contains("write the path out") || told.contains("give the path") || told.contains("required"), "{told}");
+        assert!(
+            told.contains("write the path out")
+                || told.contains("give the path")
+                || told.contains("required"),
+            "{told}"
+        );
     }
     assert_eq!(fs::read_dir(place.path()).expect("listed").count(), 0);
     let output = go("fig2", "./~");
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
-    assert!(place.path().join("~").is_dir(), "a name that begins so can be had");
+    assert!(
+        place.path().join("~").is_dir(),
+        "a name that begins so can be had"
+    );
 }
 
 #[test]
@@ -251,11 +452,19 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
     for seconds in ["-5", "nan", "inf", "0", "1e300", "many"] {
         let home = folder();
         let out = home.path().join("out");
-        let output =
-            tackscope().args(["chart", "fig2", &format!("--seconds={seconds}"), "--out"]).arg(&out).output().expect("runs");
+        let output = tackscope()
+            .args(["chart", "fig2", &format!("--seconds={seconds}"), "--out"])
+            .arg(&out)
+            .output()
+            .expect("runs");
         let told = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains("--seconds") && told.contains(seconds) && told.contains("a number above 0"), "{told}");
+        assert!(
+            told.contains("--seconds")
+                && told.contains(seconds)
+                && told.contains("a number above 0"),
+            "{told}"
+        );
         assert!(!out.exists());
     }
 }
@@ -263,7 +472,11 @@ fn a_budget_that_is_none_is_refused_before_anything_is_made() {
 #[test]
 fn progress_in_any_unit_of_length_tells_states_apart() {
     let text = presets::find("no-hysteresis").expect("built in").text;
-    let length: f64 = text.lines().find_map(|line| line.strip_prefix("length = ")).and_then(|v| v.parse().ok()).expect("a length");
+    let length: f64 = text
+        .lines()
+        .find_map(|line| line.strip_prefix("length = "))
+        .and_then(|v| v.parse().ok())
+        .expect("a length");
     let home = folder();
     for unit in [1e-9, 1.0, 1e12] {
         let scene = tackscope::storage::scene_file::parse(text, "preset").expect("a scene");
@@ -280,11 +493,20 @@ fn progress_in_any_unit_of_length_tells_states_apart() {
         }
         let path = home.path().join("scaled.toml");
         tackscope::storage::scene_file::save(&path, &scene).expect("saved");
-        let told = errors(&run(&path.display().to_string(), &home.path().join("out"), &[]));
-        let mut places: Vec<&str> =
-            told.lines().filter_map(|line| line.split("approach at u0 = ").nth(1)?.split(':').next()).collect();
+        let told = errors(&run(
+            &path.display().to_string(),
+            &home.path().join("out"),
+            &[],
+        ));
+        let mut places: Vec<&str> = told
+            .lines()
+            .filter_map(|line| line.split("approach at u0 = ").nth(1)?.split(':').next())
+            .collect();
         let all = places.len();
         places.dedup();
-        assert!(all >= 4 && places.len() == all && places.iter().all(|place| place.len() < 16), "{told}");
+        assert!(
+            all >= 4 && places.len() == all && places.iter().all(|place| place.len() < 16),
+            "{told}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The walls of the house: which room may name what. Read from the sources, so that a wall cannot fall unnoticed.
+//! The walls of the house: which room may name what. Read from the sources, so that a wall cannot
+//! fall unnoticed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -20,8 +21,14 @@ const ROOMS: [(&str, u8); 12] = [
     ("cli", 8),
 ];
 
-/// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the window does not call the shell.
-const NEIGHBOURS: [(&str, &str); 4] = [("worker", "storage"), ("paper", "storage"), ("paper", "worker"), ("ui", "cli")];
+/// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the
+/// window does not call the shell.
+const NEIGHBOURS: [(&str, &str); 4] = [
+    ("worker", "storage"),
+    ("paper", "storage"),
+    ("paper", "worker"),
+    ("ui", "cli"),
+];
 
 /// Paths (by their first segments) that only one room may name.
 const OWNED: [(&[&str], &str); 12] = [
@@ -56,10 +63,14 @@ fn room(path: &str) -> Option<&str> {
 }
 
 fn floor(room: &str) -> Option<u8> {
-    ROOMS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
+    ROOMS
+        .iter()
+        .find(|(name, _)| *name == room)
+        .map(|(_, floor)| *floor)
 }
 
-/// The source with comments and, unless `keep_strings`, the inside of strings blanked out; line breaks stay.
+/// The source with comments and, unless `keep_strings`, the inside of strings blanked out; line
+/// breaks stay.
 fn code(text: &str, keep_strings: bool) -> String {
     let c: Vec<char> = text.chars().collect();
     let at = |i: usize| c.get(i).copied().unwrap_or('\0');
@@ -79,12 +90,18 @@ fn code(text: &str, keep_strings: bool) -> String {
             loop {
                 let pair = (at(i), at(i + 1));
                 depth += i32::from(pair == ('/', '*')) - i32::from(pair == ('*', '/'));
-                i += if pair == ('/', '*') || pair == ('*', '/') { 2 } else { 1 };
+                i += if pair == ('/', '*') || pair == ('*', '/') {
+                    2
+                } else {
+                    1
+                };
                 if depth == 0 || i >= c.len() {
                     break;
                 }
             }
-        } else if at(i) == 'r' && (at(i + 1) == '"' || (at(i + 1) == '#' && "\"#".contains(at(i + 2)))) {
+        } else if at(i) == 'r'
+            && (at(i + 1) == '"' || (at(i + 1) == '#' && "\"#".contains(at(i + 2))))
+        {
             keep = keep_strings;
             let hashes = c[i + 1..].iter().take_while(|&&c| c == '#').count();
             i += 2 + hashes;
@@ -112,7 +129,11 @@ fn code(text: &str, keep_strings: bool) -> String {
             i += 1;
         }
         let piece = &c[start..i.min(c.len())];
-        out.extend(piece.iter().map(|&c| if keep || c == '\n' { c } else { ' ' }));
+        out.extend(
+            piece
+                .iter()
+                .map(|&c| if keep || c == '\n' { c } else { ' ' }),
+        );
     }
     out
 }
@@ -124,7 +145,11 @@ fn tokens(code: &str) -> Vec<String> {
     for c in code.chars() {
         let word = c.is_alphanumeric() || c == '_';
         match list.last_mut() {
-            Some(last) if glued && word && last.chars().all(|c| c.is_alphanumeric() || c == '_') => last.push(c),
+            Some(last)
+                if glued && word && last.chars().all(|c| c.is_alphanumeric() || c == '_') =>
+            {
+                last.push(c);
+            }
             Some(last) if glued && c == ':' && last == ":" => last.push(c),
             _ if !c.is_whitespace() => list.push(c.to_string()),
             _ => {}
@@ -139,7 +164,11 @@ fn paths(tokens: &[String]) -> Vec<Vec<String>> {
     let mut found = Vec::new();
     let mut i = 0;
     while i < tokens.len() {
-        if is_word(&tokens[i]) { i = path(tokens, i, &[], &mut found) } else { i += 1 }
+        if is_word(&tokens[i]) {
+            i = path(tokens, i, &[], &mut found);
+        } else {
+            i += 1;
+        }
     }
     found
 }
@@ -148,7 +177,8 @@ fn is_word(token: &str) -> bool {
     token.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
-/// Reads one path at `i` below `stem`, adds it (or its group) to `found`, and returns where it ends.
+/// Reads one path at `i` below `stem`, adds it (or its group) to `found`, and returns where it
+/// ends.
 fn path(tokens: &[String], mut i: usize, stem: &[String], found: &mut Vec<Vec<String>>) -> usize {
     let mut here = stem.to_vec();
     loop {
@@ -162,7 +192,11 @@ fn path(tokens: &[String], mut i: usize, stem: &[String], found: &mut Vec<Vec<St
         if next(1) == "{" {
             i += 2;
             while i < tokens.len() && tokens[i] != "}" {
-                if is_word(&tokens[i]) { i = path(tokens, i, &here, found) } else { i += 1 }
+                if is_word(&tokens[i]) {
+                    i = path(tokens, i, &here, found);
+                } else {
+                    i += 1;
+                }
             }
             return i + 1;
         }
@@ -174,7 +208,8 @@ fn path(tokens: &[String], mut i: usize, stem: &[String], found: &mut Vec<Vec<St
     }
 }
 
-/// The path as seen from the crate's root, where it starts at `crate`, `tackscope` or enough `super`s for this file.
+/// The path as seen from the crate's root, where it starts at `crate`, `tackscope` or enough
+/// `super`s for this file.
 fn from_root<'a>(path: &str, segments: &'a [String]) -> Option<&'a [String]> {
     let head = segments[0].as_str();
     if head == "crate" || head == "tackscope" {
@@ -205,19 +240,24 @@ fn faults(path: &str, text: &str) -> Vec<String> {
     for segments in paths(&tokens) {
         let name = segments.join("::");
         if let (Some(room), Some([other, ..])) = (room, from_root(path, &segments)) {
-            let above = floor(other).is_some_and(|other| floor(room).is_some_and(|own| other > own));
+            let above =
+                floor(other).is_some_and(|other| floor(room).is_some_and(|own| other > own));
             if above || NEIGHBOURS.contains(&(room, other)) {
                 faults.push(format!("{path}: {room} names {name}"));
             }
         }
         for (owned, owner) in OWNED {
-            let starts = segments.len() >= owned.len() && segments.iter().zip(owned).all(|(a, b)| a == b);
-            // A lone word may be a local name; as the head of a longer path it is the crate, module or type.
+            let starts =
+                segments.len() >= owned.len() && segments.iter().zip(owned).all(|(a, b)| a == b);
+            // A lone word may be a local name; as the head of a longer path it is the crate, module
+            // or type.
             if starts && segments.len() > 1 && room != Some(owner) {
                 faults.push(format!("{path}: only {owner} names {name}"));
             }
         }
-        if room.is_some_and(|room| TIMELESS.contains(&room)) && segments.iter().any(|s| CLOCKS.contains(&s.as_str())) {
+        if room.is_some_and(|room| TIMELESS.contains(&room))
+            && segments.iter().any(|s| CLOCKS.contains(&s.as_str()))
+        {
             faults.push(format!("{path}: {name} is a clock"));
         }
     }
@@ -231,7 +271,9 @@ fn feature_faults(path: &str, text: &str) -> Vec<String> {
     let uses = features(text);
     for (line, value) in &uses {
         if value != "gui" {
-            faults.push(format!("{path}:{line}: the feature {value}; there is only gui"));
+            faults.push(format!(
+                "{path}:{line}: the feature {value}; there is only gui"
+            ));
         }
         if path != "lib.rs" && room(path) != Some("cli") {
             faults.push(format!("{path}:{line}: a feature outside lib.rs and cli"));
@@ -240,7 +282,10 @@ fn feature_faults(path: &str, text: &str) -> Vec<String> {
     if let (true, Some(first), Some(last)) = (path != "lib.rs", uses.first(), uses.last())
         && last.0 - first.0 > ONE_PLACE
     {
-        faults.push(format!("{path}: features at lines {} and {}, more than one place", first.0, last.0));
+        faults.push(format!(
+            "{path}: features at lines {} and {}, more than one place",
+            first.0, last.0
+        ));
     }
     faults
 }
@@ -251,7 +296,10 @@ fn features(text: &str) -> Vec<(usize, String)> {
     for (number, line) in code(text, true).lines().enumerate() {
         for rest in line.split("feature").skip(1) {
             if let Some(rest) = rest.trim_start().strip_prefix('=') {
-                found.push((number + 1, rest.split('"').nth(1).unwrap_or_default().to_owned()));
+                found.push((
+                    number + 1,
+                    rest.split('"').nth(1).unwrap_or_default().to_owned(),
+                ));
             }
         }
     }
@@ -269,7 +317,12 @@ fn sources() -> Vec<(String, String)> {
             if path.is_dir() {
                 open.push(path);
             } else if path.extension().is_some_and(|e| e == "rs") {
-                let name = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
+                let name = path
+                    .strip_prefix(&src)
+                    .unwrap()
+                    .to_str()
+                    .unwrap()
+                    .replace('\\', "/");
                 files.push((name, fs::read_to_string(&path).unwrap()));
             }
         }
@@ -277,8 +330,8 @@ fn sources() -> Vec<(String, String)> {
     files
 }
 
-/// A file right under its room, together with the folder of the same name: `follow/walk` for `follow/walk/advance.rs`. None for
-/// the room's own mod.rs, which only lists and re-exports.
+/// A file right under its room, together with the folder of the same name: `follow/walk` for
+/// `follow/walk/advance.rs`. None for the room's own mod.rs, which only lists and re-exports.
 fn unit(module: &[&str]) -> Option<String> {
     (module.len() > 1).then(|| module[..2].join("/"))
 }
@@ -286,10 +339,16 @@ fn unit(module: &[&str]) -> Option<String> {
 /// Which units each unit names, tests aside.
 fn arrows(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
     let modules = |path: &str| -> Vec<String> {
-        path.trim_end_matches(".rs").split('/').filter(|part| *part != "mod").map(str::to_owned).collect()
+        path.trim_end_matches(".rs")
+            .split('/')
+            .filter(|part| *part != "mod")
+            .map(str::to_owned)
+            .collect()
     };
-    let known: BTreeSet<String> =
-        files.iter().filter_map(|(path, _)| unit(&modules(path).iter().map(String::as_str).collect::<Vec<_>>())).collect();
+    let known: BTreeSet<String> = files
+        .iter()
+        .filter_map(|(path, _)| unit(&modules(path).iter().map(String::as_str).collect::<Vec<_>>()))
+        .collect();
     let mut arrows: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (path, text) in files {
         let module = modules(path);
@@ -303,7 +362,11 @@ fn arrows(files: &[(String, String)]) -> BTreeMap<String, BTreeSet<String>> {
                 "super" if supers <= here.len() => &here[..here.len() - supers],
                 _ => continue,
             };
-            let named: Vec<&str> = stem.iter().copied().chain(segments[supers.max(1)..].iter().map(String::as_str)).collect();
+            let named: Vec<&str> = stem
+                .iter()
+                .copied()
+                .chain(segments[supers.max(1)..].iter().map(String::as_str))
+                .collect();
             if let Some(to) = unit(&named).filter(|to| known.contains(to) && *to != from) {
                 arrows.entry(from.clone()).or_default().insert(to);
             }
@@ -324,14 +387,24 @@ fn circles(arrows: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
         }
         seen.contains(start)
     };
-    arrows.keys().filter(|start| reaches_itself(start)).cloned().collect()
+    arrows
+        .keys()
+        .filter(|start| reaches_itself(start))
+        .cloned()
+        .collect()
 }
 
 #[test]
 fn no_files_depend_on_each_other_in_a_circle() {
     let arrows = arrows(&sources());
-    assert!(arrows.values().map(BTreeSet::len).sum::<usize>() > 300, "the arrows were not found");
-    assert!(arrows["follow/walk"].contains("solver/method") && arrows["ui/app"].contains("ui/loop_plot"));
+    assert!(
+        arrows.values().map(BTreeSet::len).sum::<usize>() > 300,
+        "the arrows were not found"
+    );
+    assert!(
+        arrows["follow/walk"].contains("solver/method")
+            && arrows["ui/app"].contains("ui/loop_plot")
+    );
     assert_eq!(circles(&arrows), Vec::<String>::new());
 }
 
@@ -343,7 +416,10 @@ fn a_circle_of_files_is_found() {
         file("a/two/deep.rs", "use super::super::three::{g, h};"),
         file("a/two.rs", "mod deep;"),
         file("a/three.rs", "fn f() { crate::a::one::f() }"),
-        file("a/four.rs", "use super::one::f;\n#[cfg(test)]\nuse super::five::f;"),
+        file(
+            "a/four.rs",
+            "use super::one::f;\n#[cfg(test)]\nuse super::five::f;",
+        ),
         file("a/five.rs", "use super::four::f;"),
         file("a/mod.rs", "pub use one::f;"),
     ];
@@ -353,72 +429,287 @@ fn a_circle_of_files_is_found() {
 #[test]
 fn no_source_file_breaks_a_wall() {
     let files = sources();
-    assert!(files.len() > 20 && files.iter().any(|(path, _)| path == "physics/law/mod.rs"), "the sources were not found");
-    let faults: Vec<String> = files.iter().flat_map(|(path, text)| faults(path, text)).collect();
-    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+    assert!(
+        files.len() > 20 && files.iter().any(|(path, _)| path == "physics/law/mod.rs"),
+        "the sources were not found"
+    );
+    let faults: Vec<String> = files
+        .iter()
+        .flat_map(|(path, text)| faults(path, text))
+        .collect();
+    assert!(
+        faults.is_empty(),
+        "{} faults:\n{}",
+        faults.len(),
+        faults.join("\n")
+    );
+}
+
+/// The inside of every pair of brackets that follows `word`, a name and anything up to `open`: the fields of structs, the arguments of
+/// functions.
+fn insides(code: &str, word: &str, open: char, close: char) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices(word) {
+        let rest = &code[at + word.len()..];
+        let name: String = rest
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect();
+        let Some(start) = rest
+            .find([open, ';'])
+            .filter(|start| rest[*start..].starts_with(open))
+        else {
+            continue;
+        };
+        let mut depth = 0;
+        let inside = rest[start..].chars().take_while(|c| {
+            depth += i32::from(*c == open) - i32::from(*c == close);
+            depth > 0
+        });
+        found.push((name, inside.skip(1).collect()));
+    }
+    found
+}
+
+/// Parts of a list that commas outside all brackets separate.
+fn parts(list: &str) -> usize {
+    let (mut depth, mut parts, mut blank) = (0, 0, true);
+    for c in list.chars() {
+        depth += i32::from("([{<".contains(c)) - i32::from(")]}>".contains(c));
+        if c == ',' && depth == 0 {
+            (parts, blank) = (parts + usize::from(!blank), true);
+        } else {
+            blank &= c.is_whitespace();
+        }
+    }
+    parts + usize::from(!blank)
+}
+
+/// Fields of a struct, and bool arguments of all functions together: their number may only fall.
+const FIELDS_MAX: usize = 20;
+const BOOLS_MAX: usize = 46;
+
+#[test]
+fn structs_stay_small_and_bool_arguments_few() {
+    let mut bools = Vec::new();
+    for (path, text) in sources() {
+        let code = code(&text, false).replace("->", "  ").replace("=>", "  ");
+        for (name, fields) in insides(&code, "struct ", '{', '}') {
+            let count = parts(&fields);
+            assert!(count <= FIELDS_MAX, "{path}: {name} has {count} fields");
+        }
+        for (name, arguments) in insides(&code, "fn ", '(', ')') {
+            let count = arguments.matches(": bool").count();
+            bools.extend(std::iter::repeat_n(format!("{path}: {name}"), count));
+        }
+    }
+    assert!(
+        bools.len() < BOOLS_MAX,
+        "{} bool arguments:\n{}",
+        bools.len(),
+        bools.join("\n")
+    );
+}
+
+#[test]
+fn fields_and_arguments_are_counted_outside_of_brackets() {
+    let code =
+        "struct A<T> { x: Vec<(f64, T)>, y: [u8; 2] } fn f(a: bool, g: fn(u8, u8)) {} struct B;";
+    let inside = |word, open, close| insides(code, word, open, close).swap_remove(0);
+    assert_eq!(
+        inside("struct ", '{', '}'),
+        ("A".to_owned(), " x: Vec<(f64, T)>, y: [u8; 2] ".to_owned())
+    );
+    assert_eq!(parts(&inside("struct ", '{', '}').1), 2);
+    assert_eq!(parts(&inside("fn ", '(', ')').1), 2);
+    assert_eq!([parts(""), parts(" a, "), parts("a, b")], [0, 1, 2]);
 }
 
 #[test]
 fn the_gui_feature_is_asked_about_at_one_place_of_cli() {
-    let files: Vec<String> =
-        sources().into_iter().filter(|(path, text)| path != "lib.rs" && !features(text).is_empty()).map(|f| f.0).collect();
+    let files: Vec<String> = sources()
+        .into_iter()
+        .filter(|(path, text)| path != "lib.rs" && !features(text).is_empty())
+        .map(|f| f.0)
+        .collect();
     assert!(files.len() <= 1, "{files:?}");
 }
+
+/// Files by path and text, and what is wrong with each.
+const BAD: [(&str, &str, &str); 26] = [
+    (
+        "physics/law/mod.rs",
+        "use crate::solver::Stop;",
+        "physics names crate::solver::Stop",
+    ),
+    (
+        "physics/law/mod.rs",
+        "use crate::{physics::grid, ui::App};",
+        "physics names crate::ui::App",
+    ),
+    (
+        "physics/grid.rs",
+        "fn f() { super::super::ui::open() }",
+        "physics names super::super::ui::open",
+    ),
+    (
+        "physics/mod.rs",
+        "use super::follow;",
+        "physics names super::follow",
+    ),
+    (
+        "solver/mod.rs",
+        "fn f() -> tackscope::worker::Event {}",
+        "solver names tackscope::worker::Event",
+    ),
+    (
+        "numerics/cancel.rs",
+        "pub(in crate::physics) fn f() {}",
+        "numerics names crate::physics",
+    ),
+    (
+        "worker/mod.rs",
+        "use crate::storage::save;",
+        "worker names crate::storage::save",
+    ),
+    (
+        "paper/mod.rs",
+        "use crate::worker::Event;",
+        "paper names crate::worker::Event",
+    ),
+    (
+        "worker/mod.rs",
+        "fn f(c: &egui::Context) {}",
+        "only ui names egui::Context",
+    ),
+    (
+        "cli/mod.rs",
+        "use eframe::{run_native};",
+        "only ui names eframe::run_native",
+    ),
+    (
+        "storage/mod.rs",
+        "rfd::FileDialog::new()",
+        "only ui names rfd::FileDialog::new",
+    ),
+    (
+        "solver/mod.rs",
+        "use std::{fmt, thread};",
+        "only worker names std::thread",
+    ),
+    (
+        "ui/app.rs",
+        "let (a, b) = crossbeam_channel::bounded(1);",
+        "only worker names crossbeam_channel::bounded",
+    ),
+    (
+        "ui/app.rs",
+        "std::thread::spawn(f);",
+        "only worker names std::thread::spawn",
+    ),
+    ("cli/run.rs", "use std::fs;", "only storage names std::fs"),
+    (
+        "cli/run.rs",
+        "use std::{io, fs::File};",
+        "only storage names std::fs::File",
+    ),
+    (
+        "ui/app.rs",
+        "let f = File::open(p);",
+        "only storage names File::open",
+    ),
+    (
+        "ui/app.rs",
+        "let d = tempfile::tempdir();",
+        "only storage names tempfile::tempdir",
+    ),
+    (
+        "main.rs",
+        "fn main() { std::fs::read(p); }",
+        "only storage names std::fs::read",
+    ),
+    (
+        "solver/mod.rs",
+        "use std::time::{Duration, Instant};",
+        "std::time::Instant is a clock",
+    ),
+    (
+        "physics/mod.rs",
+        "let t = SystemTime::now();",
+        "SystemTime::now is a clock",
+    ),
+    ("numerics/mod.rs", "unsafe { f() }", "unsafe"),
+    ("rooftop/mod.rs", "", "the room rooftop has no floor"),
+    ("rooftop.rs", "", "the room rooftop has no floor"),
+    (
+        "ui/app.rs",
+        "#[cfg(feature = \"gui\")]",
+        "a feature outside lib.rs and cli",
+    ),
+    (
+        "lib.rs",
+        "#[cfg(not(feature=\"fast\"))]",
+        "the feature fast; there is only gui",
+    ),
+];
 
 #[test]
 fn every_kind_of_bad_file_is_caught() {
     let long = "\n".repeat(LINES_MAX + 1);
-    for (path, text, expected) in [
-        ("physics/law/mod.rs", "use crate::solver::Stop;", "physics names crate::solver::Stop"),
-        ("physics/law/mod.rs", "use crate::{physics::grid, ui::App};", "physics names crate::ui::App"),
-        ("physics/grid.rs", "fn f() { super::super::ui::open() }", "physics names super::super::ui::open"),
-        ("physics/mod.rs", "use super::follow;", "physics names super::follow"),
-        ("solver/mod.rs", "fn f() -> tackscope::worker::Event {}", "solver names tackscope::worker::Event"),
-        ("numerics/cancel.rs", "pub(in crate::physics) fn f() {}", "numerics names crate::physics"),
-        ("worker/mod.rs", "use crate::storage::save;", "worker names crate::storage::save"),
-        ("paper/mod.rs", "use crate::worker::Event;", "paper names crate::worker::Event"),
-        ("worker/mod.rs", "fn f(c: &egui::Context) {}", "only ui names egui::Context"),
-        ("cli/mod.rs", "use eframe::{run_native};", "only ui names eframe::run_native"),
-        ("storage/mod.rs", "rfd::FileDialog::new()", "only ui names rfd::FileDialog::new"),
-        ("solver/mod.rs", "use std::{fmt, thread};", "only worker names std::thread"),
-        ("ui/app.rs", "let (a, b) = crossbeam_channel::bounded(1);", "only worker names crossbeam_channel::bounded"),
-        ("ui/app.rs", "std::thread::spawn(f);", "only worker names std::thread::spawn"),
-        ("cli/run.rs", "use std::fs;", "only storage names std::fs"),
-        ("cli/run.rs", "use std::{io, fs::File};", "only storage names std::fs::File"),
-        ("ui/app.rs", "let f = File::open(p);", "only storage names File::open"),
-        ("ui/app.rs", "let d = tempfile::tempdir();", "only storage names tempfile::tempdir"),
-        ("main.rs", "fn main() { std::fs::read(p); }", "only storage names std::fs::read"),
-        ("solver/mod.rs", "use std::time::{Duration, Instant};", "std::time::Instant is a clock"),
-        ("physics/mod.rs", "let t = SystemTime::now();", "SystemTime::now is a clock"),
-        ("numerics/mod.rs", "unsafe { f() }", "unsafe"),
-        ("rooftop/mod.rs", "", "the room rooftop has no floor"),
-        ("rooftop.rs", "", "the room rooftop has no floor"),
-        ("ui/app.rs", &long, "lines, at most"),
-        ("ui/app.rs", "#[cfg(feature = \"gui\")]", "a feature outside lib.rs and cli"),
-        ("lib.rs", "#[cfg(not(feature=\"fast\"))]", "the feature fast; there is only gui"),
-    ] {
+    let long_file = ("ui/app.rs", &*long, "lines, at most");
+    for (path, text, expected) in BAD.into_iter().chain([long_file]) {
         let faults = faults(path, text);
-        assert!(faults.iter().any(|fault| fault.contains(expected)), "{path}: {text:?} gave {faults:?}");
+        assert!(
+            faults.iter().any(|fault| fault.contains(expected)),
+            "{path}: {text:?} gave {faults:?}"
+        );
     }
-    let twice = format!("#[cfg(feature = \"gui\")]{}#[cfg(not(feature = \"gui\"))]", "\n".repeat(ONE_PLACE + 1));
+    let twice = format!(
+        "#[cfg(feature = \"gui\")]{}#[cfg(not(feature = \"gui\"))]",
+        "\n".repeat(ONE_PLACE + 1)
+    );
     assert!(faults("cli/mod.rs", &twice)[0].contains("more than one place"));
 }
 
 #[test]
 fn a_good_file_is_left_alone() {
     for (path, text) in [
-        ("physics/law/mod.rs", "use super::grid; use crate::numerics::cancel::Cancel; use super::super::numerics;"),
-        ("physics/mod.rs", "//! crate::ui, unsafe, std::fs\n/* egui::Context /* nested */ std::thread */ fn f() {}"),
+        (
+            "physics/law/mod.rs",
+            "use super::grid; use crate::numerics::cancel::Cancel; use super::super::numerics;",
+        ),
+        (
+            "physics/mod.rs",
+            "//! crate::ui, unsafe, std::fs\n/* egui::Context /* nested */ std::thread */ fn f() {}",
+        ),
         (
             "physics/mod.rs",
             "const S: &str = \"crate::ui and unsafe { std::fs::read }\"; const R: &str = r#\"use crate::\"ui\";\"#;",
         ),
-        ("physics/mod.rs", "fn f<'a>(c: &'a str) -> char { let _ = '\"'; let _ = '\\''; 'u' }"),
-        ("lib.rs", "#![forbid(unsafe_code)]\n#[cfg(feature = \"gui\")]\npub mod ui;"),
-        ("cli/mod.rs", "#[cfg(feature = \"gui\")]\nfn f() { crate::ui::open() }\n#[cfg(not(feature = \"gui\"))]\nfn f() {}"),
-        ("ui/app.rs", "use crate::worker; fn f(c: &egui::Context) { let thread = 1; let fs = 2; }"),
-        ("storage/mod.rs", "use std::fs::File; use crate::scene::Scene; use crate::paper;"),
-        ("worker/mod.rs", "use std::thread; let t = std::time::Instant::now();"),
+        (
+            "physics/mod.rs",
+            "fn f<'a>(c: &'a str) -> char { let _ = '\"'; let _ = '\\''; 'u' }",
+        ),
+        (
+            "lib.rs",
+            "#![forbid(unsafe_code)]\n#[cfg(feature = \"gui\")]\npub mod ui;",
+        ),
+        (
+            "cli/mod.rs",
+            "#[cfg(feature = \"gui\")]\nfn f() { crate::ui::open() }\n#[cfg(not(feature = \"gui\"))]\nfn f() {}",
+        ),
+        (
+            "ui/app.rs",
+            "use crate::worker; fn f(c: &egui::Context) { let thread = 1; let fs = 2; }",
+        ),
+        (
+            "storage/mod.rs",
+            "use std::fs::File; use crate::scene::Scene; use crate::paper;",
+        ),
+        (
+            "worker/mod.rs",
+            "use std::thread; let t = std::time::Instant::now();",
+        ),
         ("follow/mod.rs", "let t = std::time::Instant::now();"),
     ] {
         assert_eq!(faults(path, text), Vec::<String>::new(), "{text}");

@@ -1,8 +1,9 @@
-//! A fuzzer of scene files: seeded mutations and extremes go through the real binary, under a limit of memory and of time.
+//! A fuzzer of scene files: seeded mutations and extremes go through the real binary, under a limit
+//! of memory and of time.
 //!
-//! Whatever a file says, the program neither panics nor aborts, answers Ctrl-C within a second, and prints no NaN as a result.
-//! `TACKSCOPE_SCENES` is how many files (150 without it), `TACKSCOPE_SEED` where they begin, `TACKSCOPE_KEEP` a folder for those
-//! that fail.
+//! Whatever a file says, the program neither panics nor aborts, answers Ctrl-C within a second, and
+//! prints no NaN as a result. `TACKSCOPE_SCENES` is how many files (150 without it),
+//! `TACKSCOPE_SEED` where they begin, `TACKSCOPE_KEEP` a folder for those that fail.
 #![cfg(unix)]
 
 use rand::seq::IndexedRandom;
@@ -46,9 +47,18 @@ fn seeds() -> Vec<String> {
     ];
     let grounds = [
         ("kind = \"flat\"", "start = 12.0\nturn = 1.0\nstep = 0.5"),
-        ("kind = \"hertz\"\nradius = 60.0", "start = 8.0\nturn = \"zero_load\"\nstep = 0.5"),
-        ("kind = \"wave\"\namplitude = 0.5\nperiods = 1", "start = 10.0\nturn = 1.0\nstep = 0.5"),
-        ("kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]", "start = 10.0\nturn = 1.0\nstep = 0.5"),
+        (
+            "kind = \"hertz\"\nradius = 60.0",
+            "start = 8.0\nturn = \"zero_load\"\nstep = 0.5",
+        ),
+        (
+            "kind = \"wave\"\namplitude = 0.5\nperiods = 1",
+            "start = 10.0\nturn = 1.0\nstep = 0.5",
+        ),
+        (
+            "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
+            "start = 10.0\nturn = 1.0\nstep = 0.5",
+        ),
         (
             "kind = \"rough\"\nhurst = 0.8\nrms = 0.5\nlongest = 64.0\nshortest = 16.0\nseed = 3",
             "start = 10.0\nturn = 1.0\nstep = 0.5",
@@ -59,7 +69,11 @@ fn seeds() -> Vec<String> {
         for (j, (ground, drive)) in grounds.iter().enumerate() {
             let points = ["8", "16", "[16, 1]", "12", "[8, 1]"][(i + j) % 5];
             // Waves along y are for squares.
-            let points = if ground.contains("[1, 1]") { "12" } else { points };
+            let points = if ground.contains("[1, 1]") {
+                "12"
+            } else {
+                points
+            };
             seeds.push(scene(points, law, ground, drive));
         }
     }
@@ -149,7 +163,11 @@ const MESHES: [&str; 16] = [
 /// A number of any size, most of them near what is usual.
 fn number(rng: &mut Pcg64) -> String {
     match rng.random_range(0..4) {
-        0 => format!("{:e}", 10f64.powf(rng.random_range(-130.0..130.0)) * if rng.random_bool(0.2) { -1.0 } else { 1.0 }),
+        0 => format!(
+            "{:e}",
+            10f64.powf(rng.random_range(-130.0..130.0))
+                * if rng.random_bool(0.2) { -1.0 } else { 1.0 }
+        ),
         1 => format!("{:e}", 10f64.powf(rng.random_range(-12.0..12.0))),
         2 => format!("{:.3}", rng.random_range(-5.0..20.0)),
         _ => rng.random_range(-3..300).to_string(),
@@ -159,13 +177,17 @@ fn number(rng: &mut Pcg64) -> String {
 /// One more change of a file.
 fn mutate(text: &mut String, rng: &mut Pcg64, seeds: &[String]) {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    let keyed: Vec<usize> = (0..lines.len()).filter(|&i| lines[i].contains(" = ")).collect();
+    let keyed: Vec<usize> = (0..lines.len())
+        .filter(|&i| lines[i].contains(" = "))
+        .collect();
     let Some(&at) = keyed.choose(rng) else { return };
     let key = lines[at].split(" = ").next().unwrap_or_default().to_owned();
     let value = lines[at].split(" = ").nth(1).unwrap_or_default().to_owned();
     match rng.random_range(0..40) {
         // Another mesh, another size: most of these are allowed scenes. Large meshes are only slow.
-        0..=33 if key == "points" => lines[at] = format!("points = {}", MESHES.choose(rng).expect("there are some")),
+        0..=33 if key == "points" => {
+            lines[at] = format!("points = {}", MESHES.choose(rng).expect("there are some"));
+        }
         0..=24 => {
             let reach = if rng.random_bool(0.7) { 0.5 } else { 4.0 };
             let share = 10f64.powf(rng.random_range(-reach..reach));
@@ -194,7 +216,11 @@ fn mutate(text: &mut String, rng: &mut Pcg64, seeds: &[String]) {
             return;
         }
         _ => {
-            let nested = format!("{}1{}", "[".repeat(rng.random_range(1..3000)), "]".repeat(rng.random_range(0..3000)));
+            let nested = format!(
+                "{}1{}",
+                "[".repeat(rng.random_range(1..3000)),
+                "]".repeat(rng.random_range(0..3000))
+            );
             lines[at] = format!("{key} = {nested}");
         }
     }
@@ -210,10 +236,16 @@ fn file(number: u64, seeds: &[String]) -> (String, Vec<&'static str>) {
     }
     let mut more = Vec::new();
     if rng.random_bool(0.25) {
-        more.extend(["--model", ["plan", "atlas", "quarter", "whole"][rng.random_range(0..4)]]);
+        more.extend([
+            "--model",
+            ["plan", "atlas", "quarter", "whole"][rng.random_range(0..4)],
+        ]);
     }
     if rng.random_bool(0.1) {
-        more.extend(["--method", ["newton", "gfmd", "fire", "lbfgs"][rng.random_range(0..4)]]);
+        more.extend([
+            "--method",
+            ["newton", "gfmd", "fire", "lbfgs"][rng.random_range(0..4)],
+        ]);
     }
     (text, more)
 }
@@ -236,15 +268,21 @@ enum End {
 
 impl End {
     fn is_fault(self) -> bool {
-        matches!(self, End::Panic | End::Abort | End::Hang | End::NoNumber | End::Late)
+        matches!(
+            self,
+            End::Panic | End::Abort | End::Hang | End::NoNumber | End::Late
+        )
     }
 }
 
 fn interrupt(process: u32) {
-    let _ = Command::new("kill").args(["-INT", &process.to_string()]).status();
+    let _ = Command::new("kill")
+        .args(["-INT", &process.to_string()])
+        .status();
 }
 
-/// Processor time a process has spent, where the system tells (Linux counts hundredths of a second).
+/// Processor time a process has spent, where the system tells (Linux counts hundredths of a
+/// second).
 fn worked(process: u32) -> Option<Duration> {
     let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
@@ -258,7 +296,12 @@ fn run(folder: &Path, text: &str, more: &[&str]) -> (End, String, Option<Duratio
     fs::write(&scene, text).expect("written");
     let _ = fs::remove_dir_all(&out);
     let mut child = Command::new("sh")
-        .args(["-c", &format!("ulimit -v {MEMORY_KB}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_tackscope"), "run"])
+        .args([
+            "-c",
+            &format!("ulimit -v {MEMORY_KB}; exec \"$0\" \"$@\""),
+            env!("CARGO_BIN_EXE_tackscope"),
+            "run",
+        ])
         .arg(&scene)
         .arg("--quiet")
         .arg("--out")
@@ -299,8 +342,11 @@ fn run(folder: &Path, text: &str, more: &[&str]) -> (End, String, Option<Duratio
             after = worked(child.id()).or(after);
             status = await_end(&mut child, Duration::from_millis(10));
         }
-        // On a busy machine others take their share of the time: what counts is the work done after the request, if it is known.
-        let spent = before.zip(after).map(|(before, after)| after.saturating_sub(before));
+        // On a busy machine others take their share of the time: what counts is the work done after
+        // the request, if it is known.
+        let spent = before
+            .zip(after)
+            .map(|(before, after)| after.saturating_sub(before));
         answer = Some(spent.map_or(asked.elapsed(), |spent| spent.min(asked.elapsed())));
     }
     let Some(status) = status else {
@@ -326,13 +372,23 @@ fn run(folder: &Path, text: &str, more: &[&str]) -> (End, String, Option<Duratio
     (end, words, answer)
 }
 
-/// True if the loop has finite numbers everywhere, and the summary a loss: null stands there for what is no number.
+/// True if the loop has finite numbers everywhere, and the summary a loss: null stands there for
+/// what is no number.
 fn is_all_numbers(out: &Path) -> bool {
     let read = |name: &str| fs::read_to_string(out.join(name)).unwrap_or_default();
-    let finite =
-        |table: &str| table.lines().skip(1).all(|row| row.split(',').all(|cell| cell.parse::<f64>().map_or(true, f64::is_finite)));
-    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap_or_default();
-    let given = |key: &str| summary.get(key).is_some_and(|value| value.as_f64().is_some_and(f64::is_finite));
+    let finite = |table: &str| {
+        table.lines().skip(1).all(|row| {
+            row.split(',')
+                .all(|cell| cell.parse::<f64>().map_or(true, f64::is_finite))
+        })
+    };
+    let summary: serde_json::Value =
+        serde_json::from_str(&read("summary.json")).unwrap_or_default();
+    let given = |key: &str| {
+        summary
+            .get(key)
+            .is_some_and(|value| value.as_f64().is_some_and(f64::is_finite))
+    };
     // An open loop gives no loss, and says that it is open.
     let open = summary.get("closed").and_then(serde_json::Value::as_bool) == Some(false);
     let table = read("loop.csv");
@@ -343,16 +399,25 @@ fn is_all_numbers(out: &Path) -> bool {
 }
 
 fn asked(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
+    std::env::var(name)
+        .ok()
+        .and_then(|value| value.parse().ok())
+        .unwrap_or(otherwise)
 }
 
 #[test]
 fn no_scene_file_makes_the_program_panic_hang_or_print_what_is_no_number() {
-    let (count, first) = (asked("TACKSCOPE_SCENES", SCENES), asked("TACKSCOPE_SEED", 1));
+    let (count, first) = (
+        asked("TACKSCOPE_SCENES", SCENES),
+        asked("TACKSCOPE_SEED", 1),
+    );
     let seeds = seeds();
     let (next, told) = (AtomicU64::new(first), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(8) {
+        for _ in 0..std::thread::available_parallelism()
+            .map_or(1, usize::from)
+            .min(8)
+        {
             scope.spawn(|| {
                 let folder = tempfile::tempdir().expect("a temporary folder");
                 loop {
@@ -366,9 +431,14 @@ fn no_scene_file_makes_the_program_panic_hang_or_print_what_is_no_number() {
                         && let Some(keep) = std::env::var_os("TACKSCOPE_KEEP")
                     {
                         let _ = fs::create_dir_all(&keep);
-                        let _ = fs::write(Path::new(&keep).join(format!("{end:?}-{number}.toml")), format!("# {more:?}\n{text}"));
+                        let _ = fs::write(
+                            Path::new(&keep).join(format!("{end:?}-{number}.toml")),
+                            format!("# {more:?}\n{text}"),
+                        );
                     }
-                    told.lock().expect("nobody panics with it").push((end, number, answer, words));
+                    told.lock()
+                        .expect("nobody panics with it")
+                        .push((end, number, answer, words));
                 }
             });
         }
@@ -379,13 +449,29 @@ fn no_scene_file_makes_the_program_panic_hang_or_print_what_is_no_number() {
     ends.dedup();
     let mut table = format!("{count} scene files from {first}\n");
     for end in ends {
-        let _ = writeln!(table, "{end:?}: {}", told.iter().filter(|(other, ..)| *other == end).count());
+        let _ = writeln!(
+            table,
+            "{end:?}: {}",
+            told.iter().filter(|(other, ..)| *other == end).count()
+        );
     }
-    let slowest = told.iter().filter_map(|(.., answer, _)| *answer).max().unwrap_or_default();
-    let _ = writeln!(table, "slowest answer to Ctrl-C: {:.3} s", slowest.as_secs_f64());
+    let slowest = told
+        .iter()
+        .filter_map(|(.., answer, _)| *answer)
+        .max()
+        .unwrap_or_default();
+    let _ = writeln!(
+        table,
+        "slowest answer to Ctrl-C: {:.3} s",
+        slowest.as_secs_f64()
+    );
     println!("{table}");
     for (end, number, answer, words) in told.iter().filter(|(end, ..)| end.is_fault()) {
-        let _ = writeln!(table, "{end:?} {number} {answer:?}: {}", words.lines().take(3).collect::<Vec<_>>().join(" | "));
+        let _ = writeln!(
+            table,
+            "{end:?} {number} {answer:?}: {}",
+            words.lines().take(3).collect::<Vec<_>>().join(" | ")
+        );
     }
     assert!(!told.iter().any(|(end, ..)| end.is_fault()), "{table}");
 }

@@ -1,6 +1,8 @@
-//! A run that is ended at any moment, by any signal, leaves a folder that holds one run and says whether it was finished.
+//! A run that is ended at any moment, by any signal, leaves a folder that holds one run and says
+//! whether it was finished.
 //!
-//! `TACKSCOPE_KILLS` says how often it is tried (20 if not given); the table is printed with `--nocapture`.
+//! `TACKSCOPE_KILLS` says how often it is tried (20 if not given); the table is printed with
+//! `--nocapture`.
 #![cfg(unix)]
 
 use crate::binary::{Running, fig2_with, folder};
@@ -32,22 +34,102 @@ fn start(run: usize) -> f64 {
 
 /// A scene whose every result tells which run it is of.
 fn scene(run: usize) -> (String, tempfile::TempDir) {
-    let (title, range) = (format!("title = \"run {run}.\" #"), format!("range = {} #", 1.0 + 1e-4 * run as f64));
-    fig2_with(&[("title = ", &title), ("start = ", &format!("start = {} #", start(run))), ("range = ", &range)])
+    let (title, range) = (
+        format!("title = \"run {run}.\" #"),
+        format!("range = {} #", 1.0 + 1e-4 * run as f64),
+    );
+    fig2_with(&[
+        ("title = ", &title),
+        ("start = ", &format!("start = {} #", start(run))),
+        ("range = ", &range),
+    ])
 }
 
 fn run_in_title(title: &str) -> usize {
-    let number = title.split("run ").nth(1).and_then(|rest| rest.split('.').next());
-    number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no run in {title:?}"))
+    let number = title
+        .split("run ")
+        .nth(1)
+        .and_then(|rest| rest.split('.').next());
+    number
+        .and_then(|number| number.parse().ok())
+        .unwrap_or_else(|| panic!("no run in {title:?}"))
 }
 
 /// Rows of a table, each with as many cells as its heading.
 fn rows(path: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(path).expect("text");
     assert!(text.ends_with('\n'), "{} is torn", path.display());
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let mut lines = text
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
     let columns = lines.next().expect("a heading").len();
-    lines.inspect(|cells| assert!(cells.len() >= columns, "{} is torn: {cells:?}", path.display())).collect()
+    lines
+        .inspect(|cells| {
+            assert!(
+                cells.len() >= columns,
+                "{} is torn: {cells:?}",
+                path.display()
+            );
+        })
+        .collect()
+}
+
+/// How many states and jumps the tables hold, which are of one run; that run is added to `runs`.
+fn counted(states: &Path, jumps: &Path, runs: &mut BTreeSet<usize>) -> [usize; 2] {
+    let mut counts = [0; 2];
+    let states = rows(states);
+    counts[0] = states.len();
+    // Ended before its first state, a run has none.
+    runs.extend(states.first().map(|first| {
+        let u0: f64 = first[1].parse().expect("a number");
+        ((u0 - start(0)) / 1e-3).round() as usize
+    }));
+    if jumps.exists() {
+        let at: BTreeSet<&str> = states.iter().map(|state| state[1].as_str()).collect();
+        let jumps = rows(jumps);
+        counts[1] = jumps.len();
+        assert!(
+            jumps.iter().all(|jump| at.contains(jump[1].as_str())),
+            "jumps of another run than the states"
+        );
+    }
+    counts
+}
+
+/// What the summary says; all that it promises is there.
+fn told_standing(
+    told: &serde_json::Value,
+    folder: &Path,
+    counts: [usize; 2],
+    pictures: usize,
+) -> Standing {
+    let standing = match told["stop"].as_str() {
+        Some("running") => Standing::Unfinished,
+        Some("cancelled") => Standing::Cancelled,
+        Some("completed") => Standing::Finished,
+        other => panic!("stop = {other:?}"),
+    };
+    assert_eq!(told["completed"], standing == Standing::Finished);
+    if standing != Standing::Unfinished {
+        assert!(
+            ["loop.csv", "events.csv", "loop.svg", "loop.png"]
+                .iter()
+                .all(|name| folder.join(name).exists()),
+            "something is missing"
+        );
+        assert_eq!(
+            [&told["counts"]["states"], &told["counts"]["jumps"]],
+            counts.map(serde_json::Value::from).each_ref()
+        );
+    }
+    if standing == Standing::Finished {
+        assert!(
+            counts[1] > 0 && pictures > 5,
+            "{counts:?}, {} pictures",
+            pictures
+        );
+    }
+    standing
 }
 
 /// What the folder says, and of which run it is; every file in it is looked into.
@@ -57,7 +139,11 @@ fn look(folder: &Path, killed: bool) -> (Standing, Option<usize>) {
     for inner in [folder.to_owned(), folder.join("gaps")] {
         for entry in fs::read_dir(inner).into_iter().flatten() {
             let path = entry.expect("an entry").path();
-            let name = path.file_name().and_then(|name| name.to_str()).expect("UTF-8").to_owned();
+            let name = path
+                .file_name()
+                .and_then(|name| name.to_str())
+                .expect("UTF-8")
+                .to_owned();
             assert!(killed || !name.starts_with('.'), "{name} is left");
             if path.extension().is_some_and(|end| end == "png") {
                 pictures.push(path);
@@ -68,26 +154,18 @@ fn look(folder: &Path, killed: bool) -> (Standing, Option<usize>) {
         // A picture gets its scene in a second step.
         match picture::load_scene(path) {
             Ok(scene) => drop(runs.insert(run_in_title(&scene.title))),
-            Err(failure) => assert!(killed && failure.to_string().contains("there is no scene"), "{failure}"),
+            Err(failure) => assert!(
+                killed && failure.to_string().contains("there is no scene"),
+                "{failure}"
+            ),
         }
         assert!(image::open(path).is_ok(), "{} is torn", path.display());
     }
-    let [states, jumps, svg, summary] = ["loop.csv", "events.csv", "loop.svg", "summary.json"].map(|name| folder.join(name));
+    let [states, jumps, svg, summary] =
+        ["loop.csv", "events.csv", "loop.svg", "summary.json"].map(|name| folder.join(name));
     let mut counts = [0; 2];
     if states.exists() {
-        let states = rows(&states);
-        counts[0] = states.len();
-        // Ended before its first state, a run has none.
-        runs.extend(states.first().map(|first| {
-            let u0: f64 = first[1].parse().expect("a number");
-            ((u0 - start(0)) / 1e-3).round() as usize
-        }));
-        if jumps.exists() {
-            let at: BTreeSet<&str> = states.iter().map(|state| state[1].as_str()).collect();
-            let jumps = rows(&jumps);
-            counts[1] = jumps.len();
-            assert!(jumps.iter().all(|jump| at.contains(jump[1].as_str())), "jumps of another run than the states");
-        }
+        counts = counted(&states, &jumps, &mut runs);
     } else {
         assert!(killed || !jumps.exists());
     }
@@ -96,37 +174,42 @@ fn look(folder: &Path, killed: bool) -> (Standing, Option<usize>) {
         assert!(text.trim_end().ends_with("</svg>"), "loop.svg is torn");
         runs.insert(run_in_title(&text));
     }
-    let mut standing = if runs.is_empty() { Standing::Empty } else { Standing::Unfinished };
+    let mut standing = if runs.is_empty() {
+        Standing::Empty
+    } else {
+        Standing::Unfinished
+    };
     if let Ok(text) = fs::read_to_string(&summary) {
         let told: serde_json::Value = serde_json::from_str(&text).expect("summary.json is torn");
-        runs.insert(run_in_title(told["scene"]["title"].as_str().expect("a title")));
-        standing = match told["stop"].as_str() {
-            Some("running") => Standing::Unfinished,
-            Some("cancelled") => Standing::Cancelled,
-            Some("completed") => Standing::Finished,
-            other => panic!("stop = {other:?}"),
-        };
-        assert_eq!(told["completed"], standing == Standing::Finished);
-        if standing != Standing::Unfinished {
-            assert!([&states, &jumps, &svg, &folder.join("loop.png")].iter().all(|path| path.exists()), "something is missing");
-            assert_eq!([&told["counts"]["states"], &told["counts"]["jumps"]], counts.map(serde_json::Value::from).each_ref());
-        }
-        if standing == Standing::Finished {
-            assert!(counts[1] > 0 && pictures.len() > 5, "{counts:?}, {} pictures", pictures.len());
-        }
+        runs.insert(run_in_title(
+            told["scene"]["title"].as_str().expect("a title"),
+        ));
+        standing = told_standing(&told, folder, counts, pictures.len());
     }
-    assert!(runs.len() <= 1, "{}: files of the runs {runs:?}", folder.display());
+    assert!(
+        runs.len() <= 1,
+        "{}: files of the runs {runs:?}",
+        folder.display()
+    );
     (standing, runs.first().copied())
 }
 
 #[test]
 fn whenever_a_run_is_killed_its_folder_is_one_runs_and_says_whether_it_was_finished() {
-    let count: usize = std::env::var("TACKSCOPE_KILLS").map_or(20, |count| count.parse().expect("a number"));
+    let count: usize =
+        std::env::var("TACKSCOPE_KILLS").map_or(20, |count| count.parse().expect("a number"));
     let home = folder();
     let place = |k: usize| home.path().join(format!("{}", k % FOLDERS));
     let go = |k: usize| {
         let (path, kept) = scene(k);
-        (Running::start(&path, &place(k), &["--quiet", "--model", "quarter", "--points", "48"]), kept)
+        (
+            Running::start(
+                &path,
+                &place(k),
+                &["--quiet", "--model", "quarter", "--points", "48"],
+            ),
+            kept,
+        )
     };
     // How long it takes where nobody disturbs it.
     let began = Instant::now();

@@ -1,4 +1,5 @@
-//! The program as it is started: files, commands, signals, hostile input; and the order of its rooms.
+//! The program as it is started: files, commands, signals, hostile input; and the order of its
+//! rooms.
 
 mod binary;
 mod command_line;

@@ -1,4 +1,5 @@
-//! Scene files: what is read, what is refused and how, and that no text whatever makes the reader panic.
+//! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
+//! panic.
 
 use proptest::prelude::*;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
@@ -18,7 +19,8 @@ fn fig2() -> &'static str {
 fn refusal(line: &str, replacement: &str) -> String {
     let text = fig2();
     assert!(text.contains(line), "fig2 has the line {line}");
-    let failure = scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
+    let failure =
+        scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
     let sentence = failure.to_string();
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
@@ -27,28 +29,68 @@ fn refusal(line: &str, replacement: &str) -> String {
 #[track_caller]
 fn says(sentence: &str, parts: &[&str]) {
     for part in parts {
-        assert!(sentence.contains(part), "{part:?} is missing in: {sentence}");
+        assert!(
+            sentence.contains(part),
+            "{part:?} is missing in: {sentence}"
+        );
     }
 }
 
 #[test]
 fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
     let names: Vec<_> = presets::all().iter().map(|preset| preset.name).collect();
-    assert_eq!(names, ["fig2", "fig3", "no-hysteresis", "coarse-mesh", "ridge-line", "hertz", "wavy", "rough"]);
+    assert_eq!(
+        names,
+        [
+            "fig2",
+            "fig3",
+            "no-hysteresis",
+            "coarse-mesh",
+            "ridge-line",
+            "hertz",
+            "wavy",
+            "rough"
+        ]
+    );
     for preset in presets::all() {
         let scene = preset.scene().unwrap_or_else(|failure| panic!("{failure}"));
         assert!(!scene.title.is_empty() && !scene.source.is_empty());
-        assert!(preset.hint().starts_with("What to look for"), "{}", preset.name);
-        assert!(preset.look_for().starts_with(char::is_uppercase), "{}", preset.look_for());
+        assert!(
+            preset.hint().starts_with("What to look for"),
+            "{}",
+            preset.name
+        );
+        assert!(
+            preset.look_for().starts_with(char::is_uppercase),
+            "{}",
+            preset.look_for()
+        );
         assert_eq!(presets::titled(&scene.title), Some(preset));
-        assert_eq!(preset.text.lines().take_while(|line| line.starts_with('#')).count(), 2, "{}", preset.name);
-        assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
+        assert_eq!(
+            preset
+                .text
+                .lines()
+                .take_while(|line| line.starts_with('#'))
+                .count(),
+            2,
+            "{}",
+            preset.name
+        );
+        assert_eq!(
+            scene_file::parse(&scene_file::to_text(&scene), NAME),
+            Ok(scene)
+        );
     }
 }
 
 #[test]
 fn the_coarse_mesh_preset_has_the_range_of_the_mesh_rule() {
-    let model = presets::find("coarse-mesh").expect("built in").scene().expect("allowed").model().expect("allowed");
+    let model = presets::find("coarse-mesh")
+        .expect("built in")
+        .scene()
+        .expect("allowed")
+        .model()
+        .expect("allowed");
     // Eq. 11 with da = 256/32.
     let range = (0.15f64 * 256.0 / 32.0).sqrt() / (2.0 * 1.5);
     assert!((model.law.range - range).abs() < 1e-12 && (model.mu_rho - 1.5).abs() < 1e-12);
@@ -59,117 +101,297 @@ fn what_may_be_left_out_has_its_default() {
     let text = "format = 1\ncell = { length = 64, points = [32, 32] }\nlaw = { kind = \"cosine\", surface_energy = 0.15, range = 1 }\n\
                 drive = { start = 4, turn = 1, step = 0.1 }\n";
     let scene = scene_file::parse(text, NAME).expect("allowed");
-    assert_eq!((scene.indenter, scene.accuracy, scene.seed), (Indenter::Flat, 0.01, 1));
-    assert_eq!((scene.title.as_str(), scene.source.as_str()), ("untitled", ""));
+    assert_eq!(
+        (scene.indenter, scene.accuracy, scene.seed),
+        (Indenter::Flat, 0.01, 1)
+    );
+    assert_eq!(
+        (scene.title.as_str(), scene.source.as_str()),
+        ("untitled", "")
+    );
     assert_eq!(scene.cell.points, Points::Square(32));
     assert_eq!(scene.law.shape, Shape::Cosine(Cosine { smooth: false }));
 }
 
 #[test]
 fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
-    says(&refusal("length = 256.0", "lenght = 256.0"), &["cell.lenght", "did you mean length", "length, points"]);
-    says(&refusal("[noise]", "[nose]"), &["nose", "did you mean noise", "cell, law, indenter"]);
-    says(&refusal("range = 1.0", "range = 1.0\nm = 8.0"), &["law.m", "kind, surface_energy, range, mu_rho"]);
-    says(&refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"), &["indenter.radius"]);
+    says(
+        &refusal("length = 256.0", "lenght = 256.0"),
+        &["cell.lenght", "did you mean length", "length, points"],
+    );
+    says(
+        &refusal("[noise]", "[nose]"),
+        &["nose", "did you mean noise", "cell, law, indenter"],
+    );
+    says(
+        &refusal("range = 1.0", "range = 1.0\nm = 8.0"),
+        &["law.m", "kind, surface_energy, range, mu_rho"],
+    );
+    says(
+        &refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"),
+        &["indenter.radius"],
+    );
 }
 
 #[test]
 fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
     says(
         &refusal("length = 256.0", "length = \"long\""),
-        &["cell.length = \"long\"", "allowed is a finite number above 0", "from 1e-110 to 1e110"],
+        &[
+            "cell.length = \"long\"",
+            "allowed is a finite number above 0",
+            "from 1e-110 to 1e110",
+        ],
     );
     says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
     let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
-    says(&failure.to_string(), &["cell = 3", "allowed is a table, [cell]"]);
-    says(&refusal("seed = 1", "seed = -1"), &["noise.seed = -1", "whole number from 0"]);
-    says(&refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"), &["law.smooth = 1", "true or false"]);
-    says(&refusal("turn = 0.2", "turn = \"zero\""), &["drive.turn = \"zero\"", "zero_load"]);
+    says(
+        &failure.to_string(),
+        &["cell = 3", "allowed is a table, [cell]"],
+    );
+    says(
+        &refusal("seed = 1", "seed = -1"),
+        &["noise.seed = -1", "whole number from 0"],
+    );
+    says(
+        &refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"),
+        &["law.smooth = 1", "true or false"],
+    );
+    says(
+        &refusal("turn = 0.2", "turn = \"zero\""),
+        &["drive.turn = \"zero\"", "zero_load"],
+    );
 }
 
 #[test]
 fn a_missing_key_or_table_is_named() {
-    says(&refusal("length = 256.0", ""), &["cell.length is missing", "finite number above 0"]);
+    says(
+        &refusal("length = 256.0", ""),
+        &["cell.length is missing", "finite number above 0"],
+    );
     says(&refusal("[drive]", "[noise2]"), &["noise2"]);
-    says(&refusal("format = 1", ""), &["format is missing", "format = 1"]);
+    says(
+        &refusal("format = 1", ""),
+        &["format is missing", "format = 1"],
+    );
     let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
-    says(&failure.to_string(), &[NAME, "[cell] is missing", "length and points"]);
+    says(
+        &failure.to_string(),
+        &[NAME, "[cell] is missing", "length and points"],
+    );
 }
 
 #[test]
 fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
-    says(&refusal("length = 256.0", "length = nan"), &["cell.length = nan", "finite number above 0"]);
+    says(
+        &refusal("length = 256.0", "length = nan"),
+        &["cell.length = nan", "finite number above 0"],
+    );
     says(&refusal("step = 0.02", "step = inf"), &["drive.step = inf"]);
-    says(&refusal("range = 1.0", "range = -1.0"), &["law.range = -1", "above 0"]);
-    says(&refusal("target = 0.01", "target = 2"), &["accuracy.target = 2", "below 1"]);
-    says(&refusal("turn = 0.2", "turn = 5"), &["drive.turn = 5", "below drive.start = 4.2"]);
-    for n in ["63", "0", "1000000", "-4", "[64, 2]", "[63, 1]", "64.0", "\"many\"", "9999999999999999999"] {
-        says(&refusal("points = 64", &format!("points = {n}")), &[if n.len() > 9 { "line 9" } else { "cell.points" }]);
+    says(
+        &refusal("range = 1.0", "range = -1.0"),
+        &["law.range = -1", "above 0"],
+    );
+    says(
+        &refusal("target = 0.01", "target = 2"),
+        &["accuracy.target = 2", "below 1"],
+    );
+    says(
+        &refusal("turn = 0.2", "turn = 5"),
+        &["drive.turn = 5", "below drive.start = 4.2"],
+    );
+    for n in [
+        "63",
+        "0",
+        "1000000",
+        "-4",
+        "[64, 2]",
+        "[63, 1]",
+        "64.0",
+        "\"many\"",
+        "9999999999999999999",
+    ] {
+        says(
+            &refusal("points = 64", &format!("points = {n}")),
+            &[if n.len() > 9 { "line 9" } else { "cell.points" }],
+        );
     }
 }
 
 #[test]
 fn a_law_has_its_own_keys_and_limits() {
-    let mie = |m, n| refusal("kind = \"morse\"", &format!("kind = \"mie\"\nm = {m}\nn = {n}"));
+    let mie = |m, n| {
+        refusal(
+            "kind = \"morse\"",
+            &format!("kind = \"mie\"\nm = {m}\nn = {n}"),
+        )
+    };
     says(&mie(2, 2), &["law.m = 2", "above law.n = 2"]);
     says(&mie(2, 8), &["law.m = 2", "above law.n = 8"]);
-    says(&refusal("kind = \"morse\"", "kind = \"mie\""), &["law.m is missing"]);
-    says(&refusal("kind = \"morse\"", "kind = \"double_exponential\"\nratio = 1.0"), &["law.ratio = 1", "below 1"]);
-    says(&refusal("kind = \"morse\"", "kind = \"mores\""), &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"]);
-    says(&refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"), &["law.mu_rho = 0.5", "not together with law.range"]);
-    says(&refusal("range = 1.0", ""), &["law.range is missing", "mu_rho"]);
+    says(
+        &refusal("kind = \"morse\"", "kind = \"mie\""),
+        &["law.m is missing"],
+    );
+    says(
+        &refusal(
+            "kind = \"morse\"",
+            "kind = \"double_exponential\"\nratio = 1.0",
+        ),
+        &["law.ratio = 1", "below 1"],
+    );
+    says(
+        &refusal("kind = \"morse\"", "kind = \"mores\""),
+        &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
+    );
+    says(
+        &refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"),
+        &["law.mu_rho = 0.5", "not together with law.range"],
+    );
+    says(
+        &refusal("range = 1.0", ""),
+        &["law.range is missing", "mu_rho"],
+    );
 }
 
-const ROUGH: &str = "kind = \"rough\"\nhurst = 0.8\nrms = 1\nlongest = 64\nshortest = 8.0\nseed = 3";
+const ROUGH: &str =
+    "kind = \"rough\"\nhurst = 0.8\nrms = 1\nlongest = 64\nshortest = 8.0\nseed = 3";
 
 #[test]
 fn wavy_and_rough_ground_are_read() {
-    let with =
-        |indenter: &str| scene_file::parse(&fig2().replacen("kind = \"flat\"", indenter, 1), NAME).expect("allowed").indenter;
-    let wave = |periods| Indenter::Wave(Wave { amplitude: 0.5, periods });
-    assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = 2"), wave([2, 0]));
-    assert_eq!(with("kind = \"wave\"\namplitude = 0.5\nperiods = [1, 3]"), wave([1, 3]));
-    let rough = Rough { hurst: 0.8, rms: 1.0, longest: 64.0, shortest: 8.0, seed: 3 };
+    let with = |indenter: &str| {
+        scene_file::parse(&fig2().replacen("kind = \"flat\"", indenter, 1), NAME)
+            .expect("allowed")
+            .indenter
+    };
+    let wave = |periods| {
+        Indenter::Wave(Wave {
+            amplitude: 0.5,
+            periods,
+        })
+    };
+    assert_eq!(
+        with("kind = \"wave\"\namplitude = 0.5\nperiods = 2"),
+        wave([2, 0])
+    );
+    assert_eq!(
+        with("kind = \"wave\"\namplitude = 0.5\nperiods = [1, 3]"),
+        wave([1, 3])
+    );
+    let rough = Rough {
+        hurst: 0.8,
+        rms: 1.0,
+        longest: 64.0,
+        shortest: 8.0,
+        seed: 3,
+    };
     assert_eq!(with(ROUGH), Indenter::Rough(rough));
-    assert_eq!(with(&ROUGH.replace("\nseed = 3", "")), Indenter::Rough(Rough { seed: 1, ..rough }));
+    assert_eq!(
+        with(&ROUGH.replace("\nseed = 3", "")),
+        Indenter::Rough(Rough { seed: 1, ..rough })
+    );
 }
 
 #[test]
 fn an_indenter_has_its_own_keys_and_limits() {
-    let wave = |periods| refusal("kind = \"flat\"", &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"));
-    says(&wave("-1"), &["indenter.periods = -1", "whole number", "[2, 1]"]);
-    says(&wave("[1, 2, 3]"), &["indenter.periods", "[2, 1]"]);
-    says(&wave("0"), &["indenter.periods = [0, 0]", "above 0 along x or y"]);
-    says(&wave("17"), &["indenter.periods = [17, 0]", "a quarter of the points along a side (16)"]);
-    says(&refusal("kind = \"flat\"", "kind = \"wave\"\nperiods = 1"), &["indenter.amplitude is missing"]);
-    let rough = |from, to| refusal("kind = \"flat\"", &ROUGH.replacen(from, to, 1));
-    says(&rough("hurst = 0.8", "hurst = 1.2"), &["indenter.hurst = 1.2", "at most 1"]);
-    says(&rough("rms = 1", "rms = -1"), &["indenter.rms = -1", "above 0"]);
-    says(&rough("rms = 1", ""), &["indenter.rms is missing", "root mean square height"]);
-    says(&rough("longest = 64", "longest = 300"), &["indenter.longest = 300", "at most cell.length = 256"]);
-    says(&rough("shortest = 8.0", "shortest = 65"), &["indenter.shortest = 65", "to indenter.longest = 64"]);
-    says(&rough("shortest = 8.0", "shortest = 0.4"), &["indenter.shortest = 0.4", "from 0.5 (cell.length/512)"]);
-    says(&rough("seed = 3", "seed = -3"), &["indenter.seed = -3", "whole number from 0"]);
-    says(&rough("rms = 1", "rms = 1\nradius = 2"), &["indenter.radius", "hurst, rms, longest, shortest, seed"]);
-    says(&refusal("kind = \"flat\"", "kind = \"ruff\""), &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""]);
-    let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
-    let line = line.replacen("kind = \"flat\"", "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]", 1);
+    let wave = |periods| {
+        refusal(
+            "kind = \"flat\"",
+            &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
+        )
+    };
     says(
-        &scene_file::parse(&line, NAME).expect_err("refused").to_string(),
+        &wave("-1"),
+        &["indenter.periods = -1", "whole number", "[2, 1]"],
+    );
+    says(&wave("[1, 2, 3]"), &["indenter.periods", "[2, 1]"]);
+    says(
+        &wave("0"),
+        &["indenter.periods = [0, 0]", "above 0 along x or y"],
+    );
+    says(
+        &wave("17"),
+        &[
+            "indenter.periods = [17, 0]",
+            "a quarter of the points along a side (16)",
+        ],
+    );
+    says(
+        &refusal("kind = \"flat\"", "kind = \"wave\"\nperiods = 1"),
+        &["indenter.amplitude is missing"],
+    );
+    let rough = |from, to| refusal("kind = \"flat\"", &ROUGH.replacen(from, to, 1));
+    says(
+        &rough("hurst = 0.8", "hurst = 1.2"),
+        &["indenter.hurst = 1.2", "at most 1"],
+    );
+    says(
+        &rough("rms = 1", "rms = -1"),
+        &["indenter.rms = -1", "above 0"],
+    );
+    says(
+        &rough("rms = 1", ""),
+        &["indenter.rms is missing", "root mean square height"],
+    );
+    says(
+        &rough("longest = 64", "longest = 300"),
+        &["indenter.longest = 300", "at most cell.length = 256"],
+    );
+    says(
+        &rough("shortest = 8.0", "shortest = 65"),
+        &["indenter.shortest = 65", "to indenter.longest = 64"],
+    );
+    says(
+        &rough("shortest = 8.0", "shortest = 0.4"),
+        &["indenter.shortest = 0.4", "from 0.5 (cell.length/512)"],
+    );
+    says(
+        &rough("seed = 3", "seed = -3"),
+        &["indenter.seed = -3", "whole number from 0"],
+    );
+    says(
+        &rough("rms = 1", "rms = 1\nradius = 2"),
+        &["indenter.radius", "hurst, rms, longest, shortest, seed"],
+    );
+    says(
+        &refusal("kind = \"flat\"", "kind = \"ruff\""),
+        &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""],
+    );
+    let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
+    let line = line.replacen(
+        "kind = \"flat\"",
+        "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
+        1,
+    );
+    says(
+        &scene_file::parse(&line, NAME)
+            .expect_err("refused")
+            .to_string(),
         &["indenter.periods = [1, 1]", "along x alone on a line cell"],
     );
 }
 
 #[test]
 fn another_format_is_refused_before_anything_else() {
-    says(&refusal("format = 1", "format = 2\nnew = true"), &["format = 2", "allowed is 1"]);
-    says(&refusal("format = 1", "format = \"1\""), &["format = \"1\""]);
+    says(
+        &refusal("format = 1", "format = 2\nnew = true"),
+        &["format = 2", "allowed is 1"],
+    );
+    says(
+        &refusal("format = 1", "format = \"1\""),
+        &["format = \"1\""],
+    );
 }
 
 #[test]
 fn a_syntax_error_names_line_and_column() {
-    says(&refusal("length = 256.0", "length = = 3"), &["line 8", "column 10", "not TOML"]);
-    says(&refusal("points = 64", "length = 256.0"), &["line 9", "duplicate"]);
+    says(
+        &refusal("length = 256.0", "length = = 3"),
+        &["line 8", "column 10", "not TOML"],
+    );
+    says(
+        &refusal("points = 64", "length = 256.0"),
+        &["line 9", "duplicate"],
+    );
 }
 
 #[test]
@@ -185,24 +407,50 @@ fn files_that_are_missing_too_long_or_not_text_are_refused() {
     refused("longer than 1048576 bytes");
     std::fs::write(&path, b"title = \"M\xfcser\"").expect("written");
     refused("UTF-8");
-    assert!(matches!(scene_file::load(folder.path()), Err(Failure::Read { .. })), "a folder is no scene file");
+    assert!(
+        matches!(scene_file::load(folder.path()), Err(Failure::Read { .. })),
+        "a folder is no scene file"
+    );
 }
 
 #[test]
 fn a_scene_is_saved_whole_and_comes_back_and_an_impossible_one_is_not_saved() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("new folder").join("scene.toml");
-    let mut scene = presets::find("ridge-line").expect("built in").scene().expect("allowed");
+    let mut scene = presets::find("ridge-line")
+        .expect("built in")
+        .scene()
+        .expect("allowed");
     scene_file::save(&path, &scene).expect("saved");
     assert_eq!(scene_file::load(&path), Ok(scene.clone()));
     let before = std::fs::read(&path).expect("there");
     scene.cell.length = f64::NAN;
-    says(&scene_file::save(&path, &scene).expect_err("refused").to_string(), &["cell.length = nan"]);
-    assert_eq!(std::fs::read(&path).expect("there"), before, "the old file is untouched");
-    assert_eq!(std::fs::read_dir(path.parent().expect("a folder")).expect("listed").count(), 1, "no temporary file is left");
+    says(
+        &scene_file::save(&path, &scene)
+            .expect_err("refused")
+            .to_string(),
+        &["cell.length = nan"],
+    );
+    assert_eq!(
+        std::fs::read(&path).expect("there"),
+        before,
+        "the old file is untouched"
+    );
+    assert_eq!(
+        std::fs::read_dir(path.parent().expect("a folder"))
+            .expect("listed")
+            .count(),
+        1,
+        "no temporary file is left"
+    );
     scene.cell.length = 256.0;
     let below_a_file = path.join("other.toml");
-    says(&scene_file::save(&below_a_file, &scene).expect_err("refused").to_string(), &["cannot be written", "other.toml"]);
+    says(
+        &scene_file::save(&below_a_file, &scene)
+            .expect_err("refused")
+            .to_string(),
+        &["cannot be written", "other.toml"],
+    );
 }
 
 fn shapes() -> impl Strategy<Value = Shape> {
@@ -215,8 +463,16 @@ fn shapes() -> impl Strategy<Value = Shape> {
 }
 
 fn meshes() -> impl Strategy<Value = (Points, Range)> {
-    let (sides, positive) = (|| (2usize..=2048).prop_map(|half| 2 * half), || prop_oneof![1e-9..1e-3, 0.01..10.0, 1e3..1e12]);
-    let range = move || prop_oneof![positive().prop_map(Range::Length), positive().prop_map(Range::MuRho)];
+    let (sides, positive) = (
+        || (2usize..=2048).prop_map(|half| 2 * half),
+        || prop_oneof![1e-9..1e-3, 0.01..10.0, 1e3..1e12],
+    );
+    let range = move || {
+        prop_oneof![
+            positive().prop_map(Range::Length),
+            positive().prop_map(Range::MuRho)
+        ]
+    };
     prop_oneof![
         (sides().prop_map(Points::Square), range()),
         (sides().prop_map(Points::Line), range()),
@@ -228,9 +484,26 @@ fn grounds() -> impl Strategy<Value = Indenter> {
     prop_oneof![
         Just(Indenter::Flat),
         (1e-3..1e6).prop_map(|radius| Indenter::Hertz(Hertz { radius })),
-        (1e-3..1e3).prop_map(|amplitude| Indenter::Wave(Wave { amplitude, periods: [1, 0] })),
-        (0.01..1.0, 1e-6..1e6, 10.0..50.0, 1.0..10.0, 0..=i64::MAX as u64)
-            .prop_map(|(hurst, rms, longest, shortest, seed)| Indenter::Rough(Rough { hurst, rms, longest, shortest, seed })),
+        (1e-3..1e3).prop_map(|amplitude| Indenter::Wave(Wave {
+            amplitude,
+            periods: [1, 0]
+        })),
+        (
+            0.01..1.0,
+            1e-6..1e6,
+            10.0..50.0,
+            1.0..10.0,
+            0..=i64::MAX as u64
+        )
+            .prop_map(
+                |(hurst, rms, longest, shortest, seed)| Indenter::Rough(Rough {
+                    hurst,
+                    rms,
+                    longest,
+                    shortest,
+                    seed
+                })
+            ),
     ]
 }
 
@@ -249,7 +522,8 @@ prop_compose! {
     }
 }
 
-/// A text that is almost a scene file: pieces of a preset cut out, doubled, swapped, or replaced by what means something elsewhere.
+/// A text that is almost a scene file: pieces of a preset cut out, doubled, swapped, or replaced by
+/// what means something elsewhere.
 fn mutated() -> impl Strategy<Value = String> {
     let words = prop::sample::select(vec![
         "nan",
@@ -283,32 +557,51 @@ fn mutated() -> impl Strategy<Value = String> {
         "é",
         "\r",
     ]);
-    let edit = (any::<prop::sample::Index>(), any::<prop::sample::Index>(), 0..4u8, words);
-    (prop::sample::select(presets::all()), prop::collection::vec(edit, 1..6)).prop_map(|(preset, edits)| {
-        let mut text: Vec<char> = preset.text.chars().collect();
-        for (from, to, what, word) in edits {
-            let (a, b) = (from.index(text.len() + 1), to.index(text.len() + 1));
-            let piece = a.min(b)..a.max(b).min(a.min(b) + 40);
-            let copy: Vec<char> = text[piece.clone()].to_vec();
-            match what {
-                0 => drop(text.drain(piece)),
-                1 => drop(text.splice(b..b, copy)),
-                2 => drop(text.splice(a..a, word.chars())),
-                _ => drop(text.splice(piece.start..(piece.start + 3).min(text.len()), word.chars())),
+    let edit = (
+        any::<prop::sample::Index>(),
+        any::<prop::sample::Index>(),
+        0..4u8,
+        words,
+    );
+    (
+        prop::sample::select(presets::all()),
+        prop::collection::vec(edit, 1..6),
+    )
+        .prop_map(|(preset, edits)| {
+            let mut text: Vec<char> = preset.text.chars().collect();
+            for (from, to, what, word) in edits {
+                let (a, b) = (from.index(text.len() + 1), to.index(text.len() + 1));
+                let piece = a.min(b)..a.max(b).min(a.min(b) + 40);
+                let copy: Vec<char> = text[piece.clone()].to_vec();
+                match what {
+                    0 => drop(text.drain(piece)),
+                    1 => drop(text.splice(b..b, copy)),
+                    2 => drop(text.splice(a..a, word.chars())),
+                    _ => drop(
+                        text.splice(piece.start..(piece.start + 3).min(text.len()), word.chars()),
+                    ),
+                }
             }
-        }
-        text.into_iter().collect()
-    })
+            text.into_iter().collect()
+        })
 }
 
-/// Parses; a refusal must be one line of readable length that names the file, an acceptance must come back the same.
+/// Parses; a refusal must be one line of readable length that names the file, an acceptance must
+/// come back the same.
 fn parses_or_says_why(text: &str) -> Result<(), TestCaseError> {
     match scene_file::parse(text, NAME) {
-        Ok(scene) => prop_assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene)),
+        Ok(scene) => prop_assert_eq!(
+            scene_file::parse(&scene_file::to_text(&scene), NAME),
+            Ok(scene)
+        ),
         Err(failure) => {
             let sentence = failure.to_string();
             prop_assert!(sentence.starts_with(NAME), "{}", sentence);
-            prop_assert!(sentence.chars().count() < 500 && !sentence.contains('\n'), "{}", sentence);
+            prop_assert!(
+                sentence.chars().count() < 500 && !sentence.contains('\n'),
+                "{}",
+                sentence
+            );
         }
     }
     Ok(())
@@ -345,7 +638,11 @@ const GUIDE: &str = "assets/guide/scene-files.md";
 #[test]
 fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
     let page = std::fs::read_to_string(GUIDE).expect("the page is there");
-    assert!(page.contains(&parameter::table()), "{GUIDE} should contain:\n\n{}", parameter::table());
+    assert!(
+        page.contains(&parameter::table()),
+        "{GUIDE} should contain:\n\n{}",
+        parameter::table()
+    );
     let readme = std::fs::read_to_string("README.md").expect("the README is there");
     assert!(readme.contains(GUIDE), "the README links {GUIDE}");
 }
@@ -356,12 +653,32 @@ fn giving(parameter: &Parameter) -> (String, String) {
     let replaced = |text: String, from: &str, to: &str| text.replacen(from, to, 1);
     match parameter.key {
         "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
-        "law.m" | "law.n" => text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0"),
-        "law.smooth" => text = replaced(text, "kind = \"morse\"", "kind = \"cosine\"\nsmooth = false"),
-        "law.ratio" => text = replaced(text, "kind = \"morse\"", "kind = \"double_exponential\"\nratio = 0.4"),
-        "indenter.radius" => text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0"),
+        "law.m" | "law.n" => {
+            text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0");
+        }
+        "law.smooth" => {
+            text = replaced(
+                text,
+                "kind = \"morse\"",
+                "kind = \"cosine\"\nsmooth = false",
+            );
+        }
+        "law.ratio" => {
+            text = replaced(
+                text,
+                "kind = \"morse\"",
+                "kind = \"double_exponential\"\nratio = 0.4",
+            );
+        }
+        "indenter.radius" => {
+            text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0");
+        }
         "indenter.amplitude" | "indenter.periods" => {
-            text = replaced(text, "kind = \"flat\"", "kind = \"wave\"\namplitude = 0.5\nperiods = 1");
+            text = replaced(
+                text,
+                "kind = \"flat\"",
+                "kind = \"wave\"\namplitude = 0.5\nperiods = 1",
+            );
         }
         "indenter.seed" => {
             text = replaced(text, "kind = \"flat\"", ROUGH);
@@ -370,8 +687,13 @@ fn giving(parameter: &Parameter) -> (String, String) {
         key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
         _ => {}
     }
-    let at = text.find(&format!("\n{line}")).unwrap_or_else(|| panic!("{line} is in the file")) + 1;
-    let end = text[at..].find(['\n', '#']).map_or(text.len(), |end| at + end);
+    let at = text
+        .find(&format!("\n{line}"))
+        .unwrap_or_else(|| panic!("{line} is in the file"))
+        + 1;
+    let end = text[at..]
+        .find(['\n', '#'])
+        .map_or(text.len(), |end| at + end);
     let given = text[at..end].trim_end().to_owned();
     (text, given)
 }
@@ -388,7 +710,11 @@ fn a_number_outside_its_range_is_refused_with_the_range() {
         } else if whole {
             vec![
                 format!("{}", low as i64 - 1),
-                if high > 1e6 { "9223372036854775808".to_owned() } else { format!("{}", high as i64 + 1) },
+                if high > 1e6 {
+                    "9223372036854775808".to_owned()
+                } else {
+                    format!("{}", high as i64 + 1)
+                },
             ]
         } else {
             vec![
@@ -400,7 +726,9 @@ fn a_number_outside_its_range_is_refused_with_the_range() {
         };
         for value in beyond {
             let changed = text.replacen(&given, &format!("{} = {value}", parameter.name()), 1);
-            let sentence = scene_file::parse(&changed, NAME).expect_err(&value).to_string();
+            let sentence = scene_file::parse(&changed, NAME)
+                .expect_err(&value)
+                .to_string();
             // An integer that TOML cannot hold is refused by its parser.
             if value != "9223372036854775808" {
                 says(&sentence, &[parameter.key, &parameter.allowed()]);
@@ -418,27 +746,53 @@ fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
         // What the file holds and what the scene lists are the same.
         let text = scene_file::to_text(&scene);
         let table: toml::Table = text.parse().expect("TOML");
-        for (section, value) in table.iter().filter_map(|(name, value)| Some((name, value.as_table()?))) {
+        for (section, value) in table
+            .iter()
+            .filter_map(|(name, value)| Some((name, value.as_table()?)))
+        {
             for (name, _) in value.iter().filter(|(_, value)| !value.is_str()) {
                 let key = format!("{section}.{name}");
-                assert!(scene.numbers().iter().any(|(parameter, _)| parameter.key == key), "{key} is not listed");
+                assert!(
+                    scene
+                        .numbers()
+                        .iter()
+                        .any(|(parameter, _)| parameter.key == key),
+                    "{key} is not listed"
+                );
             }
         }
     }
-    assert_eq!(seen, parameter::all().into_iter().map(|parameter| parameter.key).collect());
+    assert_eq!(
+        seen,
+        parameter::all()
+            .into_iter()
+            .map(|parameter| parameter.key)
+            .collect()
+    );
 }
 
 #[test]
 fn every_law_and_every_ground_of_the_pickers_opens_from_its_file() {
-    let scene = presets::find("fig2").expect("built in").scene().expect("allowed");
+    let scene = presets::find("fig2")
+        .expect("built in")
+        .scene()
+        .expect("allowed");
     let model = scene.model().expect("allowed");
     for shape in Shape::all() {
         for ground in Indenter::all() {
             let indenter = ground.ground().suited(&model.law, &model.grid);
-            let edited = edit::with_ground(&edit::with_shape(&scene, &model, shape), &model, indenter);
+            let edited =
+                edit::with_ground(&edit::with_shape(&scene, &model, shape), &model, indenter);
             let text = scene_file::to_text(&edited);
-            assert_eq!(scene_file::parse(&text, NAME).as_ref(), Ok(&edited), "{text}");
-            assert!(text.contains(shape.word()) && text.contains(indenter.word()), "{text}");
+            assert_eq!(
+                scene_file::parse(&text, NAME).as_ref(),
+                Ok(&edited),
+                "{text}"
+            );
+            assert!(
+                text.contains(shape.word()) && text.contains(indenter.word()),
+                "{text}"
+            );
         }
     }
 }
@@ -446,7 +800,10 @@ fn every_law_and_every_ground_of_the_pickers_opens_from_its_file() {
 #[test]
 fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
     let base = fig2();
-    let reference = scene_file::parse(base, NAME).expect("allowed").model().expect("allowed");
+    let reference = scene_file::parse(base, NAME)
+        .expect("allowed")
+        .model()
+        .expect("allowed");
     for unit in [1e-100, 1e-9, 1e9, 1e100] {
         let mut scene = scene_file::parse(base, NAME).expect("allowed");
         scene.cell.length *= unit;
@@ -455,7 +812,11 @@ fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
         (scene.drive.start, scene.drive.step) = (scene.drive.start * unit, scene.drive.step * unit);
         scene.drive.turn = Turn::At(0.2 * unit);
         let model = scene.model().unwrap_or_else(|error| panic!("{error}"));
-        assert!((model.mu_rho / reference.mu_rho - 1.0).abs() < 1e-12, "{unit}: {}", model.mu_rho);
+        assert!(
+            (model.mu_rho / reference.mu_rho - 1.0).abs() < 1e-12,
+            "{unit}: {}",
+            model.mu_rho
+        );
     }
 }
 
@@ -463,8 +824,14 @@ fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
 fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
     let wave = |periods: &str| {
         let text = fig2().replacen("points = 64", "points = \"auto\"", 1);
-        let text = text.replacen("kind = \"flat\"", &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"), 1);
-        scene_file::parse(&text, NAME).expect_err("refused").to_string()
+        let text = text.replacen(
+            "kind = \"flat\"",
+            &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
+            1,
+        );
+        scene_file::parse(&text, NAME)
+            .expect_err("refused")
+            .to_string()
     };
     for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
         says(&wave(periods), &["indenter.periods"]);
@@ -474,33 +841,64 @@ fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
 #[test]
 fn a_step_that_moves_nothing_is_refused() {
     let tip = "kind = \"hertz\"\nradius = 30.0";
-    let text = fig2().replacen("kind = \"flat\"", tip, 1).replacen("turn = 0.2", "turn = \"zero_load\"", 1);
+    let text = fig2().replacen("kind = \"flat\"", tip, 1).replacen(
+        "turn = 0.2",
+        "turn = \"zero_load\"",
+        1,
+    );
     for step in ["1e-18", "1e-8", "1e-7"] {
-        let sentence =
-            scene_file::parse(&text.replacen("step = 0.02", &format!("step = {step}"), 1), NAME).expect_err(step).to_string();
+        let sentence = scene_file::parse(
+            &text.replacen("step = 0.02", &format!("step = {step}"), 1),
+            NAME,
+        )
+        .expect_err(step)
+        .to_string();
         says(&sentence, &["drive.step = 1e-", "at least"]);
     }
     says(
-        &refusal("start = 4.2\nturn = 0.2\nstep = 0.02", "start = 1e15\nturn = 999999999999999\nstep = 1e-6"),
+        &refusal(
+            "start = 4.2\nturn = 0.2\nstep = 0.02",
+            "start = 1e15\nturn = 999999999999999\nstep = 1e-6",
+        ),
         &["drive.step", "digits"],
     );
 }
 
 #[test]
 fn a_drive_into_the_wall_of_a_mie_law_is_refused_on_any_ground() {
-    // Over whole waves a cosine has no mean, so that the mean of the ground lies an amplitude below each crest of its two waves.
+    // Over whole waves a cosine has no mean, so that the mean of the ground lies an amplitude below
+    // each crest of its two waves.
     for (indenter, level) in [
         (Indenter::Flat, 0.0),
-        (Indenter::Wave(Wave { amplitude: 0.3, periods: [1, 0] }), -0.3),
-        (Indenter::Wave(Wave { amplitude: 0.3, periods: [1, 1] }), -0.6),
+        (
+            Indenter::Wave(Wave {
+                amplitude: 0.3,
+                periods: [1, 0],
+            }),
+            -0.3,
+        ),
+        (
+            Indenter::Wave(Wave {
+                amplitude: 0.3,
+                periods: [1, 1],
+            }),
+            -0.6,
+        ),
     ] {
         let mut scene = scene_file::parse(fig2(), NAME).unwrap();
         scene.law.shape = Shape::Mie(Mie { m: 9.0, n: 3.0 });
         scene.indenter = indenter;
         scene.drive.turn = Turn::At(level + 0.01);
-        assert!(scene.model().is_ok(), "{indenter:?}: {}", scene.model().unwrap_err());
+        assert!(
+            scene.model().is_ok(),
+            "{indenter:?}: {}",
+            scene.model().unwrap_err()
+        );
         scene.drive.turn = Turn::At(level - 0.01);
         let error = scene.model().unwrap_err();
-        assert!(error.key == "drive.turn" && error.allowed.contains("above "), "{error:?}");
+        assert!(
+            error.key == "drive.turn" && error.allowed.contains("above "),
+            "{error:?}"
+        );
     }
 }

@@ -32,7 +32,11 @@ pub fn fig2(n: usize, step: f64) -> Scene {
 
 /// Its law, all lengths in ranges.
 pub fn law() -> Law {
-    Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 }
+    Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 0.15,
+        range: 1.0,
+    }
 }
 
 /// Mechanics without a walk around it.
@@ -48,16 +52,29 @@ impl Bench {
 
     pub fn of(law: Law, n: usize) -> Self {
         let system = System::new(Grid::square(256.0, n), law, &Indenter::Flat);
-        Self { mechanics: Mechanics::new(system, Slides::Freely) }
+        Self {
+            mechanics: Mechanics::new(system, Slides::Freely),
+        }
     }
 
     /// One increment of `method` from the newest state of `branch`.
-    pub fn follow(&mut self, method: &mut dyn Method, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+    pub fn follow(
+        &mut self,
+        method: &mut dyn Method,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+    ) -> Result<Equilibrium, Lost> {
         method.follow(&mut self.mechanics, branch, from, u0)
     }
 
     /// The same without a past.
-    pub fn relax(&mut self, method: &mut dyn Method, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+    pub fn relax(
+        &mut self,
+        method: &mut dyn Method,
+        from: &Equilibrium,
+        u0: f64,
+    ) -> Result<Equilibrium, Lost> {
         self.follow(method, &History::starting(&from.state), from, u0)
     }
 
@@ -65,20 +82,31 @@ impl Bench {
     pub fn state(&mut self, z: Vec<f64>, u0: f64) -> Equilibrium {
         let at = self.mechanics.at(z, u0);
         let residual = self.mechanics.residual(&at);
-        Equilibrium::unmeasured(at, residual, tackscope::solver::Stop::NotConverged, Default::default())
+        Equilibrium::unmeasured(
+            at,
+            residual,
+            tackscope::solver::Stop::NotConverged,
+            Default::default(),
+        )
     }
 
     /// Checks its stability and labels it, as the walk does.
     pub fn label(&mut self, state: &mut Equilibrium) {
         use rand::SeedableRng;
-        let mut tracker = tackscope::solver::stability::Tracker::new(rand_pcg::Pcg64::seed_from_u64(7));
-        let (stiffness, mode) = tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+        let mut tracker =
+            tackscope::solver::stability::Tracker::new(rand_pcg::Pcg64::seed_from_u64(7));
+        let (stiffness, mode) =
+            tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
         state.measured(stiffness, mode);
     }
 
     /// The pattern that a state shows.
     pub fn pattern(&self, state: &Equilibrium) -> Pattern {
-        tackscope::physics::pattern::classify(state.fields.gap.view(), self.mechanics.system.law(), true)
+        tackscope::physics::pattern::classify(
+            state.fields.gap.view(),
+            self.mechanics.system.law(),
+            true,
+        )
     }
 }
 
@@ -107,7 +135,13 @@ pub fn go(walk: &mut Walk, target: f64) -> Way {
 
 /// A walk on the whole cell by a method of one's own.
 pub fn walk_by(scene: &Scene, method: impl Method + 'static) -> Walk {
-    Walk::start_by(Box::new(method), scene, WalkOptions::default(), &Cancel::default()).unwrap()
+    Walk::start_by(
+        Box::new(method),
+        scene,
+        WalkOptions::default(),
+        &Cancel::default(),
+    )
+    .unwrap()
 }
 
 pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
@@ -116,16 +150,31 @@ pub fn looped(scene: &Scene, method: MethodKind) -> LoopRun {
 
 /// Patterns visited on one direction.
 pub fn visited(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
-    run.record.jumps.iter().filter(|j| j.direction == direction).map(|j| j.to).collect()
+    run.record
+        .jumps
+        .iter()
+        .filter(|j| j.direction == direction)
+        .map(|j| j.to)
+        .collect()
 }
 
-/// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target` by way of `turn`.
+/// Three states of a pattern of Fig. 2, the newest last, as the walk reached them going to `target`
+/// by way of `turn`.
 fn reached(turn: f64, target: f64, pattern: Pattern) -> Vec<Equilibrium> {
-    let mut walk = Walk::start(&fig2(N, 0.05), MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk = Walk::start(
+        &fig2(N, 0.05),
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+    )
+    .unwrap();
     go(&mut walk, turn);
     let mut states = Vec::new();
     for back in [0.1, 0.05, 0.0] {
-        let u0 = if turn < target { target - back } else { target + back };
+        let u0 = if turn < target {
+            target - back
+        } else {
+            target + back
+        };
         assert_eq!(go(&mut walk, u0).end, Progress::Resting);
         states.push(walk.here().clone());
     }

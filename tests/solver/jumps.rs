@@ -36,15 +36,31 @@ impl Method for Climber {
     ) -> Result<Equilibrium, Lost> {
         let mut climbed = from.state.amplitudes.clone();
         climbed[2 * mechanics.system.grid().ny] += 1.0;
-        Ok(Equilibrium::unmeasured(mechanics.at(climbed, u0), 0.0, Stop::Stable, Cost::default()))
+        Ok(Equilibrium::unmeasured(
+            mechanics.at(climbed, u0),
+            0.0,
+            Stop::Stable,
+            Cost::default(),
+        ))
     }
 }
 
 #[test]
 fn a_negative_release_is_a_failure_and_not_a_jump() {
     let way = go(&mut walk_by(&fig2(24, 0.1), Climber), 0.2);
-    let Progress::Stuck(reason) = &way.end else { panic!("{:?}", way.end) };
-    assert!(matches!(reason, Stuck::EnergyGained { method: "climber", .. }), "{reason}");
+    let Progress::Stuck(reason) = &way.end else {
+        panic!("{:?}", way.end)
+    };
+    assert!(
+        matches!(
+            reason,
+            Stuck::EnergyGained {
+                method: "climber",
+                ..
+            }
+        ),
+        "{reason}"
+    );
     assert!(way.jumps.iter().all(|jump| jump.released_energy > -1e-2));
 }
 
@@ -53,17 +69,30 @@ fn a_step_over_a_fold_that_converges_to_the_flat_state_is_refused() {
     let (from, u0) = (bulge().last().unwrap(), 4.02);
     let mut bench = Bench::new();
     let guess = history(bulge()).predict(u0).unwrap();
-    // Beyond the bulge's fold at 3.974 the only minimum near is flat, and a descent that only minds its residual ends there.
-    let limits = NewtonLimits { steps: 400, ..NewtonLimits::default() };
+    // Beyond the bulge's fold at 3.974 the only minimum near is flat, and a descent that only minds
+    // its residual ends there.
+    let limits = NewtonLimits {
+        steps: 400,
+        ..NewtonLimits::default()
+    };
     let fallen = descend(&mut bench.mechanics, guess, u0, 1.0, limits);
     assert!(
-        fallen.end == NewtonEnd::Converged && norm(&fallen.at.state.amplitudes) < 1e-2 * norm(&from.state.amplitudes),
+        fallen.end == NewtonEnd::Converged
+            && norm(&fallen.at.state.amplitudes) < 1e-2 * norm(&from.state.amplitudes),
         "{:?}",
         fallen.end
     );
-    for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
-        let lost = bench.follow(&mut *kind.build(1), &history(bulge()), from, u0).err();
-        assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
+    for kind in MethodKind::ALL
+        .into_iter()
+        .filter(|kind| kind.build(1).locates())
+    {
+        let lost = bench
+            .follow(&mut *kind.build(1), &history(bulge()), from, u0)
+            .err();
+        assert!(
+            matches!(lost, Some(Lost::Gone | Lost::Unstable)),
+            "{kind:?}: {lost:?}"
+        );
     }
 }
 
@@ -71,7 +100,10 @@ fn a_step_over_a_fold_that_converges_to_the_flat_state_is_refused() {
 fn torn() -> History {
     let mut torn = History::default();
     for (i, state) in [&bulge()[0], &bulge()[1]].into_iter().enumerate() {
-        torn.push(&State { mean_displacement: 2.5 - 0.05 * i as f64, ..state.state.clone() });
+        torn.push(&State {
+            mean_displacement: 2.5 - 0.05 * i as f64,
+            ..state.state.clone()
+        });
     }
     torn.push(&ridge()[2].state);
     torn
@@ -82,24 +114,51 @@ fn an_extrapolation_over_a_jump_is_of_neither_branch_and_nothing_found_from_it_i
     let from = ridge().last().unwrap();
     let u0 = from.state.mean_displacement - 0.05;
     let mut bench = Bench::new();
-    let clean = bench.follow(&mut *MethodKind::NewtonKrylov.build(1), &history(ridge()), from, u0).unwrap();
-    let (good, bad) = (history(ridge()).predict(u0).unwrap(), torn().predict(u0).unwrap());
-    assert!(distance(&bad, &clean.state.amplitudes) > 100.0 * distance(&good, &clean.state.amplitudes));
-    for kind in MethodKind::ALL.into_iter().filter(|kind| kind.build(1).locates()) {
+    let clean = bench
+        .follow(
+            &mut *MethodKind::NewtonKrylov.build(1),
+            &history(ridge()),
+            from,
+            u0,
+        )
+        .unwrap();
+    let (good, bad) = (
+        history(ridge()).predict(u0).unwrap(),
+        torn().predict(u0).unwrap(),
+    );
+    assert!(
+        distance(&bad, &clean.state.amplitudes) > 100.0 * distance(&good, &clean.state.amplitudes)
+    );
+    for kind in MethodKind::ALL
+        .into_iter()
+        .filter(|kind| kind.build(1).locates())
+    {
         let lost = bench.follow(&mut *kind.build(1), &torn(), from, u0).err();
-        assert!(matches!(lost, Some(Lost::Gone | Lost::Unstable)), "{kind:?}: {lost:?}");
+        assert!(
+            matches!(lost, Some(Lost::Gone | Lost::Unstable)),
+            "{kind:?}: {lost:?}"
+        );
     }
 }
 
 #[test]
 fn after_a_jump_that_an_increment_hid_the_extrapolation_starts_afresh() {
-    // Steps so long that tuned GFMD jumps within an increment: with the old history it would jump back and forth.
+    // Steps so long that tuned GFMD jumps within an increment: with the old history it would jump
+    // back and forth.
     let scene = fig2(N, 0.1);
-    let mut walk = tackscope::follow::walk::Walk::start(&scene, MethodKind::GfmdTuned.into(), &Cancel::default()).unwrap();
+    let mut walk = tackscope::follow::walk::Walk::start(
+        &scene,
+        MethodKind::GfmdTuned.into(),
+        &Cancel::default(),
+    )
+    .unwrap();
     let way = go(&mut walk, 1.5);
     let patterns: Vec<_> = way.jumps.iter().map(|j| j.to).collect();
     let again = (1..patterns.len()).any(|i| patterns[..i].contains(&patterns[i]));
-    assert!(way.end == Progress::Resting && patterns.len() >= 2 && !again, "{patterns:?}");
+    assert!(
+        way.end == Progress::Resting && patterns.len() >= 2 && !again,
+        "{patterns:?}"
+    );
 }
 
 #[test]
@@ -109,10 +168,24 @@ fn lbfgs_drops_its_memory_where_it_did_not_end_itself() {
     let mut bench = Bench::new();
     let mut used = Descent::lbfgs();
     let previous = &bulge()[1];
-    bench.follow(&mut used, &history(&bulge()[..2]), previous, previous.state.mean_displacement + 0.01).unwrap();
-    let after_a_jump = bench.follow(&mut used, &history(ridge()), from, u0).unwrap();
-    let fresh = bench.follow(&mut Descent::lbfgs(), &history(ridge()), from, u0).unwrap();
-    assert_eq!(after_a_jump.state.amplitudes, fresh.state.amplitudes, "to the last bit");
+    bench
+        .follow(
+            &mut used,
+            &history(&bulge()[..2]),
+            previous,
+            previous.state.mean_displacement + 0.01,
+        )
+        .unwrap();
+    let after_a_jump = bench
+        .follow(&mut used, &history(ridge()), from, u0)
+        .unwrap();
+    let fresh = bench
+        .follow(&mut Descent::lbfgs(), &history(ridge()), from, u0)
+        .unwrap();
+    assert_eq!(
+        after_a_jump.state.amplitudes, fresh.state.amplitudes,
+        "to the last bit"
+    );
     assert_eq!(after_a_jump.cost, fresh.cost);
 }
 
@@ -122,14 +195,21 @@ fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
     let system = Bench::new().mechanics.system;
     let spacing = system.grid().spacing();
     let drifted = system.moved(&state.state.amplitudes, 0.3 * spacing, 0.2 * spacing);
-    let tight = NewtonLimits { tolerance: 1e-10, steps: 12, ..NewtonLimits::default() };
+    let tight = NewtonLimits {
+        tolerance: 1e-10,
+        steps: 12,
+        ..NewtonLimits::default()
+    };
     let cost = |z: Vec<f64>| {
         let mut mechanics = Bench::new().mechanics;
         let found = solve(&mut mechanics, z, state.state.mean_displacement, tight);
         (found.end, mechanics.transforms())
     };
     let (end, transforms) = cost(drifted.clone());
-    assert!(end != NewtonEnd::Converged, "the mesh pulls along the sliding modes, which no step may use: {end:?}");
+    assert!(
+        end != NewtonEnd::Converged,
+        "the mesh pulls along the sliding modes, which no step may use: {end:?}"
+    );
     let (good_end, good) = cost(centred(&system, &drifted, [false; 2]));
     assert_eq!(good_end, NewtonEnd::Converged);
     assert!(good < transforms, "{good} {transforms}");

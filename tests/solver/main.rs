@@ -1,5 +1,5 @@
-//! One equilibrium and its stability; and what is known to go wrong, each case provoked in a method that has it, and seen to be caught
-//! and named.
+//! One equilibrium and its stability; and what is known to go wrong, each case provoked in a method
+//! that has it, and seen to be caught and named.
 
 mod common;
 mod dense;

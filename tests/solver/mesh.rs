@@ -9,7 +9,8 @@ use tackscope::storage::{presets, scene_file};
 
 /// A line of 16 points with the range that `mu_rho` gives.
 fn line(mu_rho: f64) -> Scene {
-    let mut scene = scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
+    let mut scene =
+        scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
     scene.cell.points = Points::Line(16);
     scene.law.range = Range::MuRho(mu_rho);
     let range = scene.model().unwrap().law.range;
@@ -43,14 +44,28 @@ fn a_run_on_too_coarse_a_mesh_says_so() {
     std::fs::write(&path, scene_file::to_text(&line(1.0))).unwrap();
     let run = |points: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-        command.arg("run").arg(&path).args(["--points", points, "--out"]).arg(home.path().join("out")).stdin(Stdio::null());
+        command
+            .arg("run")
+            .arg(&path)
+            .args(["--points", points, "--out"])
+            .arg(home.path().join("out"))
+            .stdin(Stdio::null());
         let output = command.output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let summary: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(home.path().join("out/summary.json")).unwrap()).unwrap();
-        (String::from_utf8(output.stderr).unwrap(), summary["plan"]["warning"].clone())
+            serde_json::from_slice(&std::fs::read(home.path().join("out/summary.json")).unwrap())
+                .unwrap();
+        (
+            String::from_utf8(output.stderr).unwrap(),
+            summary["plan"]["warning"].clone(),
+        )
     };
     let (told, written) = run("16");
     assert!(told.contains("jumps may belong to the mesh"), "{told}");
-    assert!(written.as_str().is_some_and(|words| words.contains("mu_rho = 1.000")), "{written}");
+    assert!(
+        written
+            .as_str()
+            .is_some_and(|words| words.contains("mu_rho = 1.000")),
+        "{written}"
+    );
 }

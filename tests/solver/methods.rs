@@ -23,21 +23,47 @@ fn walked(scene: &Scene, method: MethodKind) -> LoopRun {
 }
 
 fn what(jumps: &[JumpRecord]) -> Vec<String> {
-    jumps.iter().map(|jump| format!("{} {} {}", jump.direction, jump.from, jump.to)).collect()
+    jumps
+        .iter()
+        .map(|jump| format!("{} {} {}", jump.direction, jump.from, jump.to))
+        .collect()
 }
 
 #[test]
 fn descents_find_the_jumps_and_the_loss_that_newton_finds() {
     let newton = walked(&scene(), MethodKind::NewtonKrylov);
-    for method in [MethodKind::Lbfgs, MethodKind::ConjugateGradients, MethodKind::Fire] {
+    for method in [
+        MethodKind::Lbfgs,
+        MethodKind::ConjugateGradients,
+        MethodKind::Fire,
+    ] {
         let run = walked(&scene(), method);
-        assert_eq!(what(&run.record.jumps), what(&newton.record.jumps), "{method:?}");
+        assert_eq!(
+            what(&run.record.jumps),
+            what(&newton.record.jumps),
+            "{method:?}"
+        );
         for (a, b) in run.record.jumps.iter().zip(&newton.record.jumps) {
-            assert!((a.mean_displacement - b.mean_displacement).abs() < 1e-3, "{method:?}: {a:?} {b:?}");
+            assert!(
+                (a.mean_displacement - b.mean_displacement).abs() < 1e-3,
+                "{method:?}: {a:?} {b:?}"
+            );
         }
-        let (loss, expected) = (run.record.released_energy_sum(), newton.record.released_energy_sum());
-        assert!((loss / expected - 1.0).abs() < 1e-3, "{method:?}: {loss} {expected}");
-        assert!(run.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-6), "{method:?}");
+        let (loss, expected) = (
+            run.record.released_energy_sum(),
+            newton.record.released_energy_sum(),
+        );
+        assert!(
+            (loss / expected - 1.0).abs() < 1e-3,
+            "{method:?}: {loss} {expected}"
+        );
+        assert!(
+            run.record
+                .states
+                .iter()
+                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-6),
+            "{method:?}"
+        );
     }
 }
 
@@ -48,7 +74,8 @@ fn tuned_gfmd_jumps_some_increments_late_and_labels_what_it_left_unfinished() {
     assert_eq!(what(&run.record.jumps), what(&newton.record.jumps));
     for (late, exact) in run.record.jumps.iter().zip(&newton.record.jumps) {
         let delay = (late.mean_displacement - exact.mean_displacement).abs();
-        // Just beyond its threshold a mode grows so slowly that the state passes for converged: the label tells.
+        // Just beyond its threshold a mode grows so slowly that the state passes for converged: the
+        // label tells.
         assert!(delay < 3.0 * scene().drive.step, "{late:?} {exact:?}");
     }
     for state in &run.record.states {
@@ -59,20 +86,39 @@ fn tuned_gfmd_jumps_some_increments_late_and_labels_what_it_left_unfinished() {
         };
         assert_eq!(state.stop, expected, "{state:?}");
     }
-    let unfinished = run.record.states.iter().filter(|s| s.stop == Stop::NotConverged).count();
+    let unfinished = run
+        .record
+        .states
+        .iter()
+        .filter(|s| s.stop == Stop::NotConverged)
+        .count();
     assert!(unfinished <= run.record.jumps.len(), "{unfinished}");
 }
 
 #[test]
 fn transforms_rank_the_methods_from_newton_to_the_papers_budget() {
-    let [newton, lbfgs, cg, fire, tuned, paper] = MethodKind::ALL.map(|method| walked(&scene(), method).counts.transforms);
-    assert!(newton < lbfgs && lbfgs < cg && cg < fire && cg < tuned, "{newton} {lbfgs} {cg} {fire} {tuned}");
-    assert!(fire < paper / 2 && tuned < paper / 2, "{fire} {tuned} {paper}");
+    let [newton, lbfgs, cg, fire, tuned, paper] =
+        MethodKind::ALL.map(|method| walked(&scene(), method).counts.transforms);
+    assert!(
+        newton < lbfgs && lbfgs < cg && cg < fire && cg < tuned,
+        "{newton} {lbfgs} {cg} {fire} {tuned}"
+    );
+    assert!(
+        fire < paper / 2 && tuned < paper / 2,
+        "{fire} {tuned} {paper}"
+    );
 }
 
 #[test]
 fn words_of_the_command_line_are_unique_and_in_lower_case() {
     let words = MethodKind::ALL.map(MethodKind::word);
-    assert!(words.iter().all(|w| w.chars().all(|c| c.is_ascii_lowercase() || c == '_')));
-    assert!((1..words.len()).all(|i| !words[..i].contains(&words[i])), "{words:?}");
+    assert!(
+        words
+            .iter()
+            .all(|w| w.chars().all(|c| c.is_ascii_lowercase() || c == '_'))
+    );
+    assert!(
+        (1..words.len()).all(|i| !words[..i].contains(&words[i])),
+        "{words:?}"
+    );
 }

@@ -16,7 +16,11 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;
 use tackscope::storage::{presets, scene_file};
 
-const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+const LAW: Law = Law {
+    shape: Shape::Morse(Morse),
+    surface_energy: 0.15,
+    range: 1.0,
+};
 
 fn looped(precision: Precision, reduction: Part) -> LoopRun {
     let mut scene: Scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
@@ -24,7 +28,11 @@ fn looped(precision: Precision, reduction: Part) -> LoopRun {
     scene.drive.step = 0.04;
     let run = run_loop(
         &scene,
-        WalkOptions { part: reduction, precision, ..MethodKind::NewtonKrylov.into() },
+        WalkOptions {
+            part: reduction,
+            precision,
+            ..MethodKind::NewtonKrylov.into()
+        },
         &Cancel::default(),
         &mut |_| {},
     )
@@ -35,12 +43,24 @@ fn looped(precision: Precision, reduction: Part) -> LoopRun {
 
 /// The same jumps within `distance` of u0, and the same loss within the share `loss`.
 fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
-    let what = |run: &LoopRun| run.record.jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>();
+    let what = |run: &LoopRun| {
+        run.record
+            .jumps
+            .iter()
+            .map(|j| (j.direction, j.from, j.to))
+            .collect::<Vec<_>>()
+    };
     assert_eq!(what(run), what(double));
     for (a, b) in run.record.jumps.iter().zip(&double.record.jumps) {
-        assert!((a.mean_displacement - b.mean_displacement).abs() < distance, "{a:?} {b:?}");
+        assert!(
+            (a.mean_displacement - b.mean_displacement).abs() < distance,
+            "{a:?} {b:?}"
+        );
     }
-    let (ours, theirs) = (run.record.released_energy_sum(), double.record.released_energy_sum());
+    let (ours, theirs) = (
+        run.record.released_energy_sum(),
+        double.record.released_energy_sum(),
+    );
     assert!((ours / theirs - 1.0).abs() < loss, "{ours} {theirs}");
 }
 
@@ -49,7 +69,13 @@ fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance()
     for reduction in [Part::Whole, Part::Quarter] {
         let mixed = looped(Precision::Mixed, reduction);
         agree(&mixed, &looped(Precision::Double, reduction), 2e-4, 1e-4);
-        assert!(mixed.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-6));
+        assert!(
+            mixed
+                .record
+                .states
+                .iter()
+                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-6)
+        );
     }
 }
 
@@ -58,16 +84,26 @@ fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
     for reduction in [Part::Whole, Part::Quarter] {
         let single = looped(Precision::Single, reduction);
         agree(&single, &looped(Precision::Double, reduction), 1e-3, 1e-3);
-        assert!(single.record.states.iter().all(|s| s.stop == Stop::Stable && s.residual <= 1e-4));
+        assert!(
+            single
+                .record
+                .states
+                .iter()
+                .all(|s| s.stop == Stop::Stable && s.residual <= 1e-4)
+        );
     }
 }
 
 #[test]
 fn forces_of_singles_are_those_of_doubles_to_seven_digits_and_mixed_forces_to_the_last() {
     for make in [System::new, System::even] {
-        let systems = Precision::ALL.map(|p| make(Grid::square(256.0, 64), LAW, &Indenter::Flat).with_precision(p));
+        let systems = Precision::ALL
+            .map(|p| make(Grid::square(256.0, 64), LAW, &Indenter::Flat).with_precision(p));
         let mut rng = rand::SeedableRng::seed_from_u64(5);
-        let (mut z, v) = (random_smooth(&systems[0], &mut rng), random_smooth(&systems[0], &mut rng));
+        let (mut z, v) = (
+            random_smooth(&systems[0], &mut rng),
+            random_smooth(&systems[0], &mut rng),
+        );
         let length = norm(&z);
         scale(&mut z, 0.5 / length);
         let [double, mixed, single] = systems.map(|system| {
@@ -83,7 +119,11 @@ fn forces_of_singles_are_those_of_doubles_to_seven_digits_and_mixed_forces_to_th
         };
         assert_eq!((mixed.0, &mixed.1), (double.0, &double.1));
         assert!((single.0 / double.0 - 1.0).abs() < 1e-6);
-        for error in [far(&single.1, &double.1), far(&single.2, &double.2), far(&mixed.2, &double.2)] {
+        for error in [
+            far(&single.1, &double.1),
+            far(&single.2, &double.2),
+            far(&mixed.2, &double.2),
+        ] {
             assert!(error > 0.0 && error < 1e-6, "{error:e}");
         }
     }

@@ -1,9 +1,11 @@
-//! Every recorded state of random scenes against a dense matrix: is the smallest eigenvalue where the record says it is?
+//! Every recorded state of random scenes against a dense matrix: is the smallest eigenvalue where
+//! the record says it is?
 //!
-//! The matrix is assembled in real space from sums of cosines and the gap alone: no transform, mode or vector of the solver is in it.
-//! That A - t is positive definite or not is told by Cholesky's factorisation. `TACKSCOPE_AUDIT=2000 cargo test --test solver audit
-//! -- --nocapture` looks at 2000 scenes on up to 48 x 48 points and prints the table of `assets/guide/stability.md`; without it a few
-//! small ones are looked at.
+//! The matrix is assembled in real space from sums of cosines and the gap alone: no transform, mode
+//! or vector of the solver is in it. That A - t is positive definite or not is told by Cholesky's
+//! factorisation. `TACKSCOPE_AUDIT=2000 cargo test --test solver audit
+//! -- --nocapture` looks at 2000 scenes on up to 48 x 48 points and prints the table of
+//! `assets/guide/stability.md`; without it a few small ones are looked at.
 
 use crate::dense::Dense;
 use nalgebra::DMatrix;
@@ -47,7 +49,11 @@ fn none_below(a: &DMatrix<f64>, shift: f64) -> bool {
 fn bisected(a: &DMatrix<f64>, mut low: f64, mut high: f64) -> f64 {
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        *(if none_below(a, middle) { &mut low } else { &mut high }) = middle;
+        *(if none_below(a, middle) {
+            &mut low
+        } else {
+            &mut high
+        }) = middle;
     }
     low
 }
@@ -66,29 +72,50 @@ struct Tally {
     faults: Vec<String>,
 }
 
-fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
-    let shape = match rng.random_range(0..6) {
+fn random_shape(rng: &mut Pcg64) -> Shape {
+    match rng.random_range(0..6) {
         0 | 1 => Shape::Morse(Morse),
         2 => {
             let n = rng.random_range(2.0..5.0);
-            Shape::Mie(Mie { m: n + rng.random_range(1.0..6.0), n })
+            Shape::Mie(Mie {
+                m: n + rng.random_range(1.0..6.0),
+                n,
+            })
         }
-        3 => Shape::Cosine(Cosine { smooth: rng.random() }),
-        _ => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.2..0.9) }),
+        3 => Shape::Cosine(Cosine {
+            smooth: rng.random(),
+        }),
+        _ => Shape::DoubleExponential(DoubleExponential {
+            ratio: rng.random_range(0.2..0.9),
+        }),
+    }
+}
+
+fn random_indenter(rng: &mut Pcg64, points: Points, range: f64) -> Indenter {
+    let (line, n) = match points {
+        Points::Line(n) => (true, n),
+        Points::Square(n) => (false, n),
+        Points::Auto => unreachable!(),
     };
-    let line = rng.random_bool(0.2);
-    let n = if line { 4 * rng.random_range(2..32) } else { 4 * rng.random_range(2..=most / 4) };
-    let unit = Law { shape, surface_energy: rng.random_range(0.02..0.3), range: 1.0 };
-    let mu_rho = rng.random_range(0.25..0.8);
-    let range = tackscope::physics::mesh_rule::range_for_mu_rho(&unit, 1.0, mu_rho);
     let length = n as f64;
-    let indenter = match rng.random_range(0..5) {
+    match rng.random_range(0..5) {
         0 | 1 => Indenter::Flat,
-        2 => Indenter::Hertz(Hertz { radius: length * length / (8.0 * range * rng.random_range(0.5..12.0)) }),
+        2 => Indenter::Hertz(Hertz {
+            radius: length * length / (8.0 * range * rng.random_range(0.5..12.0)),
+        }),
         3 => {
-            let periods = *[[1, 1], [1, 0], [0, 1], [2, 1], [1, 2], [2, 2]].choose(rng).unwrap();
-            let periods = if line { [1, 0] } else { periods.map(|p: usize| p.min(n / 8)) };
-            Indenter::Wave(Wave { amplitude: range * 10f64.powf(rng.random_range(-4.0..0.7)), periods })
+            let periods = *[[1, 1], [1, 0], [0, 1], [2, 1], [1, 2], [2, 2]]
+                .choose(rng)
+                .unwrap();
+            let periods = if line {
+                [1, 0]
+            } else {
+                periods.map(|p: usize| p.min(n / 8))
+            };
+            Indenter::Wave(Wave {
+                amplitude: range * 10f64.powf(rng.random_range(-4.0..0.7)),
+                periods,
+            })
         }
         _ => Indenter::Rough(Rough {
             hurst: rng.random_range(0.4..1.0),
@@ -97,17 +124,56 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
             shortest: (length / 2.0).clamp(4.0, 8.0).min(length),
             seed: rng.random_range(0..1000),
         }),
+    }
+}
+
+fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
+    let shape = random_shape(rng);
+    let line = rng.random_bool(0.2);
+    let n = if line {
+        4 * rng.random_range(2..32)
+    } else {
+        4 * rng.random_range(2..=most / 4)
     };
-    let reduction = if indenter.ground().is_even() && rng.random() { Part::Quarter } else { Part::Whole };
+    let points = if line {
+        Points::Line(n)
+    } else {
+        Points::Square(n)
+    };
+    let unit = Law {
+        shape,
+        surface_energy: rng.random_range(0.02..0.3),
+        range: 1.0,
+    };
+    let mu_rho = rng.random_range(0.25..0.8);
+    let range = tackscope::physics::mesh_rule::range_for_mu_rho(&unit, 1.0, mu_rho);
+    let length = n as f64;
+    let indenter = random_indenter(rng, points, range);
+    let reduction = if indenter.ground().is_even() && rng.random() {
+        Part::Quarter
+    } else {
+        Part::Whole
+    };
     let start = range * rng.random_range(2.0..5.0);
     let scene = Scene {
         title: "random".to_owned(),
         source: String::new(),
-        cell: Cell { length, points: if line { Points::Line(n) } else { Points::Square(n) } },
-        law: LawChoice { shape, surface_energy: unit.surface_energy, range: Range::Length(range) },
+        cell: Cell { length, points },
+        law: LawChoice {
+            shape,
+            surface_energy: unit.surface_energy,
+            range: Range::Length(range),
+        },
         drive: Drive {
             start,
-            turn: Turn::At(range * if indenter == Indenter::Flat { 0.3 } else { rng.random_range(-1.5..0.3) }),
+            turn: Turn::At(
+                range
+                    * if indenter == Indenter::Flat {
+                        0.3
+                    } else {
+                        rng.random_range(-1.5..0.3)
+                    },
+            ),
             step: range * rng.random_range(0.05..0.4),
         },
         indenter,
@@ -118,8 +184,14 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
 }
 
 fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
-    let Ok(mut walk) = Walk::start(scene, WalkOptions { part: reduction, ..MethodKind::NewtonKrylov.into() }, &Cancel::default())
-    else {
+    let Ok(mut walk) = Walk::start(
+        scene,
+        WalkOptions {
+            part: reduction,
+            ..MethodKind::NewtonKrylov.into()
+        },
+        &Cancel::default(),
+    ) else {
         return;
     };
     let model = walk.model().clone();
@@ -128,7 +200,9 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
     let mut uniform = model.indenter.ground().is_uniform();
     uniform[1] &= !model.grid.is_line();
     tally.scenes += 1;
-    let Turn::At(turn) = scene.drive.turn else { unreachable!() };
+    let Turn::At(turn) = scene.drive.turn else {
+        unreachable!()
+    };
     let length = model.grid.length;
     for target in [turn, scene.drive.start] {
         walk.set_target(target);
@@ -142,9 +216,18 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
             // The closed form of the flat state has tests of its own.
             if let Some(state) = states.last().filter(|_| !walk.here().is_uniform()) {
                 let gap = walk.gap();
-                let height = walk.system().height().map(|height| walk.system().unfolded(height));
+                let height = walk
+                    .system()
+                    .height()
+                    .map(|height| walk.system().unfolded(height));
                 let displacement = height.map_or_else(|| gap.clone(), |height| &gap + &height);
-                let a = dense.at(&gap, &displacement, &model.law, uniform, smooth && model.mu_rho <= FREELY);
+                let a = dense.at(
+                    &gap,
+                    &displacement,
+                    &model.law,
+                    uniform,
+                    smooth && model.mu_rho <= FREELY,
+                );
                 // Rounding of sums over the matrix.
                 let stiffest = (0..a.nrows()).map(|r| a[(r, r)].abs()).fold(0.0, f64::max);
                 let hair = 1e-12 * stiffest;
@@ -157,7 +240,11 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
                 tally.wrong += usize::from(wrong);
                 tally.outside += usize::from(outside);
                 if wrong || outside {
-                    let smallest = bisected(&a, value - 2.0 * error.abs() - 1.0, 2.0 * value.abs() + hair + 1.0) * length;
+                    let smallest = bisected(
+                        &a,
+                        value - 2.0 * error.abs() - 1.0,
+                        2.0 * value.abs() + hair + 1.0,
+                    ) * length;
                     tally.faults.push(format!(
                         "{smallest:.6e}, not {:.6e} less up to {:.2e}, at u0 = {} ({}, {}, residual {:.1e}, stiffest {stiffest:.1e}) of {scene:?} \
                          on {reduction:?}, mu_rho {}",
@@ -172,7 +259,10 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
                 Progress::Stuck(reason) => {
                     tally.stuck += 1;
                     if std::env::var_os("TACKSCOPE_AUDIT_WORDS").is_some() {
-                        println!("{reason}: {reduction:?}, mu_rho {}, {scene:?}", model.mu_rho);
+                        println!(
+                            "{reason}: {reduction:?}, mu_rho {}, {scene:?}",
+                            model.mu_rho
+                        );
                     }
                     return;
                 }
@@ -183,8 +273,12 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
 
 #[test]
 fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
-    let asked = std::env::var("TACKSCOPE_AUDIT").ok().map(|count| count.parse::<u64>().expect("a number of scenes"));
-    let first = std::env::var("TACKSCOPE_AUDIT_FIRST").ok().map_or(0, |seed| seed.parse().expect("a number"));
+    let asked = std::env::var("TACKSCOPE_AUDIT")
+        .ok()
+        .map(|count| count.parse::<u64>().expect("a number of scenes"));
+    let first = std::env::var("TACKSCOPE_AUDIT_FIRST")
+        .ok()
+        .map_or(0, |seed| seed.parse().expect("a number"));
     let mut tallies: BTreeMap<String, Tally> = BTreeMap::new();
     for seed in first..first + asked.unwrap_or(40) {
         let mut rng = Pcg64::seed_from_u64(seed);
@@ -211,14 +305,27 @@ fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
         };
         audit(&scene, reduction, tallies.entry(kind).or_default());
     }
-    println!("| ground and model | scenes | states | wrong sign | outside the error | not completed |\n|---|---|---|---|---|---|");
+    println!(
+        "| ground and model | scenes | states | wrong sign | outside the error | not completed |\n|---|---|---|---|---|---|"
+    );
     for (kind, t) in &tallies {
-        println!("| {kind} | {} | {} | {} | {} | {} |", t.scenes, t.states, t.wrong, t.outside, t.stuck);
+        println!(
+            "| {kind} | {} | {} | {} | {} | {} |",
+            t.scenes, t.states, t.wrong, t.outside, t.stuck
+        );
     }
     if std::env::var_os("TACKSCOPE_AUDIT_WORDS").is_some() {
-        tallies.values().flat_map(|t| &t.faults).for_each(|fault| println!("fault: {fault}"));
+        tallies
+            .values()
+            .flat_map(|t| &t.faults)
+            .for_each(|fault| println!("fault: {fault}"));
     }
     let faults: Vec<_> = tallies.values().flat_map(|t| &t.faults).collect();
-    assert!(faults.is_empty(), "{} faults, the first: {}", faults.len(), faults[0]);
+    assert!(
+        faults.is_empty(),
+        "{} faults, the first: {}",
+        faults.len(),
+        faults[0]
+    );
     assert!(tallies.values().map(|t| t.states).sum::<usize>() > 200);
 }

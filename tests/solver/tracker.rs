@@ -16,7 +16,11 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::{Tracker, random_smooth};
 use tackscope::storage::presets;
 
-const LAW: Law = Law { shape: Shape::Morse(Morse), surface_energy: 0.15, range: 1.0 };
+const LAW: Law = Law {
+    shape: Shape::Morse(Morse),
+    surface_energy: 0.15,
+    range: 1.0,
+};
 const LENGTH: f64 = 256.0;
 
 fn system(n: usize) -> System {
@@ -27,15 +31,21 @@ fn system(n: usize) -> System {
 fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
     let mut scene: Scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(64);
-    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk =
+        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     for &place in places {
         walk.set_target(place);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
     }
-    (walk.record().pattern, walk.displacement(), walk.here().state.amplitudes.clone())
+    (
+        walk.record().pattern,
+        walk.displacement(),
+        walk.here().state.amplitudes.clone(),
+    )
 }
 
-/// Value and error on 128 x 128 points, by way of `coarse` points if given; transforms spent on the fine mesh.
+/// Value and error on 128 x 128 points, by way of `coarse` points if given; transforms spent on the
+/// fine mesh.
 fn smallest(z: &[f64], u0: f64, coarse: Option<usize>) -> (f64, f64, usize) {
     let mut fine = Mechanics::new(system(128), Slides::Freely);
     let at = fine.at(carried(z, &system(64), &fine.system), u0);
@@ -47,23 +57,43 @@ fn smallest(z: &[f64], u0: f64, coarse: Option<usize>) -> (f64, f64, usize) {
     let before = fine.transforms();
     let (found, mode) = tracker.check(&mut fine, &at.state.amplitudes, &at.fields);
     assert_eq!(mode.len(), at.gradient.len());
-    (found.value * LENGTH, found.error * LENGTH, fine.transforms() - before)
+    (
+        found.value * LENGTH,
+        found.error * LENGTH,
+        fine.transforms() - before,
+    )
 }
 
 #[test]
 fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine_one() {
-    for (pattern, places) in
-        [(Pattern::Bulge, &[3.0][..]), (Pattern::Ridge, &[2.0]), (Pattern::Ridge, &[1.345]), (Pattern::Dimple, &[0.8])]
-    {
+    for (pattern, places) in [
+        (Pattern::Bulge, &[3.0][..]),
+        (Pattern::Ridge, &[2.0]),
+        (Pattern::Ridge, &[1.345]),
+        (Pattern::Dimple, &[0.8]),
+    ] {
         let (found, u0, z) = state(places);
         assert_eq!(found, pattern);
         let (value, error, there) = smallest(&z, u0, None);
         let (coarse, bound, here) = smallest(&z, u0, Some(88));
-        assert!((coarse - value).abs() < 1e-3 * value.abs().max(0.1), "{pattern} at {u0}: {coarse} against {value}");
+        assert!(
+            (coarse - value).abs() < 1e-3 * value.abs().max(0.1),
+            "{pattern} at {u0}: {coarse} against {value}"
+        );
         // From below to a third of the value on either mesh, and next to an end to its sign.
-        let share = if value < 0.005 * std::f64::consts::TAU { 1.0 } else { 0.36 };
-        assert!(bound <= share * coarse * 1.001 && error <= share * value, "{pattern}: {bound} {error}");
-        assert!(here <= 2 && there > 20, "{pattern}: {here} and {there} transforms");
+        let share = if value < 0.005 * std::f64::consts::TAU {
+            1.0
+        } else {
+            0.36
+        };
+        assert!(
+            bound <= share * coarse * 1.001 && error <= share * value,
+            "{pattern}: {bound} {error}"
+        );
+        assert!(
+            here <= 2 && there > 20,
+            "{pattern}: {here} and {there} transforms"
+        );
     }
 }
 
@@ -73,8 +103,14 @@ fn where_the_coarse_mesh_does_not_resolve_the_mode_the_fine_one_goes_on() {
     let (_, u0, z) = state(&[3.0]);
     let (value, ..) = smallest(&z, u0, None);
     let (coarse, bound, here) = smallest(&z, u0, Some(12));
-    assert!((coarse - value).abs() < 0.02 * value.abs(), "{coarse} against {value}");
-    assert!(here > 20 && bound <= 0.36 * coarse, "{here} transforms, error {bound}");
+    assert!(
+        (coarse - value).abs() < 0.02 * value.abs(),
+        "{coarse} against {value}"
+    );
+    assert!(
+        here > 20 && bound <= 0.36 * coarse,
+        "{here} transforms, error {bound}"
+    );
 }
 
 proptest! {

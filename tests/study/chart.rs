@@ -11,7 +11,10 @@ use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::chart::CHART_COLUMNS;
 use tackscope::storage::{presets, scene_file};
-use tackscope::study::chart::{Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points, run};
+use tackscope::study::chart::{
+    Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points,
+    run,
+};
 
 fn preset(name: &str) -> Scene {
     scene_file::parse(presets::find(name).unwrap().text, name).unwrap()
@@ -31,49 +34,102 @@ fn quick() -> &'static Chart {
 }
 
 fn whole(method: MethodKind, points: usize, step: f64) -> Point {
-    Point { method, model: Road::WHOLE, line: false, points, precision: Precision::Double, step }
+    Point {
+        method,
+        model: Road::WHOLE,
+        line: false,
+        points,
+        precision: Precision::Double,
+        step,
+    }
 }
 
 fn measured(scene: &Scene, point: Point) -> Measured {
-    measure(scene, &point, f64::INFINITY, &Cancel::default(), &mut |_| {}).unwrap()
+    measure(
+        scene,
+        &point,
+        f64::INFINITY,
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap()
 }
 
 #[test]
 fn every_method_is_measured_and_what_is_done_is_near_the_reference() {
     let chart = quick();
-    assert!(!chart.cancelled && chart.skipped.is_empty(), "{:?}", chart.skipped);
+    assert!(
+        !chart.cancelled && chart.skipped.is_empty(),
+        "{:?}",
+        chart.skipped
+    );
     for method in MethodKind::ALL {
-        assert!(chart.rows.iter().any(|row| row.point.method == method), "{method:?}");
+        assert!(
+            chart.rows.iter().any(|row| row.point.method == method),
+            "{method:?}"
+        );
     }
     let reference = chart.reference.as_ref().unwrap();
-    assert!(!reference.finest.record.jumps.is_empty() && reference.errors.dissipated_energy < 1e-2, "{:?}", reference.errors);
-    for row in chart.rows.iter().filter(|row| row.point.method.build(0).locates()) {
+    assert!(
+        !reference.finest.record.jumps.is_empty() && reference.errors.dissipated_energy < 1e-2,
+        "{:?}",
+        reference.errors
+    );
+    for row in chart
+        .rows
+        .iter()
+        .filter(|row| row.point.method.build(0).locates())
+    {
         assert_eq!(row.verdict, Verdict::Done, "{row:?}");
-        assert!(row.errors.dissipated_energy < 1e-2 && row.errors.jumps < 1e-2 && row.errors.stress < 1e-3, "{row:?}");
+        assert!(
+            row.errors.dissipated_energy < 1e-2
+                && row.errors.jumps < 1e-2
+                && row.errors.stress < 1e-3,
+            "{row:?}"
+        );
         assert!(row.transforms > 0 && row.processor_seconds >= 0.0 && row.seconds > 0.0);
     }
 }
 
 #[test]
 fn the_papers_budget_is_a_row_that_says_that_it_has_not_converged() {
-    for row in quick().rows.iter().filter(|row| row.point.method == MethodKind::Gfmd) {
-        let Verdict::Failed { message, .. } = &row.verdict else { panic!("{row:?}") };
+    for row in quick()
+        .rows
+        .iter()
+        .filter(|row| row.point.method == MethodKind::Gfmd)
+    {
+        let Verdict::Failed { message, .. } = &row.verdict else {
+            panic!("{row:?}")
+        };
         assert!(message.contains("states above the tolerance"), "{message}");
-        assert!(!row.pareto_transforms && !row.pareto_time, "a failure is on no front");
+        assert!(
+            !row.pareto_transforms && !row.pareto_time,
+            "a failure is on no front"
+        );
     }
 }
 
 #[test]
 fn the_reference_is_finer_than_anything_it_judges() {
-    let mut scenes: Vec<Scene> = ["fig2", "fig3", "ridge-line", "coarse-mesh", "no-hysteresis"].map(preset).to_vec();
+    let mut scenes: Vec<Scene> = ["fig2", "fig3", "ridge-line", "coarse-mesh", "no-hysteresis"]
+        .map(preset)
+        .to_vec();
     scenes.push(tiny());
     for scene in scenes {
         for effort in [Effort::Quick, Effort::Full { seconds: 180.0 }] {
             let (list, [finest, coarser, longer]) = points(&scene, effort).unwrap();
-            assert!(list.iter().all(|p| p.points < finest.points && p.step > finest.step), "{}", scene.title);
+            assert!(
+                list.iter()
+                    .all(|p| p.points < finest.points && p.step > finest.step),
+                "{}",
+                scene.title
+            );
             assert!(coarser.points < finest.points && coarser.step == finest.step);
             assert!(longer.points == finest.points && longer.step > finest.step);
-            assert_eq!(list.iter().all(|p| p.line), matches!(scene.cell.points, Points::Line(_)));
+            assert_eq!(
+                list.iter().all(|p| p.line),
+                matches!(scene.cell.points, Points::Line(_))
+            );
         }
     }
 }
@@ -83,7 +139,10 @@ fn the_full_chart_of_fig_2_has_the_plan_and_the_papers_budget_in_it() {
     let scene = preset("fig2");
     let (list, _) = points(&scene, Effort::Full { seconds: 180.0 }).unwrap();
     for method in [MethodKind::default(), MethodKind::Gfmd] {
-        assert!(list.contains(&whole(method, 64, scene.drive.step)), "{method:?}");
+        assert!(
+            list.contains(&whole(method, 64, scene.drive.step)),
+            "{method:?}"
+        );
     }
 }
 
@@ -104,7 +163,9 @@ fn steps_that_skip_a_pattern_are_named() {
     let reference = Reference::new([fine.clone(), fine.clone(), fine]);
     let coarse = measured(&scene, whole(MethodKind::GfmdTuned, 48, 0.23));
     let row = reference.judge(&coarse, false, false);
-    let Verdict::Failed { message, .. } = &row.verdict else { panic!("{row:?}") };
+    let Verdict::Failed { message, .. } = &row.verdict else {
+        panic!("{row:?}")
+    };
     assert!(message.contains("bulge skipped on retraction"), "{message}");
 }
 
@@ -113,7 +174,14 @@ fn a_loop_compared_with_itself_has_no_error() {
     let loop_ = measured(&tiny(), whole(MethodKind::NewtonKrylov, 36, 0.04));
     let reference = Reference::new([loop_.clone(), loop_.clone(), loop_.clone()]);
     let row = reference.judge(&loop_, false, false);
-    assert_eq!((row.errors.dissipated_energy, row.errors.jumps, row.errors.stress), (0.0, 0.0, 0.0));
+    assert_eq!(
+        (
+            row.errors.dissipated_energy,
+            row.errors.jumps,
+            row.errors.stress
+        ),
+        (0.0, 0.0, 0.0)
+    );
     assert!((reference.integral - loop_.integral()).abs() < 1e-12);
 }
 
@@ -136,18 +204,33 @@ fn a_cancelled_chart_keeps_what_was_measured() {
 #[test]
 fn without_time_every_point_is_skipped_and_said_to_be() {
     let mut told = 0;
-    let chart = run(&tiny(), Effort::Full { seconds: 1e-9 }, &Cancel::default(), &mut |news| {
-        told += usize::from(matches!(news, News::Skipped(_)));
-    })
+    let chart = run(
+        &tiny(),
+        Effort::Full { seconds: 1e-9 },
+        &Cancel::default(),
+        &mut |news| {
+            told += usize::from(matches!(news, News::Skipped(_)));
+        },
+    )
     .unwrap();
     assert!(chart.rows.is_empty() && !chart.cancelled);
     assert_eq!(told, chart.skipped.len());
-    assert!(told > 20 && chart.skipped.iter().all(|s| s.predicted_seconds > s.allowed_seconds));
-    assert!(!chart.reference.unwrap().finest.is_complete(), "not even the reference had time");
+    assert!(
+        told > 20
+            && chart
+                .skipped
+                .iter()
+                .all(|s| s.predicted_seconds > s.allowed_seconds)
+    );
+    assert!(
+        !chart.reference.unwrap().finest.is_complete(),
+        "not even the reference had time"
+    );
 }
 
 proptest! {
-    /// Against the sweep: in order of cost, a point is on the front if its error is the least so far.
+    /// Against the sweep: in order of cost, a point is on the front if its error is the least so
+    /// far.
     #[test]
     fn the_front_is_what_a_sweep_over_rising_cost_finds(
         points in prop::collection::vec((0_u8..12, prop_oneof![8 => (0_u8..12).prop_map(f64::from), 1 => Just(f64::NAN)]), 0..30)
@@ -169,14 +252,33 @@ proptest! {
 
 fn chart_command(scene: &Path, out: &Path, more: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-    command.stdin(Stdio::null()).arg("chart").arg(scene).arg("--out").arg(out).args(more).output().expect("the binary runs")
+    command
+        .stdin(Stdio::null())
+        .arg("chart")
+        .arg(scene)
+        .arg("--out")
+        .arg(out)
+        .args(more)
+        .output()
+        .expect("the binary runs")
 }
 
 /// The cells of a line of CSV whose quotes are not doubled.
 fn cells(line: &str) -> Vec<String> {
     let pieces = line.split('"').enumerate();
-    let masked: String = pieces.map(|(i, piece)| if i % 2 == 1 { piece.replace(',', "\u{1}") } else { piece.to_owned() }).collect();
-    masked.split(',').map(|cell| cell.replace('\u{1}', ",")).collect()
+    let masked: String = pieces
+        .map(|(i, piece)| {
+            if i % 2 == 1 {
+                piece.replace(',', "\u{1}")
+            } else {
+                piece.to_owned()
+            }
+        })
+        .collect();
+    masked
+        .split(',')
+        .map(|cell| cell.replace('\u{1}', ","))
+        .collect()
 }
 
 #[test]
@@ -187,7 +289,10 @@ fn the_command_writes_a_table_whose_every_row_parses() {
     let output = chart_command(&scene, &out, &["--quick"]);
     let told = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0), "{told}");
-    assert!(told.contains("FAILED: ") && told.contains("states above the tolerance"), "{told}");
+    assert!(
+        told.contains("FAILED: ") && told.contains("states above the tolerance"),
+        "{told}"
+    );
     let table = fs::read_to_string(out.join("chart.csv")).expect("chart.csv");
     let mut lines = table.lines();
     assert_eq!(lines.next(), Some(CHART_COLUMNS));
@@ -198,30 +303,61 @@ fn the_command_writes_a_table_whose_every_row_parses() {
         assert_eq!(row.len(), columns.len(), "{row:?}");
         let of = |column: &str| &row[columns.iter().position(|c| *c == column).expect("a column")];
         assert_eq!(of("method") == "reference", i + 1 == rows.len(), "{row:?}");
-        assert!(i + 1 == rows.len() || methods.contains(&of("method").as_str()), "{row:?}");
+        assert!(
+            i + 1 == rows.len() || methods.contains(&of("method").as_str()),
+            "{row:?}"
+        );
         for number in &columns[5..13] {
             assert!(of(number).parse::<f64>().is_ok(), "{number} in {row:?}");
         }
         assert!(["none", "transforms", "time", "both"].contains(&of("pareto").as_str()));
         assert!(of("plan").parse::<bool>().is_ok() && of("paper_budget").parse::<bool>().is_ok());
-        assert!(!of("outcome").is_empty() && (of("outcome") == "done" || !of("message").is_empty()), "{row:?}");
+        assert!(
+            !of("outcome").is_empty() && (of("outcome") == "done" || !of("message").is_empty()),
+            "{row:?}"
+        );
     }
-    assert!(rows.iter().any(|row| row[0] == "gfmd" && row[16] != "done"), "the failure is in the table");
-    let short: serde_json::Value = serde_json::from_slice(&fs::read(out.join("chart.json")).expect("chart.json")).expect("JSON");
-    assert_eq!(short["counts"]["points"].as_u64(), Some(rows.len() as u64 - 1));
+    assert!(
+        rows.iter().any(|row| row[0] == "gfmd" && row[16] != "done"),
+        "the failure is in the table"
+    );
+    let short: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("chart.json")).expect("chart.json"))
+            .expect("JSON");
+    assert_eq!(
+        short["counts"]["points"].as_u64(),
+        Some(rows.len() as u64 - 1)
+    );
     assert!(short["counts"]["failed"].as_u64() > Some(0));
-    assert!(short["pareto_transforms"].as_array().is_some_and(|front| !front.is_empty()), "{}", short["pareto_transforms"]);
+    assert!(
+        short["pareto_transforms"]
+            .as_array()
+            .is_some_and(|front| !front.is_empty()),
+        "{}",
+        short["pareto_transforms"]
+    );
     let picture = fs::read_to_string(out.join("chart.svg")).expect("chart.svg");
-    assert!(rows.iter().filter(|row| row[16] != "done").all(|row| picture.contains(&row[16])), "and in the picture");
-    assert!(fs::read(out.join("chart.png")).expect("chart.png").starts_with(b"\x89PNG"));
+    assert!(
+        rows.iter()
+            .filter(|row| row[16] != "done")
+            .all(|row| picture.contains(&row[16])),
+        "and in the picture"
+    );
+    assert!(
+        fs::read(out.join("chart.png"))
+            .expect("chart.png")
+            .starts_with(b"\x89PNG")
+    );
 }
 
 #[test]
 fn a_wrong_scene_or_option_of_the_chart_is_refused() {
     let home = tempfile::tempdir().expect("a folder");
-    for (scene, more) in
-        [("fig22", ["--quick"].as_slice()), ("fig2", &["--seconds", "many"]), ("fig2", &["--quick", "--seconds", "3"])]
-    {
+    for (scene, more) in [
+        ("fig22", ["--quick"].as_slice()),
+        ("fig2", &["--seconds", "many"]),
+        ("fig2", &["--quick", "--seconds", "3"]),
+    ] {
         let out = home.path().join("out");
         let output = chart_command(Path::new(scene), &out, more);
         assert_eq!(output.status.code(), Some(2), "{scene} {more:?}");
@@ -235,14 +371,31 @@ fn ctrl_c_in_mid_chart_writes_what_was_measured() {
     let home = tempfile::tempdir().expect("a folder");
     let out = home.path().join("out");
     let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-    command.args(["chart", "fig3", "--quiet", "--out"]).arg(&out).stdin(Stdio::null()).stderr(Stdio::piped());
+    command
+        .args(["chart", "fig3", "--quiet", "--out"])
+        .arg(&out)
+        .stdin(Stdio::null())
+        .stderr(Stdio::piped());
     let child = command.spawn().expect("the binary runs");
     std::thread::sleep(std::time::Duration::from_millis(700));
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .expect("kill runs");
     assert!(killed.success(), "the chart is still going");
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(130));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted; what was measured is in"));
-    assert!(fs::read_to_string(out.join("chart.csv")).expect("chart.csv").starts_with(CHART_COLUMNS));
-    assert!(fs::read_to_string(out.join("chart.svg")).expect("chart.svg").contains("Interrupted"));
+    assert!(
+        String::from_utf8_lossy(&output.stderr).contains("interrupted; what was measured is in")
+    );
+    assert!(
+        fs::read_to_string(out.join("chart.csv"))
+            .expect("chart.csv")
+            .starts_with(CHART_COLUMNS)
+    );
+    assert!(
+        fs::read_to_string(out.join("chart.svg"))
+            .expect("chart.svg")
+            .contains("Interrupted")
+    );
 }

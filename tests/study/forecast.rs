@@ -19,13 +19,22 @@ fn fig2(points: usize) -> Scene {
 
 fn walked(points: usize) -> (LoopRun, Model) {
     let scene = fig2(points);
-    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        &scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     (run, scene.model().unwrap())
 }
 
 fn contains(forecast: &Forecast, u0: f64) -> bool {
-    let (low, high) = (forecast.nearest.min(forecast.farthest), forecast.nearest.max(forecast.farthest));
+    let (low, high) = (
+        forecast.nearest.min(forecast.farthest),
+        forecast.nearest.max(forecast.farthest),
+    );
     // The walk bisects the flat state's limit to 1e-9 ranges.
     (low - 1e-6..=high + 1e-6).contains(&u0)
 }
@@ -36,23 +45,36 @@ fn before_each_jump(run: &LoopRun) -> Vec<(Vec<LoopRecord>, f64)> {
     let mut begin = 0;
     let mut all = Vec::new();
     for (k, jump) in record.jumps.iter().enumerate() {
-        let lands = |s: &StateRecord| s.direction == jump.direction && s.mean_displacement == jump.mean_displacement;
+        let lands = |s: &StateRecord| {
+            s.direction == jump.direction && s.mean_displacement == jump.mean_displacement
+        };
         let end = begin + record.states[begin..].iter().rposition(lands).unwrap();
-        let stood = |last: usize| LoopRecord { states: record.states[..=last].to_vec(), jumps: record.jumps[..k].to_vec() };
-        let branch: Vec<_> = (begin..end).filter(|i| record.states[*i].direction == jump.direction).map(stood).collect();
+        let stood = |last: usize| LoopRecord {
+            states: record.states[..=last].to_vec(),
+            jumps: record.jumps[..k].to_vec(),
+        };
+        let branch: Vec<_> = (begin..end)
+            .filter(|i| record.states[*i].direction == jump.direction)
+            .map(stood)
+            .collect();
         all.push((branch, jump.mean_displacement));
         begin = end;
     }
     all
 }
 
-/// (forecasts made within 0.15 ranges of a jump that the eigenvalue announces, those that contain it, states without a forecast).
+/// (forecasts made within 0.15 ranges of a jump that the eigenvalue announces, those that contain
+/// it, states without a forecast).
 fn score(points: usize) -> (usize, usize, usize) {
     let (run, model) = walked(points);
     let (mut made, mut right, mut none) = (0, 0, 0);
     for (stood, jump) in before_each_jump(&run) {
-        // Where a coarse mesh pins the pattern, its jump is not announced by the eigenvalue that is recorded.
-        let last = stood.last().and_then(|record| record.states.last()).unwrap();
+        // Where a coarse mesh pins the pattern, its jump is not announced by the eigenvalue that is
+        // recorded.
+        let last = stood
+            .last()
+            .and_then(|record| record.states.last())
+            .unwrap();
         if last.stiffness_min > 0.2 {
             continue;
         }
@@ -73,7 +95,9 @@ fn score(points: usize) -> (usize, usize, usize) {
             }
         }
     }
-    println!("{points} points: {right} of {made} forecasts contain the jump found later, {none} states without a forecast");
+    println!(
+        "{points} points: {right} of {made} forecasts contain the jump found later, {none} states without a forecast"
+    );
     (made, right, none)
 }
 
@@ -96,7 +120,10 @@ fn on_a_coarse_mesh_that_pins_the_ridge_all_but_a_few_forecasts_contain_the_jump
 fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRecord, Model) {
     let scene = fig2(16);
     let model = scene.model().unwrap();
-    let first = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap().record().clone();
+    let first = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default())
+        .unwrap()
+        .record()
+        .clone();
     let states = path
         .iter()
         .map(|&mean_displacement| StateRecord {
@@ -107,20 +134,46 @@ fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRec
             ..first.clone()
         })
         .collect();
-    (LoopRecord { states, jumps: Vec::new() }, model)
+    (
+        LoopRecord {
+            states,
+            jumps: Vec::new(),
+        },
+        model,
+    )
 }
 
 #[test]
 fn the_limit_of_the_flat_state_is_foreseen_exactly_from_both_sides() {
-    for (branch, path) in [(Direction::Approach, [3.4, 3.38, 3.36]), (Direction::Retraction, [0.5, 0.52, 0.54])] {
+    for (branch, path) in [
+        (Direction::Approach, [3.4, 3.38, 3.36]),
+        (Direction::Retraction, [0.5, 0.52, 0.54]),
+    ] {
         let (record, model) = flat_states(branch, &path, Pattern::Flat);
         let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-        let limit = if branch == Direction::Approach { upper } else { lower };
-        assert_eq!(forecast(&record, &model), Some(Forecast { nearest: limit, farthest: limit }));
+        let limit = if branch == Direction::Approach {
+            upper
+        } else {
+            lower
+        };
+        assert_eq!(
+            forecast(&record, &model),
+            Some(Forecast {
+                nearest: limit,
+                farthest: limit
+            })
+        );
         // Eq. 8.
         let root = (1.0 - 4.0 * std::f64::consts::PI / (0.15f64 * 256.0)).sqrt();
-        let sign = if branch == Direction::Approach { -1.0 } else { 1.0 };
-        assert!((limit + ((1.0 + sign * root) / 4.0).ln()).abs() < 1e-9, "{limit}");
+        let sign = if branch == Direction::Approach {
+            -1.0
+        } else {
+            1.0
+        };
+        assert!(
+            (limit + ((1.0 + sign * root) / 4.0).ln()).abs() < 1e-9,
+            "{limit}"
+        );
     }
 }
 
@@ -131,12 +184,22 @@ fn the_extrapolation_alone_brackets_the_limits_of_eq_8_too() {
         for distance in [0.15, 0.1, 0.05, 0.02, 0.005] {
             let (_, model) = flat_states(branch, &[3.0], Pattern::Flat);
             let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
-            let limit = if branch == Direction::Approach { upper } else { lower };
+            let limit = if branch == Direction::Approach {
+                upper
+            } else {
+                lower
+            };
             let path = [2.0, 1.0, 0.0].map(|k| limit + sign * (distance + 0.02 * k));
             let (record, model) = flat_states(branch, &path, Pattern::Bulge);
             let forecast = forecast(&record, &model).unwrap();
-            assert!(contains(&forecast, limit), "{limit} {forecast:?} from {distance}");
-            assert!((forecast.farthest - forecast.nearest).abs() < 1.2 * distance + 1e-3, "{forecast:?} from {distance}");
+            assert!(
+                contains(&forecast, limit),
+                "{limit} {forecast:?} from {distance}"
+            );
+            assert!(
+                (forecast.farthest - forecast.nearest).abs() < 1.2 * distance + 1e-3,
+                "{forecast:?} from {distance}"
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The live loop against the walk: the same curve, the same jumps, and the right answer before the walk has got there.
+//! The live loop against the walk: the same curve, the same jumps, and the right answer before the
+//! walk has got there.
 
 use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
@@ -21,27 +22,51 @@ fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
 #[test]
 fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
     let scene = fig2();
-    let run = run_loop(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default(), &mut |_| {}).unwrap();
+    let run = run_loop(
+        &scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(run.outcome, Outcome::Completed);
     let work = run.record.work() / scene.law.surface_energy;
     for (fineness, tolerance) in [(Fineness::Coarse, 0.01), (Fineness::Fine, 2e-3)] {
         let began = Instant::now();
         let live = live(&scene, fineness);
-        println!("{fineness:?}: {} points, {:?}, {} against {work}", live.points, began.elapsed(), live.dissipated_energy);
+        println!(
+            "{fineness:?}: {} points, {:?}, {} against {work}",
+            live.points,
+            began.elapsed(),
+            live.dissipated_energy
+        );
         assert!((live.dissipated_energy / work - 1.0).abs() < tolerance);
-        let route =
-            |jumps: &[tackscope::follow::record::JumpRecord]| jumps.iter().map(|j| (j.direction, j.from, j.to)).collect::<Vec<_>>();
+        let route = |jumps: &[tackscope::follow::record::JumpRecord]| {
+            jumps
+                .iter()
+                .map(|j| (j.direction, j.from, j.to))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(route(&live.jumps), route(&run.record.jumps));
         // Every walked state lies on the drawn curve, away from the very ends of the branches.
         for state in &run.record.states {
             let near = |u0: f64| (state.mean_displacement - u0).abs() < 0.02;
-            if run.record.jumps.iter().any(|jump| near(jump.mean_displacement)) {
+            if run
+                .record
+                .jumps
+                .iter()
+                .any(|jump| near(jump.mean_displacement))
+            {
                 continue;
             }
             let leg = live.legs.iter().find(|leg| {
-                leg.direction == state.direction && (leg.from.min(leg.to)..=leg.from.max(leg.to)).contains(&state.mean_displacement)
+                leg.direction == state.direction
+                    && (leg.from.min(leg.to)..=leg.from.max(leg.to))
+                        .contains(&state.mean_displacement)
             });
-            let stress = live.stretches[leg.unwrap().stretch].at(state.mean_displacement).stress;
+            let stress = live.segments[leg.unwrap().segment]
+                .at(state.mean_displacement)
+                .stress;
             let off = (stress - state.stress).abs() / live.law.traction_max();
             assert!(off < 5e-3, "{fineness:?}: {off} at {state:?}");
         }
@@ -52,10 +77,13 @@ fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
 fn the_reading_says_where_the_walk_will_stand_also_after_turning_round_in_the_middle() {
     let scene = fig2();
     let live = live(&scene, Fineness::Fine);
-    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk =
+        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
     let mut patterns = Vec::new();
     for target in [3.0, 2.0, 3.3, 2.0, 1.0, 0.3, 1.5, 3.0, 3.9, 4.2] {
-        let (pattern, sample) = live.reading(walk.record(), target).expect("the walk stands on a known branch");
+        let (pattern, sample) = live
+            .reading(walk.record(), target)
+            .expect("the walk stands on a known branch");
         walk.set_target(target);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
         let there = walk.record();
@@ -65,7 +93,13 @@ fn the_reading_says_where_the_walk_will_stand_also_after_turning_round_in_the_mi
         assert!(sample.stiffness_min > 0.0);
         patterns.push(pattern.word());
     }
-    assert_eq!(patterns, ["bulge", "ridge", "ridge", "ridge", "dimple", "flat", "dimple", "ridge", "bulge", "flat"]);
+    assert_eq!(
+        patterns,
+        [
+            "bulge", "ridge", "ridge", "ridge", "dimple", "flat", "dimple", "ridge", "bulge",
+            "flat"
+        ]
+    );
 }
 
 #[test]
@@ -73,10 +107,18 @@ fn a_leg_is_drawn_in_the_direction_it_is_gone() {
     let live = live(&fig2(), Fineness::Coarse);
     for leg in &live.legs {
         let points = live.points_of(leg);
-        let ordered =
-            points.windows(2).all(|w| if leg.direction == Direction::Approach { w[1][0] <= w[0][0] } else { w[1][0] >= w[0][0] });
+        let ordered = points.windows(2).all(|w| {
+            if leg.direction == Direction::Approach {
+                w[1][0] <= w[0][0]
+            } else {
+                w[1][0] >= w[0][0]
+            }
+        });
         assert!(ordered && points.len() > 3, "{leg:?}");
-        assert!((points[0][0] - leg.from).abs() < 1e-12 && (points[points.len() - 1][0] - leg.to).abs() < 1e-12);
+        assert!(
+            (points[0][0] - leg.from).abs() < 1e-12
+                && (points[points.len() - 1][0] - leg.to).abs() < 1e-12
+        );
     }
 }
 
@@ -84,7 +126,9 @@ fn a_leg_is_drawn_in_the_direction_it_is_gone() {
 fn what_the_atlas_does_not_hold_is_refused_in_words() {
     let mut scene = fig2();
     scene.cell.points = Points::Line(64);
-    let words = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).unwrap_err().to_string();
+    let words = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse)
+        .unwrap_err()
+        .to_string();
     assert!(words.contains("square cells on flat ground"), "{words}");
 }
 
@@ -94,21 +138,40 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
     let (mut taken_over, mut afresh) = (Duration::ZERO, Duration::ZERO);
     for i in 0..=12 {
         let mut scene = fig2();
-        scene.law.range = Range::Length(if i < 12 { 1.0 + 0.002 * f64::from(i) } else { 1.1 });
+        scene.law.range = Range::Length(if i < 12 {
+            1.0 + 0.002 * f64::from(i)
+        } else {
+            1.1
+        });
         let model = scene.model().unwrap();
         let began = Instant::now();
         let quick = loops.next(&scene, &model, Fineness::Coarse).unwrap();
-        taken_over += if i > 0 { began.elapsed() } else { Duration::ZERO };
+        taken_over += if i > 0 {
+            began.elapsed()
+        } else {
+            Duration::ZERO
+        };
         let began = Instant::now();
         let slow = LiveLoop::of(&scene, &model, Fineness::Coarse).unwrap();
-        afresh += if i > 0 { began.elapsed() } else { Duration::ZERO };
+        afresh += if i > 0 {
+            began.elapsed()
+        } else {
+            Duration::ZERO
+        };
         let off = (quick.dissipated_energy / slow.dissipated_energy - 1.0).abs();
         assert!(off < 2e-3, "{off} at {i}");
         assert_eq!(quick.jumps.len(), slow.jumps.len());
         for (a, b) in quick.jumps.iter().zip(&slow.jumps) {
             assert_eq!((a.direction, a.from, a.to), (b.direction, b.from, b.to));
-            assert!((a.mean_displacement - b.mean_displacement).abs() < 5e-3, "{a:?} {b:?}");
+            assert!(
+                (a.mean_displacement - b.mean_displacement).abs() < 5e-3,
+                "{a:?} {b:?}"
+            );
         }
     }
-    println!("a loop taken over: {:?}, afresh: {:?}", taken_over / 12, afresh / 12);
+    println!(
+        "a loop taken over: {:?}, afresh: {:?}",
+        taken_over / 12,
+        afresh / 12
+    );
 }

@@ -19,10 +19,14 @@ use tackscope::study::planned::run_planned;
 
 /// A scene with this target, which also decides its mesh.
 fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
-    Scene { accuracy, ..crate::flat_ground::scene(shape, periods, Points::Auto) }
+    Scene {
+        accuracy,
+        ..crate::flat_ground::scene(shape, periods, Points::Auto)
+    }
 }
 
-/// Of 48 random scenes, L/L_c from 1.2 to 20, every law, targets from 10 % to 0.01 %: measured against a mesh half as fine again.
+/// Of 48 random scenes, L/L_c from 1.2 to 20, every law, targets from 10 % to 0.01 %: measured
+/// against a mesh half as fine again.
 #[test]
 fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
     let mut rng = Pcg64::seed_from_u64(20);
@@ -35,8 +39,12 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         let shape = match rng.random_range(0..4) {
             0 => Shape::Morse(Morse),
             1 => Shape::Mie(Mie { m: 8.0, n: 2.0 }),
-            2 => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
-            _ => Shape::Cosine(Cosine { smooth: rng.random::<bool>() }),
+            2 => Shape::DoubleExponential(DoubleExponential {
+                ratio: rng.random_range(0.25..0.8),
+            }),
+            _ => Shape::Cosine(Cosine {
+                smooth: rng.random::<bool>(),
+            }),
         };
         let target = [0.1, 0.01, 0.001, 0.0001][rng.random_range(0..4)];
         let scene = scene(shape, ratio, target);
@@ -44,25 +52,51 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         let plan = plan(&scene, &model, None);
         let n = model.grid.nx;
         all += 1;
-        let row = format!("{:<18} {ratio:6.2}  {target:6}  {n:5}  {:9.1e}", shape.word(), plan.predicted_error);
+        let row = format!(
+            "{:<18} {ratio:6.2}  {target:6}  {n:5}  {:9.1e}",
+            shape.word(),
+            plan.predicted_error
+        );
         if plan.road != Road::Atlas {
             // Nothing is promised where the stiffness jumps.
-            assert!(plan.predicted_error >= 1.0 && !model.law.is_smooth(), "{}", plan.words);
+            assert!(
+                plan.predicted_error >= 1.0 && !model.law.is_smooth(),
+                "{}",
+                plan.words
+            );
             println!("{row}  {}", plan.words);
             kept += 1;
             continue;
         }
         let coarse = Meshes::new(&model.law, model.grid.length, n);
-        assert!(plan.predicted_error <= 1.5 * target.max(1e-4), "{}", plan.words);
-        let Turn::At(turn) = scene.drive.turn else { unreachable!() };
-        let finer = Meshes::new(&model.law, model.grid.length, tackscope::scene::mesh::next_fast(n * 3 / 2));
+        assert!(
+            plan.predicted_error <= 1.5 * target.max(1e-4),
+            "{}",
+            plan.words
+        );
+        let Turn::At(turn) = scene.drive.turn else {
+            unreachable!()
+        };
+        let finer = Meshes::new(
+            &model.law,
+            model.grid.length,
+            tackscope::scene::mesh::next_fast(n * 3 / 2),
+        );
         let loops = [coarse, finer].map(|chart| Atlas::new(chart).cycle(scene.drive.start, turn));
         match loops {
             [Ok(a), Ok(b)] => {
                 let same = a.jumps.len() == b.jumps.len();
-                let jumps = a.jumps.iter().zip(&b.jumps).map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs());
+                let jumps = a
+                    .jumps
+                    .iter()
+                    .zip(&b.jumps)
+                    .map(|(a, b)| (a.mean_displacement / b.mean_displacement - 1.0).abs());
                 let loss = (a.dissipated_energy / b.dissipated_energy - 1.0).abs();
-                let measured = if same { jumps.fold(loss, f64::max) } else { 1.0 };
+                let measured = if same {
+                    jumps.fold(loss, f64::max)
+                } else {
+                    1.0
+                };
                 println!("{row}  {measured:8.1e}");
                 kept += usize::from(plan.predicted_error >= measured);
             }
@@ -93,14 +127,23 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
         assert_eq!(run.deviation, None);
         let finer = run_loop(
             &reference(&scene, &model),
-            WalkOptions { part: Part::Whole, ..newton.into() },
+            WalkOptions {
+                part: Part::Whole,
+                ..newton.into()
+            },
             &Cancel::default(),
             &mut |_| {},
         )
         .unwrap();
         let measured = measured_error(&run.record.jumps, &finer.record.jumps);
-        println!("target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}", model.grid.nx, plan.predicted_error);
-        assert!(measured <= plan.predicted_error.max(1e-4) && plan.predicted_error <= 1.2 * target, "{measured:e}");
+        println!(
+            "target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}",
+            model.grid.nx, plan.predicted_error
+        );
+        assert!(
+            measured <= plan.predicted_error.max(1e-4) && plan.predicted_error <= 1.2 * target,
+            "{measured:e}"
+        );
     }
 }
 
@@ -140,14 +183,29 @@ fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
     for _ in 0..400 {
         let shape = match rng.random_range(0..4) {
             0 => Shape::Morse(Morse),
-            1 => Shape::Mie(Mie { m: rng.random_range(4.0..16.0), n: rng.random_range(1.0..3.9) }),
-            2 => Shape::DoubleExponential(DoubleExponential { ratio: rng.random_range(0.25..0.8) }),
-            _ => Shape::Cosine(Cosine { smooth: rng.random::<bool>() }),
+            1 => Shape::Mie(Mie {
+                m: rng.random_range(4.0..16.0),
+                n: rng.random_range(1.0..3.9),
+            }),
+            2 => Shape::DoubleExponential(DoubleExponential {
+                ratio: rng.random_range(0.25..0.8),
+            }),
+            _ => Shape::Cosine(Cosine {
+                smooth: rng.random::<bool>(),
+            }),
         };
-        let scene = scene(shape, rng.random_range(1.1..30.0), 10f64.powf(rng.random_range(-5.0..-0.5)));
+        let scene = scene(
+            shape,
+            rng.random_range(1.1..30.0),
+            10f64.powf(rng.random_range(-5.0..-0.5)),
+        );
         let model = scene.model().unwrap();
         assert_eq!(model.warning(), None, "{shape:?}");
-        assert!(model.law.is_smooth() || !model.reason.contains("keeps the mesh error"), "{}", model.reason);
+        assert!(
+            model.law.is_smooth() || !model.reason.contains("keeps the mesh error"),
+            "{}",
+            model.reason
+        );
     }
 }
 
@@ -156,14 +214,29 @@ fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh(
     for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
         let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
         let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words;
-        assert!(words(&scene).contains("no accuracy is promised"), "{name}: {}", words(&scene));
+        assert!(
+            words(&scene).contains("no accuracy is promised"),
+            "{name}: {}",
+            words(&scene)
+        );
         if let Range::Length(_) = scene.law.range {
             scene.cell.points = Points::Auto;
-            assert!(!scene.model().unwrap().reason.contains("keeps the mesh error"), "{name}");
+            assert!(
+                !scene
+                    .model()
+                    .unwrap()
+                    .reason
+                    .contains("keeps the mesh error"),
+                "{name}"
+            );
         }
     }
     let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
-    assert!(plan(&fig2, &fig2.model().unwrap(), None).words.contains("expected error"));
+    assert!(
+        plan(&fig2, &fig2.model().unwrap(), None)
+            .words
+            .contains("expected error")
+    );
 }
 
 #[test]
@@ -174,11 +247,19 @@ fn a_wish_overrules_the_plan_but_not_the_scene() {
     small.cell.points = Points::Square(6);
     for scene in [tip, line, small] {
         let model = scene.model().unwrap();
-        assert!(refusal(&scene, &model, Some(Road::Atlas)).is_some() && refusal(&scene, &model, None).is_none());
+        assert!(
+            refusal(&scene, &model, Some(Road::Atlas)).is_some()
+                && refusal(&scene, &model, None).is_none()
+        );
         assert_eq!(plan(&scene, &model, Some(Road::Atlas)).road, Road::WHOLE);
     }
-    let coarse = scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
-    assert_eq!(refusal(&coarse, &coarse.model().unwrap(), Some(Road::Atlas)), None, "unwise, but possible");
+    let coarse =
+        scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
+    assert_eq!(
+        refusal(&coarse, &coarse.model().unwrap(), Some(Road::Atlas)),
+        None,
+        "unwise, but possible"
+    );
 }
 
 #[test]

@@ -29,7 +29,10 @@ fn limits(map: &TimeStepMap) -> Vec<Option<f64>> {
     (0..map.columns)
         .map(|column| {
             let first = (0..rows).find(|row| map.at(column, *row) == Some(false))?;
-            assert!((first..rows).all(|row| map.at(column, row) == Some(false)), "stable again above the limit in column {column}");
+            assert!(
+                (first..rows).all(|row| map.at(column, row) == Some(false)),
+                "stable again above the limit in column {column}"
+            );
             first.checked_sub(1).map(|row| map.time_steps[row])
         })
         .collect()
@@ -44,16 +47,26 @@ fn the_measured_limit_agrees_with_the_bound_within_one_cell_and_never_lies_below
     let (lower, _) = flat::limits(&model.law, model.grid.length).unwrap();
     let (mut tight, mut compressed) = (0, 0);
     for (column, limit) in limits(&map).into_iter().enumerate() {
-        let (u0, bound, limit) = (map.displacements[column], map.bounds[column], limit.unwrap());
+        let (u0, bound, limit) = (
+            map.displacements[column],
+            map.bounds[column],
+            limit.unwrap(),
+        );
         println!("u0 {u0:.3}: measured {limit:.3}, bound {bound:.3}");
-        assert!(limit * map.ratio() >= bound, "unstable below the bound at {u0}: {limit} {bound}");
+        assert!(
+            limit * map.ratio() >= bound,
+            "unstable below the bound at {u0}: {limit} {bound}"
+        );
         tight += usize::from(limit <= bound * map.ratio());
         if u0 < lower {
             compressed += 1;
             assert!(limit <= bound * map.ratio(), "at {u0}: {limit} {bound}");
         }
     }
-    println!("within one cell in {tight} of {} columns, of which {compressed} are compressed and flat", map.columns);
+    println!(
+        "within one cell in {tight} of {} columns, of which {compressed} are compressed and flat",
+        map.columns
+    );
     assert!(compressed >= 2 && tight >= map.columns / 2);
 }
 

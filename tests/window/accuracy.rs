@@ -11,9 +11,20 @@ use tackscope::worker::protocol::{ChartSoFar, Command};
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {
     Judged {
-        point: Point { method, model: Road::WHOLE, line: false, points: 48, precision: Precision::Double, step: 0.08 },
+        point: Point {
+            method,
+            model: Road::WHOLE,
+            line: false,
+            points: 48,
+            precision: Precision::Double,
+            step: 0.08,
+        },
         dissipated_energy: 0.1174,
-        errors: Errors { dissipated_energy: error, jumps: error, stress: error },
+        errors: Errors {
+            dissipated_energy: error,
+            jumps: error,
+            stress: error,
+        },
         transforms: (seconds * 1e4) as usize,
         transforms_per_increment: 20.0,
         seconds,
@@ -27,8 +38,10 @@ fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged
 }
 
 fn chart() -> ChartSoFar {
-    let failed =
-        Verdict::Failed { what: "2 jumps missing".to_owned(), message: "two jumps of the reference are missing".to_owned() };
+    let failed = Verdict::Failed {
+        what: "2 jumps missing".to_owned(),
+        message: "two jumps of the reference are missing".to_owned(),
+    };
     ChartSoFar {
         rows: vec![
             row(MethodKind::NewtonKrylov, 0.3, 1e-4, Verdict::Done),
@@ -47,20 +60,31 @@ fn a_chart_is_asked_for_shown_as_it_comes_and_cancelled() {
     let (effort, report) = bench.chart();
     assert_eq!(effort, Effort::Quick);
     report.progress(0.3, "fire, whole, n = 48");
-    report.result(ChartSoFar { rows: chart().rows[..1].to_vec(), floor: None });
+    report.result(ChartSoFar {
+        rows: chart().rows[..1].to_vec(),
+        floor: None,
+    });
     bench.settle();
     let names = bench.names();
-    assert!(names.contains("fire, whole, n = 48") && names.contains("1 points measured, 0 of them failed"), "{names}");
+    assert!(
+        names.contains("fire, whole, n = 48")
+            && names.contains("1 points measured, 0 of them failed"),
+        "{names}"
+    );
     bench.click("Cancel");
     assert!(report.cancel.requested());
     report.end(Ok(()));
     bench.settle();
     assert!(bench.window.query_by_label("Run full").is_some());
-    assert!(bench.names().contains("1 points measured"), "what was measured stays");
+    assert!(
+        bench.names().contains("1 points measured"),
+        "what was measured stays"
+    );
 }
 
 #[test]
-fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes_its_settings_the_scenes() {
+fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes_its_settings_the_scenes()
+ {
     let mut bench = Bench::new();
     bench.click("Speed and accuracy tab");
     bench.click("Run quick");
@@ -68,19 +92,32 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
     report.result(chart());
     report.end(Ok(()));
     bench.settle();
-    let plot = bench.window.get_by_label("Speed against accuracy: 3 points measured, 1 of them failed").rect();
+    let plot = bench
+        .window
+        .get_by_label("Speed against accuracy: 3 points measured, 1 of them failed")
+        .rect();
     // Which row the pointer is on is known by what is said beside it.
     let mut found: Vec<(&str, egui::Pos2)> = Vec::new();
     for i in 0..(plot.height() / 8.0) as usize {
         for k in 0..(plot.width() / 8.0) as usize {
-            let at = pos2(plot.left() + 3.0 + 8.0 * k as f32, plot.top() + 3.0 + 8.0 * i as f32);
+            let at = pos2(
+                plot.left() + 3.0 + 8.0 * k as f32,
+                plot.top() + 3.0 + 8.0 * i as f32,
+            );
             bench.window.hover_at(at);
             bench.window.step();
             bench.window.step();
             let names = bench.names();
-            for word in ["newton, whole, n = 48", "fire, whole, n = 48", "gfmd, whole, n = 48"] {
+            for word in [
+                "newton, whole, n = 48",
+                "fire, whole, n = 48",
+                "gfmd, whole, n = 48",
+            ] {
                 if names.contains(word) && found.iter().all(|(w, _)| *w != word) {
-                    assert_eq!(word.starts_with("gfmd"), names.contains("failed: two jumps of the reference are missing"));
+                    assert_eq!(
+                        word.starts_with("gfmd"),
+                        names.contains("failed: two jumps of the reference are missing")
+                    );
                     found.push((word, at));
                 }
             }
@@ -88,15 +125,36 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
     }
     assert_eq!(found.len(), 3, "{found:?}");
     let at = |word: &str| found.iter().find(|(w, _)| w.starts_with(word)).unwrap().1;
-    assert!(at("gfmd").y < plot.top() + 0.2 * plot.height() && at("gfmd").y < at("fire").y, "failures stand on the top edge");
+    assert!(
+        at("gfmd").y < plot.top() + 0.2 * plot.height() && at("gfmd").y < at("fire").y,
+        "failures stand on the top edge"
+    );
     assert!(at("newton").x < at("fire").x && at("fire").x < at("gfmd").x);
     bench.heard();
     bench.click_at(at("fire"));
-    assert_eq!((bench.state().method, bench.state().scene.cell.points), (MethodKind::Fire, Points::Square(48)));
+    assert_eq!(
+        (bench.state().method, bench.state().scene.cell.points),
+        (MethodKind::Fire, Points::Square(48))
+    );
     assert_eq!(bench.state().scene.drive.step, 0.08);
     let heard = bench.heard();
-    assert!(matches!(&heard[..], [Command::SetScene { method: MethodKind::Fire, .. }, ..]), "{heard:?}");
-    assert!(bench.state().chart.is_some(), "it is still a chart of this loop");
+    assert!(
+        matches!(
+            &heard[..],
+            [
+                Command::SetScene {
+                    method: MethodKind::Fire,
+                    ..
+                },
+                ..
+            ]
+        ),
+        "{heard:?}"
+    );
+    assert!(
+        bench.state().chart.is_some(),
+        "it is still a chart of this loop"
+    );
     bench.click("law cosine");
     assert!(bench.state().chart.is_none());
 }

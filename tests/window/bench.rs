@@ -23,7 +23,9 @@ use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::SolverHandle;
 use tackscope::worker::job::{Job, Reporter};
-use tackscope::worker::protocol::{ChartSoFar, Command, Envelope, Event, Frame, ModelChoice, Page, PageContent, Ready, RunId};
+use tackscope::worker::protocol::{
+    ChartSoFar, Command, Envelope, Event, Frame, ModelChoice, Page, PageContent, Ready, RunId,
+};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
@@ -76,7 +78,11 @@ pub struct Bench {
 
 /// The scene the window opens with.
 pub fn fig2() -> Scene {
-    scene_file::parse(presets::find("fig2").expect("fig2 is built in").text, "fig2").expect("fig2 is allowed")
+    scene_file::parse(
+        presets::find("fig2").expect("fig2 is built in").text,
+        "fig2",
+    )
+    .expect("fig2 is allowed")
 }
 
 impl Bench {
@@ -91,12 +97,18 @@ impl Bench {
         let model = scene.model().expect("fig2 is allowed");
         let state = ViewState::new(scene).expect("fig2 is allowed");
         // A desktop without a file chooser: every question is answered by nothing.
-        let app = App::with_chooser(solver.clone(), state, |_| Box::pin(std::future::ready(None::<PathBuf>)));
+        let app = App::with_chooser(solver.clone(), state, |_| {
+            Box::pin(std::future::ready(None::<PathBuf>))
+        });
         let window = Harness::builder()
             .with_size(vec2(width, height))
             .with_context_setup(theme::install)
             .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
-        let mut bench = Self { window, solver, model };
+        let mut bench = Self {
+            window,
+            solver,
+            model,
+        };
         bench.window.run();
         bench
     }
@@ -112,7 +124,10 @@ impl Bench {
 
     /// The commands since the last call.
     pub fn heard(&self) -> Vec<Command> {
-        self.heard_of().into_iter().map(|envelope| envelope.message).collect()
+        self.heard_of()
+            .into_iter()
+            .map(|envelope| envelope.message)
+            .collect()
     }
 
     /// The same with their runs.
@@ -122,12 +137,22 @@ impl Bench {
 
     /// The time-step map that was asked for.
     pub fn time_steps(&self) -> (Arc<Scene>, f64, Reporter<TimeStepMap>) {
-        self.solver.0.borrow_mut().time_steps.pop().expect("it was asked for")
+        self.solver
+            .0
+            .borrow_mut()
+            .time_steps
+            .pop()
+            .expect("it was asked for")
     }
 
     /// The chart that was asked for.
     pub fn chart(&self) -> (Effort, Reporter<ChartSoFar>) {
-        self.solver.0.borrow_mut().charts.pop().expect("it was asked for")
+        self.solver
+            .0
+            .borrow_mut()
+            .charts
+            .pop()
+            .expect("it was asked for")
     }
 
     /// The pages that were asked for since the last call.
@@ -139,7 +164,9 @@ impl Bench {
         self.heard()
             .into_iter()
             .filter_map(|command| match command {
-                Command::SetTarget { mean_displacement, .. } => Some(mean_displacement),
+                Command::SetTarget {
+                    mean_displacement, ..
+                } => Some(mean_displacement),
                 _ => None,
             })
             .collect()
@@ -162,7 +189,11 @@ impl Bench {
 
     /// The solver says something of this run.
     pub fn say_of(&mut self, run: RunId, message: Event) {
-        self.solver.0.borrow_mut().events.push(Envelope { run, message });
+        self.solver
+            .0
+            .borrow_mut()
+            .events
+            .push(Envelope { run, message });
         self.window.step();
         self.settle();
     }
@@ -171,8 +202,17 @@ impl Bench {
     pub fn ready(&mut self) {
         let state = self.state();
         let plan = plan(&state.scene, &self.model, state.asked);
-        let choice = ModelChoice { plan, part: Part::Quarter, because: None };
-        let ready = Ready { model: self.model.clone(), height: None, flat_limits: Some((0.787, 3.102)), choice };
+        let choice = ModelChoice {
+            plan,
+            part: Part::Quarter,
+            because: None,
+        };
+        let ready = Ready {
+            model: self.model.clone(),
+            height: None,
+            flat_limits: Some((0.787, 3.102)),
+            choice,
+        };
         self.say(Event::Ready(Arc::new(ready)));
     }
 
@@ -198,9 +238,17 @@ impl Bench {
             milliseconds: 0.01,
         };
         let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
-        let frame = Frame { mean_displacement: u0, stress, gap, soft_mode: None, relaxing: false, state: Some(state.clone()) };
+        let frame = Frame {
+            mean_displacement: u0,
+            stress,
+            gap,
+            soft_mode: None,
+            relaxing: false,
+            state: Some(state.clone()),
+        };
         let run = self.state().run.id;
-        let said = [Event::State(state), Event::Frame(Arc::new(frame))].map(|message| Envelope { run, message });
+        let said = [Event::State(state), Event::Frame(Arc::new(frame))]
+            .map(|message| Envelope { run, message });
         self.solver.0.borrow_mut().events.extend(said);
         self.window.step();
         self.settle();
@@ -243,13 +291,16 @@ impl Bench {
             self.window.hover_at(from + *step);
             self.window.step();
         }
-        self.window.drop_at(from + by.last().copied().unwrap_or_default());
+        self.window
+            .drop_at(from + by.last().copied().unwrap_or_default());
         self.settle();
     }
 
     /// Types into the field with this label.
     pub fn enter(&mut self, label: &str, text: &str) {
-        let field = self.window.get_by_role_and_label(egui::Role::SpinButton, label);
+        let field = self
+            .window
+            .get_by_role_and_label(egui::Role::SpinButton, label);
         field.click();
         self.window.run();
         self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
@@ -262,7 +313,11 @@ impl Bench {
 
     /// The accessible sentence of the plot.
     pub fn plot_sentence(&self) -> String {
-        self.names().lines().find(|line| line.starts_with("Stress against u0:")).expect("the plot says a sentence").to_owned()
+        self.names()
+            .lines()
+            .find(|line| line.starts_with("Stress against u0:"))
+            .expect("the plot says a sentence")
+            .to_owned()
     }
 
     /// Clicks at a place.

@@ -18,10 +18,15 @@ fn asked(words: &str) -> Bench {
 #[test]
 fn a_command_is_found_by_parts_of_its_name_and_run_by_enter() {
     let mut bench = asked("COS law");
-    assert!(bench.names().contains("Cohesive law: cosine") && !bench.names().contains("Play or pause"));
+    assert!(
+        bench.names().contains("Cohesive law: cosine") && !bench.names().contains("Play or pause")
+    );
     bench.press(Modifiers::NONE, Key::Enter);
     assert_eq!(bench.state().scene.law.shape.word(), "cosine");
-    assert!(!bench.names().contains("Cohesive law: cosine"), "it is closed");
+    assert!(
+        !bench.names().contains("Cohesive law: cosine"),
+        "it is closed"
+    );
 }
 
 #[test]
@@ -41,7 +46,10 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
 fn a_figure_opens_in_its_tab() {
     let mut bench = asked("fig. 12");
     bench.press(Modifiers::NONE, Key::Enter);
-    assert_eq!((bench.state().view.tab, bench.state().paper.page), (Tab::Paper, Page::Figure(12)));
+    assert_eq!(
+        (bench.state().view.tab, bench.state().paper.page),
+        (Tab::Paper, Page::Figure(12))
+    );
 }
 
 #[test]
@@ -49,7 +57,12 @@ fn a_number_alone_is_a_mean_displacement_if_the_drive_reaches_it() {
     let mut bench = asked("2.5");
     bench.press(Modifiers::NONE, Key::Enter);
     assert_eq!(bench.state().target, 2.5);
-    assert!(bench.heard().iter().any(|command| matches!(command, Command::SetTarget { .. })));
+    assert!(
+        bench
+            .heard()
+            .iter()
+            .any(|command| matches!(command, Command::SetTarget { .. }))
+    );
     assert!(!asked("17").names().contains("Go to u₀ = 17"));
 }
 
@@ -69,9 +82,16 @@ fn the_speed_is_told_once_and_survives_another_scene() {
     let mut bench = asked("slow motion");
     bench.press(Modifiers::NONE, Key::Enter);
     let told = |bench: &mut Bench| {
-        bench.heard().iter().filter(|command| matches!(command, Command::SetSpeed { speed: Speed::Slow })).count()
+        bench
+            .heard()
+            .iter()
+            .filter(|command| matches!(command, Command::SetSpeed { speed: Speed::Slow }))
+            .count()
     };
     assert_eq!(told(&mut bench), 1);
     bench.press(Modifiers::NONE, Key::Num2);
-    assert_eq!((told(&mut bench), bench.state().view.speed), (0, Speed::Slow));
+    assert_eq!(
+        (told(&mut bench), bench.state().view.speed),
+        (0, Speed::Slow)
+    );
 }

@@ -27,10 +27,17 @@ fn a_file_that_is_there_is_replaced_only_when_that_is_said_twice() {
     let mut bench = Bench::new();
     save_as(&mut bench, &path.display().to_string());
     bench.press(Modifiers::NONE, Key::Enter);
-    assert!(bench.names().contains("mine.toml is there already."), "{}", bench.names());
+    assert!(
+        bench.names().contains("mine.toml is there already."),
+        "{}",
+        bench.names()
+    );
     assert_eq!(written(&path), "mine");
     // Another path is another question, here none.
-    bench.window.get_by_role_and_label(egui::Role::TextInput, "Path").focus();
+    bench
+        .window
+        .get_by_role_and_label(egui::Role::TextInput, "Path")
+        .focus();
     bench.window.run();
     bench.window.event(egui::Event::Text("2".to_owned()));
     bench.window.run();
@@ -50,7 +57,11 @@ fn a_folder_is_made_only_when_that_is_wanted() {
     let mut bench = Bench::new();
     save_as(&mut bench, &path.display().to_string());
     bench.click("Write");
-    assert!(bench.names().contains("new is not there."), "{}", bench.names());
+    assert!(
+        bench.names().contains("new is not there."),
+        "{}",
+        bench.names()
+    );
     assert!(!home.path().join("new").exists());
     bench.click("Make the folder");
     assert!(written(&path).starts_with("format = 1"));
@@ -61,6 +72,10 @@ fn a_tilde_of_somebody_else_is_refused_in_the_dialog() {
     let mut bench = Bench::new();
     save_as(&mut bench, "~nobody-at-all/mine.toml");
     bench.click("Write");
-    assert!(bench.names().contains("write the path out"), "{}", bench.names());
+    assert!(
+        bench.names().contains("write the path out"),
+        "{}",
+        bench.names()
+    );
     assert!(!Path::new("~nobody-at-all").exists());
 }

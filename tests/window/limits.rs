@@ -1,4 +1,5 @@
-//! What comes from outside: files of every kind, numbers as people type them, small screens, and scenes at the ends of their ranges.
+//! What comes from outside: files of every kind, numbers as people type them, small screens, and
+//! scenes at the ends of their ranges.
 
 use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers};
@@ -16,13 +17,23 @@ impl Bench {
         self.click("Open…");
         self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
         self.window.run();
-        self.window.event(egui::Event::Text(path.display().to_string()));
+        self.window
+            .event(egui::Event::Text(path.display().to_string()));
         self.window.run();
         self.window.get_by_label("Open").click();
         self.window.run_steps(2);
         let begin = Instant::now();
-        while self.state().messages.notice.as_ref().is_some_and(|notice| notice.starts_with("opening")) {
-            assert!(begin.elapsed() < Duration::from_secs(10), "it is opened or refused");
+        while self
+            .state()
+            .messages
+            .notice
+            .as_ref()
+            .is_some_and(|notice| notice.starts_with("opening"))
+        {
+            assert!(
+                begin.elapsed() < Duration::from_secs(10),
+                "it is opened or refused"
+            );
             std::thread::sleep(Duration::from_millis(2));
             self.window.step();
         }
@@ -31,7 +42,10 @@ impl Bench {
 }
 
 fn hertz() -> Scene {
-    presets::find("hertz").expect("built in").scene().expect("allowed")
+    presets::find("hertz")
+        .expect("built in")
+        .scene()
+        .expect("allowed")
 }
 
 #[test]
@@ -53,7 +67,13 @@ fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
 fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let at = |name: &str| folder.path().join(name);
-    assert!(std::process::Command::new("mkfifo").arg(at("pipe.toml")).status().expect("mkfifo").success());
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(at("pipe.toml"))
+            .status()
+            .expect("mkfifo")
+            .success()
+    );
     files::write_whole(&at("long.toml"), &vec![b'#'; (1 << 20) + 1]).expect("written");
     // A picture whose text is longer than any scene: length, name, keyword and data, checksum.
     let mut bytes = Vec::new();
@@ -74,7 +94,10 @@ fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
         let mut bench = Bench::new();
         bench.open(&at(name));
         let failure = bench.state().messages.failure.clone().expect("refused");
-        assert!(failure.message.contains(words) && failure.message.contains(name), "{failure:?}");
+        assert!(
+            failure.message.contains(words) && failure.message.contains(name),
+            "{failure:?}"
+        );
         assert_eq!(*bench.state().scene, fig2());
     }
 }
@@ -103,7 +126,10 @@ fn the_last_scenes_picture_is_gone_at_once_when_another_is_opened() {
     let path = folder.path().join("scene.toml");
     scene_file::save(&path, &hertz()).expect("saved");
     bench.open(&path);
-    assert!(bench.state().frame.is_none() && bench.names().contains("Gap map: waiting for the solver …"));
+    assert!(
+        bench.state().frame.is_none()
+            && bench.names().contains("Gap map: waiting for the solver …")
+    );
 }
 
 #[test]
@@ -118,17 +144,32 @@ fn an_edited_scene_waits_for_its_picture_in_words() {
 
 #[test]
 fn the_smallest_window_draws_and_keeps_what_moves_the_surface_inside() {
-    for (width, height) in [(480.0, 320.0), (640.0, 480.0), (800.0, 480.0), (1024.0, 600.0)] {
+    for (width, height) in [
+        (480.0, 320.0),
+        (640.0, 480.0),
+        (800.0, 480.0),
+        (1024.0, 600.0),
+    ] {
         let mut bench = Bench::sized(width, height);
         bench.reach(3.9, Direction::Approach);
         for label in ["mean displacement u0", "Play approach"] {
             let rect = bench.window.get_by_label(label).rect();
-            assert!(rect.min.x >= 0.0 && rect.max.x <= width && rect.min.y < height, "{label} at {rect:?} of {width}");
+            assert!(
+                rect.min.x >= 0.0 && rect.max.x <= width && rect.min.y < height,
+                "{label} at {rect:?} of {width}"
+            );
         }
         // What does not fit is beside it, and scrolls into view: nothing lies upon anything else.
-        let map = bench.window.get_by_label("Gap map: flat, gap from 3.900 to 3.900 rho").rect();
-        let [slider, fit] = ["mean displacement u0", "Fit"].map(|label| bench.window.get_by_label(label).rect());
-        assert!(slider.max.x < map.min.x && map.max.x < fit.min.x && map.width() > 80.0, "{slider:?} {map:?} {fit:?}");
+        let map = bench
+            .window
+            .get_by_label("Gap map: flat, gap from 3.900 to 3.900 rho")
+            .rect();
+        let [slider, fit] =
+            ["mean displacement u0", "Fit"].map(|label| bench.window.get_by_label(label).rect());
+        assert!(
+            slider.max.x < map.min.x && map.max.x < fit.min.x && map.width() > 80.0,
+            "{slider:?} {map:?} {fit:?}"
+        );
     }
 }
 
@@ -137,12 +178,26 @@ fn scenes_at_the_ends_of_their_ranges_are_drawn() {
     let extremes: [fn(&mut Scene); 8] = [
         |scene| scene.drive.start = 1e15,
         |scene| (scene.drive.start, scene.drive.step) = (1e15, 1e9),
-        |scene| (scene.drive.start, scene.drive.turn, scene.drive.step) = (1e17, Turn::At(1e17 - 16.0), 1e8),
+        |scene| {
+            (scene.drive.start, scene.drive.turn, scene.drive.step) =
+                (1e17, Turn::At(1e17 - 16.0), 1e8);
+        },
         |scene| scene.cell.length = 1e100,
         |scene| scene.law.range = Range::Length(1e-3),
         |scene| scene.law.surface_energy = 1e-50,
-        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Hertz(Hertz { radius: 1e-100 }), Turn::ZeroLoad),
-        |scene| (scene.indenter, scene.drive.turn) = (Indenter::Wave(Wave { amplitude: 1e100, periods: [1, 0] }), Turn::At(-1e3)),
+        |scene| {
+            (scene.indenter, scene.drive.turn) =
+                (Indenter::Hertz(Hertz { radius: 1e-100 }), Turn::ZeroLoad);
+        },
+        |scene| {
+            (scene.indenter, scene.drive.turn) = (
+                Indenter::Wave(Wave {
+                    amplitude: 1e100,
+                    periods: [1, 0],
+                }),
+                Turn::At(-1e3),
+            );
+        },
     ];
     for (index, extreme) in extremes.iter().enumerate() {
         let mut scene = fig2();

@@ -1,4 +1,5 @@
-//! The live loop in the window: drawn late but never dropped while a parameter is dragged, and read before the walk is there.
+//! The live loop in the window: drawn late but never dropped while a parameter is dragged, and read
+//! before the walk is there.
 
 use super::bench::{Bench, fig2};
 use egui::{Key, Modifiers};
@@ -10,9 +11,14 @@ use tackscope::worker::protocol::{Event, LiveState};
 
 fn live() -> Arc<LiveState> {
     let scene = fig2();
-    let found = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).map_err(|e| e.to_string());
+    let found =
+        LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).map_err(|e| e.to_string());
     assert!(found.is_ok(), "{found:?}");
-    Arc::new(LiveState { found, fineness: Fineness::Coarse, milliseconds: 7.3 })
+    Arc::new(LiveState {
+        found,
+        fineness: Fineness::Coarse,
+        milliseconds: 7.3,
+    })
 }
 
 #[test]
@@ -55,7 +61,11 @@ fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves()
     bench.enter("Target", "2.0");
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
     assert_eq!((pattern, sample.mean_displacement), (Pattern::Ridge, 2.0));
-    assert!(bench.names().contains("ahead: ridge, stable"), "{}", bench.names());
+    assert!(
+        bench.names().contains("ahead: ridge, stable"),
+        "{}",
+        bench.names()
+    );
     bench.reach(2.0, Direction::Approach);
     assert_eq!(bench.state().foreseen(), None, "the walk is there");
 }
@@ -65,6 +75,16 @@ fn a_scene_the_atlas_does_not_hold_says_so_in_words() {
     let mut bench = Bench::new();
     bench.reach(4.2, Direction::Approach);
     let found = Err("the atlas holds square cells on flat ground".to_owned());
-    bench.say(Event::Live(Arc::new(LiveState { found, fineness: Fineness::Coarse, milliseconds: 0.0 })));
-    assert!(bench.names().contains("no live loop: the atlas holds square cells on flat ground"), "{}", bench.names());
+    bench.say(Event::Live(Arc::new(LiveState {
+        found,
+        fineness: Fineness::Coarse,
+        milliseconds: 0.0,
+    })));
+    assert!(
+        bench
+            .names()
+            .contains("no live loop: the atlas holds square cells on flat ground"),
+        "{}",
+        bench.names()
+    );
 }

@@ -1,4 +1,5 @@
-//! The real window, driven through its accessible labels by a solver that is stepped by hand. No display, no graphics, no time.
+//! The real window, driven through its accessible labels by a solver that is stepped by hand. No
+//! display, no graphics, no time.
 #![cfg(feature = "gui")]
 
 mod accuracy;
@@ -27,8 +28,19 @@ use tackscope::worker::protocol::{Command, Envelope, Event, Failure, LoopSummary
 fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
     let bench = Bench::new();
     let heard = bench.heard_of();
-    let opened = |message: &Command| matches!(message, Command::SetScene { method: MethodKind::NewtonKrylov, .. });
-    assert!(matches!(&heard[..], [Envelope { run: 1, message }] if opened(message)), "{heard:?}");
+    let opened = |message: &Command| {
+        matches!(
+            message,
+            Command::SetScene {
+                method: MethodKind::NewtonKrylov,
+                ..
+            }
+        )
+    };
+    assert!(
+        matches!(&heard[..], [Envelope { run: 1, message }] if opened(message)),
+        "{heard:?}"
+    );
     assert!(bench.state().messages.hint);
     assert_eq!(bench.state().target, bench.state().limits.1);
 }
@@ -71,10 +83,22 @@ fn every_control_is_found_by_its_label() {
         assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
     }
     for label in ["Target", "Mesh number μᵨ", "Length L"] {
-        assert!(bench.window.query_by_role_and_label(egui::Role::SpinButton, label).is_some(), "{label}");
+        assert!(
+            bench
+                .window
+                .query_by_role_and_label(egui::Role::SpinButton, label)
+                .is_some(),
+            "{label}"
+        );
     }
     for label in ["Preset", "Points n"] {
-        assert!(bench.window.query_by_role_and_label(egui::Role::ComboBox, label).is_some(), "{label}");
+        assert!(
+            bench
+                .window
+                .query_by_role_and_label(egui::Role::ComboBox, label)
+                .is_some(),
+            "{label}"
+        );
     }
 }
 
@@ -82,10 +106,16 @@ fn every_control_is_found_by_its_label() {
 fn dragging_the_u0_slider_sends_a_target_for_every_new_value_and_none_at_rest() {
     let mut bench = Bench::new();
     bench.heard();
-    bench.drag("mean displacement u0", &[vec2(0.0, 5.0), vec2(0.0, 20.0), vec2(0.0, 40.0)]);
+    bench.drag(
+        "mean displacement u0",
+        &[vec2(0.0, 5.0), vec2(0.0, 20.0), vec2(0.0, 40.0)],
+    );
     let targets = bench.targets();
     assert!(targets.len() >= 3, "{targets:?}");
-    assert!(targets.windows(2).all(|w| w[1] < w[0]), "dragging down lowers the body: {targets:?}");
+    assert!(
+        targets.windows(2).all(|w| w[1] < w[0]),
+        "dragging down lowers the body: {targets:?}"
+    );
     assert_eq!(bench.state().target, targets[targets.len() - 1]);
     bench.settle();
     assert!(bench.heard().is_empty());
@@ -112,17 +142,31 @@ fn a_typed_target_is_taken_exactly() {
 #[test]
 fn play_buttons_start_sweeps_and_pause_and_stop_work_while_they_run() {
     let mut bench = Bench::new();
-    for (label, wanted) in [("Play approach", Sweep::Approach), ("Play retract", Sweep::Retract), ("Play loop", Sweep::Loop)] {
+    for (label, wanted) in [
+        ("Play approach", Sweep::Approach),
+        ("Play retract", Sweep::Retract),
+        ("Play loop", Sweep::Loop),
+    ] {
         bench.heard();
         bench.click(label);
         let heard = bench.heard_of();
-        let asked = |message: &Command| matches!(message, Command::Sweep { sweep, .. } if *sweep == wanted);
-        assert!(matches!(&heard[..], [Envelope { run: 1, message }] if asked(message)), "{heard:?}");
+        let asked =
+            |message: &Command| matches!(message, Command::Sweep { sweep, .. } if *sweep == wanted);
+        assert!(
+            matches!(&heard[..], [Envelope { run: 1, message }] if asked(message)),
+            "{heard:?}"
+        );
     }
     bench.click("Pause");
-    assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Pause { paused: true }]
+    ));
     bench.click("Go on");
-    assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Pause { paused: false }]
+    ));
     bench.click("Stop");
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     assert!(!bench.state().run.is_busy());
@@ -134,7 +178,10 @@ fn a_sweep_takes_the_thumb_along() {
     bench.click("Play approach");
     bench.reach(3.7, Direction::Approach);
     assert_eq!((bench.state().target, bench.state().run.actual), (3.7, 3.7));
-    bench.say(Event::Rest { motion: 1, mean_displacement: 3.7 });
+    bench.say(Event::Rest {
+        motion: 1,
+        mean_displacement: 3.7,
+    });
     assert!(bench.state().run.sweep().is_none() && !bench.state().run.is_busy());
 }
 
@@ -145,18 +192,34 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     bench.reach(3.9, Direction::Approach);
     bench.click("Stop");
     bench.click("Play retract");
-    // The target was reached in the moment of the stop: two rests are on their way while the sweep already runs.
+    // The target was reached in the moment of the stop: two rests are on their way while the sweep
+    // already runs.
     let motion = |commands: &[Command]| {
-        commands.iter().filter_map(|c| if let Command::Sweep { motion, .. } = c { Some(*motion) } else { None }).next_back()
+        commands
+            .iter()
+            .filter_map(|c| {
+                if let Command::Sweep { motion, .. } = c {
+                    Some(*motion)
+                } else {
+                    None
+                }
+            })
+            .next_back()
     };
     let sweep = motion(&bench.heard()).expect("a sweep was asked for");
     for motion in [sweep - 2, sweep - 1] {
-        bench.say(Event::Rest { motion, mean_displacement: 3.9 });
+        bench.say(Event::Rest {
+            motion,
+            mean_displacement: 3.9,
+        });
     }
     bench.reach(3.92, Direction::Retraction);
     assert!(bench.state().run.is_busy() && bench.state().run.sweep() == Some(Sweep::Retract));
     assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
-    bench.say(Event::Rest { motion: sweep, mean_displacement: 3.92 });
+    bench.say(Event::Rest {
+        motion: sweep,
+        mean_displacement: 3.92,
+    });
     assert!(!bench.state().run.is_busy() && bench.state().run.sweep().is_none());
 }
 
@@ -166,14 +229,30 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
     bench.heard();
     bench.click("law cosine");
     let scenes = bench.scenes();
-    assert_eq!(scenes.iter().map(|scene| scene.law.shape.word()).collect::<Vec<_>>(), ["cosine"]);
+    assert_eq!(
+        scenes
+            .iter()
+            .map(|scene| scene.law.shape.word())
+            .collect::<Vec<_>>(),
+        ["cosine"]
+    );
     assert_eq!(bench.state().run.id, 2);
     bench.click("law mie");
-    assert_eq!(bench.scenes()[0].title, format!("Changed: {}", fig2().title));
+    assert_eq!(
+        bench.scenes()[0].title,
+        format!("Changed: {}", fig2().title)
+    );
     bench.press(Modifiers::COMMAND, Key::Z);
     bench.heard();
     bench.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(bench.scenes().iter().map(|scene| (**scene).clone()).collect::<Vec<_>>(), [fig2()]);
+    assert_eq!(
+        bench
+            .scenes()
+            .iter()
+            .map(|scene| (**scene).clone())
+            .collect::<Vec<_>>(),
+        [fig2()]
+    );
     bench.press(Modifiers::COMMAND, Key::Y);
     assert_eq!(bench.state().scene.law.shape.word(), "cosine");
     bench.click("Undo");
@@ -184,7 +263,15 @@ fn another_law_is_a_new_run_and_undo_brings_the_old_one_back() {
 fn one_drag_of_mu_rho_is_one_undo_and_at_most_one_scene_a_frame() {
     let mut bench = Bench::new();
     bench.heard();
-    bench.drag("mesh number mu_rho", &[vec2(-5.0, 0.0), vec2(-12.0, 0.0), vec2(-20.0, 0.0), vec2(-30.0, 0.0)]);
+    bench.drag(
+        "mesh number mu_rho",
+        &[
+            vec2(-5.0, 0.0),
+            vec2(-12.0, 0.0),
+            vec2(-20.0, 0.0),
+            vec2(-30.0, 0.0),
+        ],
+    );
     let scenes = bench.scenes();
     assert!((3..=6).contains(&scenes.len()), "{}", scenes.len());
     assert_ne!(*bench.state().scene, fig2());
@@ -209,7 +296,12 @@ fn with_the_mesh_following_the_law_stays_and_the_number_of_points_changes() {
     bench.click("mu_rho of safe, 0.5");
     let after = bench.state().model.clone();
     assert!((after.law.range - before.law.range).abs() < 1e-12);
-    assert!(after.grid.nx.is_multiple_of(2) && (after.mu_rho - 0.5).abs() < 0.03, "{} points, {}", after.grid.nx, after.mu_rho);
+    assert!(
+        after.grid.nx.is_multiple_of(2) && (after.mu_rho - 0.5).abs() < 0.03,
+        "{} points, {}",
+        after.grid.nx,
+        after.mu_rho
+    );
 }
 
 #[test]
@@ -245,22 +337,40 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     let mut bench = Bench::new();
     bench.heard();
     bench.press(Modifiers::NONE, Key::Space);
-    assert!(matches!(bench.heard()[..], [Command::Sweep { sweep: Sweep::Loop, .. }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Sweep {
+            sweep: Sweep::Loop,
+            ..
+        }]
+    ));
     bench.press(Modifiers::NONE, Key::Space);
-    assert!(matches!(bench.heard()[..], [Command::Pause { paused: true }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Pause { paused: true }]
+    ));
     bench.press(Modifiers::NONE, Key::Space);
-    assert!(matches!(bench.heard()[..], [Command::Pause { paused: false }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Pause { paused: false }]
+    ));
     bench.press(Modifiers::NONE, Key::Escape);
     assert!(matches!(bench.heard()[..], [Command::Stop { .. }]));
     bench.reach(3.0, Direction::Approach);
-    bench.say(Event::Rest { motion: 2, mean_displacement: 3.0 });
+    bench.say(Event::Rest {
+        motion: 2,
+        mean_displacement: 3.0,
+    });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
     bench.press(Modifiers::NONE, Key::Period);
     bench.press(Modifiers::NONE, Key::R);
     bench.press(Modifiers::NONE, Key::Period);
     let targets = bench.targets();
-    assert!(targets.len() == 2 && targets[0] < 3.0 && targets[1] > targets[0], "{targets:?}");
+    assert!(
+        targets.len() == 2 && targets[0] < 3.0 && targets[1] > targets[0],
+        "{targets:?}"
+    );
 }
 
 #[test]
@@ -280,7 +390,14 @@ fn number_keys_load_presets() {
     bench.heard();
     bench.press(Modifiers::NONE, Key::Num2);
     let wanted = scene_file::parse(presets::all()[1].text, "second").expect("a preset is allowed");
-    assert_eq!(bench.scenes().iter().map(|scene| scene.title.clone()).collect::<Vec<_>>(), [wanted.title]);
+    assert_eq!(
+        bench
+            .scenes()
+            .iter()
+            .map(|scene| scene.title.clone())
+            .collect::<Vec<_>>(),
+        [wanted.title]
+    );
 }
 
 #[test]
@@ -297,7 +414,11 @@ fn what_to_look_for_in_a_preset_is_one_click_away_while_it_is_edited_too() {
     bench.press(Modifiers::NONE, Key::Escape);
     bench.press(Modifiers::NONE, Key::Num3);
     bench.click("What to look for");
-    assert!(bench.names().contains("Nothing jumps."), "{}", bench.names());
+    assert!(
+        bench.names().contains("Nothing jumps."),
+        "{}",
+        bench.names()
+    );
 }
 
 #[test]
@@ -327,8 +448,14 @@ fn the_map_and_the_plot_say_one_sentence_each() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
     let names = bench.names();
-    assert!(names.contains("Gap map: flat, gap from 3.900 to 3.900 rho"), "{names}");
-    assert!(names.contains("Stress against u0: flat at u0 3.900 rho"), "{names}");
+    assert!(
+        names.contains("Gap map: flat, gap from 3.900 to 3.900 rho"),
+        "{names}"
+    );
+    assert!(
+        names.contains("Stress against u0: flat at u0 3.900 rho"),
+        "{names}"
+    );
 }
 
 #[test]
@@ -336,7 +463,13 @@ fn the_status_bar_says_stability_model_and_cost() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
     let names = bench.names();
-    for words in ["stable, stiffness_min", "flat, closed form", "Newton-Krylov", "0 iterations", "mesh "] {
+    for words in [
+        "stable, stiffness_min",
+        "flat, closed form",
+        "Newton-Krylov",
+        "0 iterations",
+        "mesh ",
+    ] {
         assert!(names.contains(words), "{words} in {names}");
     }
 }
@@ -346,8 +479,20 @@ fn stale_events_of_an_older_run_are_dropped() {
     let mut bench = Bench::new();
     bench.click("law cosine");
     let actual = bench.state().run.actual;
-    bench.say_of(1, Event::Failed(Failure { message: "old".to_owned(), remedy: String::new() }));
-    bench.say_of(1, Event::Rest { motion: 0, mean_displacement: 1.0 });
+    bench.say_of(
+        1,
+        Event::Failed(Failure {
+            message: "old".to_owned(),
+            remedy: String::new(),
+        }),
+    );
+    bench.say_of(
+        1,
+        Event::Rest {
+            motion: 0,
+            mean_displacement: 1.0,
+        },
+    );
     assert_eq!(bench.state().messages.failure, None);
     assert_eq!(bench.state().run.actual, actual);
 }
@@ -361,7 +506,10 @@ fn a_failure_is_said_in_words_with_its_remedy_and_the_last_good_state_stays() {
         remedy: "Take a smaller step.".to_owned(),
     }));
     let names = bench.names();
-    assert!(names.contains("did not converge") && names.contains("Take a smaller step."), "{names}");
+    assert!(
+        names.contains("did not converge") && names.contains("Take a smaller step."),
+        "{names}"
+    );
     assert_eq!(bench.state().run.actual, 3.9);
     bench.click("Dismiss");
     assert_eq!(bench.state().messages.failure, None);
@@ -381,18 +529,48 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
         bench.reach(u0, Direction::Retraction);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
-    assert!(bench.names().contains("dissipated 0.4321 γ, expected error 0.005 %"), "{}", bench.names());
-    assert!(bench.state().run.closed_loop.as_ref().is_some_and(|closed| closed.loss.iter().any(|area| area.spans.len() > 20)));
+    assert!(
+        bench
+            .names()
+            .contains("dissipated 0.4321 γ, expected error 0.005 %"),
+        "{}",
+        bench.names()
+    );
+    assert!(
+        bench
+            .state()
+            .run
+            .closed_loop
+            .as_ref()
+            .is_some_and(|closed| closed.loss.iter().any(|area| area.spans.len() > 20))
+    );
     bench.say(Event::LoopStarted);
-    assert_eq!((bench.state().plots.ghosts.len(), bench.state().run.closed_loop.is_none()), (1, true));
+    assert_eq!(
+        (
+            bench.state().plots.ghosts.len(),
+            bench.state().run.closed_loop.is_none()
+        ),
+        (1, true)
+    );
 }
 
 fn ledger(released_energy_sum: f64, loop_integral: f64) -> Ledger {
-    Ledger { released_energy_sum, released_energy_error: 0.0, loop_integral, integral_error: 1e-6, open: None, viscous: false }
+    Ledger {
+        released_energy_sum,
+        released_energy_error: 0.0,
+        loop_integral,
+        integral_error: 1e-6,
+        open: None,
+        viscous: false,
+    }
 }
 
 fn summary(ledger: Ledger) -> LoopSummary {
-    LoopSummary { ledger, transforms: 9, seconds: 0.1 }
+    LoopSummary {
+        ledger,
+        transforms: 9,
+        seconds: 0.1,
+    }
 }
 
 #[test]
@@ -404,11 +582,24 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
     let names = bench.names();
-    assert!(names.contains("dissipated 0.4321 γ") && names.contains("the loop integral, 0.3000 gamma, is not the sum"), "{names}");
-    let open = Open { reason: "it ends as bulge and began as flat".to_owned(), remedy: "raise drive.start".to_owned() };
-    bench.say(Event::Loop(summary(Ledger { open: Some(open), ..ledger(0.4321, 0.3) })));
+    assert!(
+        names.contains("dissipated 0.4321 γ")
+            && names.contains("the loop integral, 0.3000 gamma, is not the sum"),
+        "{names}"
+    );
+    let open = Open {
+        reason: "it ends as bulge and began as flat".to_owned(),
+        remedy: "raise drive.start".to_owned(),
+    };
+    bench.say(Event::Loop(summary(Ledger {
+        open: Some(open),
+        ..ledger(0.4321, 0.3)
+    })));
     let names = bench.names();
-    assert!(names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"), "{names}");
+    assert!(
+        names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"),
+        "{names}"
+    );
     assert!(!names.contains("0.4321"), "{names}");
 }
 
@@ -460,7 +651,11 @@ fn without_a_file_chooser_the_path_can_be_typed() {
     assert!(path.exists());
     assert!(bench.names().contains("mine.toml written"));
     bench.open("/nowhere/at/all.toml".as_ref());
-    assert!(bench.state().messages.failure.is_some(), "{}", bench.names());
+    assert!(
+        bench.state().messages.failure.is_some(),
+        "{}",
+        bench.names()
+    );
     bench.press(Modifiers::NONE, Key::Escape);
     assert_eq!(*bench.state().scene, fig2());
 }
@@ -480,16 +675,34 @@ fn dragging_on_the_map_moves_the_profile_line() {
     bench.reach(3.9, Direction::Approach);
     let label = "Gap map: flat, gap from 3.900 to 3.900 rho";
     bench.drag(label, &[vec2(0.0, 10.0), vec2(0.0, 60.0)]);
-    assert!(matches!(bench.state().view.profile, tackscope::ui::action::ProfileLine::AlongX(y) if y < 0.5));
+    assert!(
+        matches!(bench.state().view.profile, tackscope::ui::action::ProfileLine::AlongX(y) if y < 0.5)
+    );
 }
 
 #[test]
 fn a_small_window_keeps_every_panel_inside() {
     let bench = Bench::sized(900.0, 600.0);
-    for label in ["mean displacement u0", "Play loop", "Help", "Fit", "Centre the pattern"] {
+    for label in [
+        "mean displacement u0",
+        "Play loop",
+        "Help",
+        "Fit",
+        "Centre the pattern",
+    ] {
         let rect = bench.window.get_by_label(label).rect();
-        assert!(rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0, "{label} at {rect:?}");
+        assert!(
+            rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0,
+            "{label} at {rect:?}"
+        );
     }
-    let map = bench.window.get_by_label("Gap map: waiting for the solver …").rect();
-    assert!(map.width() > 150.0 && egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0)).contains_rect(map), "{map:?}");
+    let map = bench
+        .window
+        .get_by_label("Gap map: waiting for the solver …")
+        .rect();
+    assert!(
+        map.width() > 150.0
+            && egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(900.0, 600.0)).contains_rect(map),
+        "{map:?}"
+    );
 }

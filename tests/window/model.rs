@@ -8,13 +8,28 @@ use tackscope::worker::protocol::{Command, Event};
 #[test]
 fn the_status_bar_says_the_model_in_use_and_the_error_it_is_expected_to_have() {
     let mut bench = Bench::new();
-    assert!(bench.names().contains("mesh 64 × 64"), "before the solver has spoken");
+    assert!(
+        bench.names().contains("mesh 64 × 64"),
+        "before the solver has spoken"
+    );
     bench.ready();
     let names = bench.names();
-    assert!(names.contains("quarter of 64 × 64, expected error 0.005 %"), "{names}");
-    bench.window.get_by_label("quarter of 64 × 64, expected error 0.005 %").hover();
+    assert!(
+        names.contains("quarter of 64 × 64, expected error 0.005 %"),
+        "{names}"
+    );
+    bench
+        .window
+        .get_by_label("quarter of 64 × 64, expected error 0.005 %")
+        .hover();
     bench.settle();
-    assert!(bench.names().contains("Plan: flat in closed form, ridge on half a line"), "{}", bench.names());
+    assert!(
+        bench
+            .names()
+            .contains("Plan: flat in closed form, ridge on half a line"),
+        "{}",
+        bench.names()
+    );
 }
 
 #[test]
@@ -22,13 +37,19 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
     let mut bench = Bench::new();
     bench.heard();
     bench.click("Advanced");
-    for (label, asked) in [("Model: whole cell", Some(Road::WHOLE)), ("Model: quarter", Some(Road::QUARTER)), ("Model: plan", None)]
-    {
+    for (label, asked) in [
+        ("Model: whole cell", Some(Road::WHOLE)),
+        ("Model: quarter", Some(Road::QUARTER)),
+        ("Model: plan", None),
+    ] {
         bench.window.get_by_label(label).scroll_to_me();
         bench.settle();
         bench.click(label);
         let heard = bench.heard();
-        assert!(matches!(&heard[..], [Command::SetScene { asked: heard, .. }] if *heard == asked), "{heard:?}");
+        assert!(
+            matches!(&heard[..], [Command::SetScene { asked: heard, .. }] if *heard == asked),
+            "{heard:?}"
+        );
     }
 }
 
@@ -42,6 +63,12 @@ fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
     bench.say(Event::Remodelled(choice));
     assert_eq!(bench.state().messages.failure, None);
     let names = bench.names();
-    assert!(names.contains("now on the whole cell: a mode that is not mirror-symmetric goes soft here"), "{names}");
-    assert!(names.contains("whole cell 64 × 64, expected error"), "{names}");
+    assert!(
+        names.contains("now on the whole cell: a mode that is not mirror-symmetric goes soft here"),
+        "{names}"
+    );
+    assert!(
+        names.contains("whole cell 64 × 64, expected error"),
+        "{names}"
+    );
 }

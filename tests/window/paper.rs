@@ -10,7 +10,9 @@ use tackscope::paper::errata::{Erratum, Evidence};
 use tackscope::paper::figure::Finding;
 use tackscope::paper::overlay::ZeroRange;
 use tackscope::paper::{Figure, GALLERY, Size, Task};
-use tackscope::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol};
+use tackscope::plot::panel::{
+    Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol,
+};
 use tackscope::worker::job::Reporter;
 use tackscope::worker::protocol::{Page, PageContent};
 
@@ -24,7 +26,10 @@ fn opened() -> Bench {
 /// The one page that the window asked for since the last call.
 fn asked(bench: &Bench, page: Page) -> Reporter<PageContent> {
     let mut pages = bench.pages();
-    assert_eq!(pages.iter().map(|(page, _)| *page).collect::<Vec<_>>(), [page]);
+    assert_eq!(
+        pages.iter().map(|(page, _)| *page).collect::<Vec<_>>(),
+        [page]
+    );
     pages.remove(0).1
 }
 
@@ -42,12 +47,25 @@ fn made_up(number: usize) -> Figure {
         points: points.clone(),
         ..Series::default()
     };
-    let inner = Panel { x: Axis::linear("t"), y: Axis::linear("s"), series: vec![series(Role::Theory, None)], ..Panel::default() };
+    let inner = Panel {
+        x: Axis::linear("t"),
+        y: Axis::linear("s"),
+        series: vec![series(Role::Theory, None)],
+        ..Panel::default()
+    };
     let panel = Panel {
         x: Axis::logarithmic("L/L_c"),
         y: Axis::linear("u_c/rho"),
-        areas: vec![Area { name: "loss".to_owned(), colour: Colour::Gold, spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]] }],
-        series: vec![series(Role::Simulation, Some(Symbol::Circle)), series(Role::Theory, None), series(Role::Printed, None)],
+        areas: vec![Area {
+            name: "loss".to_owned(),
+            colour: Colour::Gold,
+            spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]],
+        }],
+        series: vec![
+            series(Role::Simulation, Some(Symbol::Circle)),
+            series(Role::Theory, None),
+            series(Role::Printed, None),
+        ],
         arrows: vec![Arrow {
             name: "jump",
             tail: [1.0, 1.0],
@@ -55,7 +73,11 @@ fn made_up(number: usize) -> Figure {
             colour: Colour::Red,
             direction: Direction::Retraction,
         }],
-        labels: vec![Label { at: [10.0, 2.0], text: "here".to_owned(), ..Label::default() }],
+        labels: vec![Label {
+            at: [10.0, 2.0],
+            text: "here".to_owned(),
+            ..Label::default()
+        }],
         insets: vec![
             Inset {
                 place: [0.1, 0.6, 0.2, 0.3],
@@ -64,7 +86,10 @@ fn made_up(number: usize) -> Figure {
                     gap: ndarray::Array2::from_shape_fn((8, 8), |(j, i)| (i * j) as f64),
                 },
             },
-            Inset { place: [0.6, 0.6, 0.3, 0.3], content: Content::Diagram(Box::new(inner)) },
+            Inset {
+                place: [0.6, 0.6, 0.3, 0.3],
+                content: Content::Diagram(Box::new(inner)),
+            },
         ],
         ..Panel::default()
     };
@@ -80,7 +105,11 @@ fn made_up(number: usize) -> Figure {
         title: "made up".to_owned(),
         panels: vec![panel.clone(), panel],
         words: "A paragraph about it.".to_owned(),
-        findings: vec![finding(1.01, Some(0.1)), finding(1.5, Some(0.1)), finding(2.0, None)],
+        findings: vec![
+            finding(1.01, Some(0.1)),
+            finding(1.5, Some(0.1)),
+            finding(2.0, None),
+        ],
     }
 }
 
@@ -115,7 +144,10 @@ fn the_tab_asks_for_its_figure_once_says_how_far_it_is_and_can_be_cancelled() {
     asked(&bench, page).end(Err("no convergence".to_owned()));
     bench.settle();
     assert!(bench.names().contains("Not there: no convergence."));
-    assert!(bench.pages().is_empty(), "what failed is not tried again by itself");
+    assert!(
+        bench.pages().is_empty(),
+        "what failed is not tried again by itself"
+    );
 }
 
 #[test]
@@ -128,7 +160,10 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
     report.end(Ok(()));
     bench.click(&format!("Figure {three}"));
     let dropped = asked(&bench, Page::Figure(three));
-    assert!(!bench.names().contains("A paragraph about it."), "another page is looked at");
+    assert!(
+        !bench.names().contains("A paragraph about it."),
+        "another page is looked at"
+    );
     bench.click(&format!("Figure {two}"));
     assert!(dropped.cancel.requested());
     let report = asked(&bench, Page::Figure(two));
@@ -154,13 +189,23 @@ fn another_figure_takes_the_place_of_the_one_under_way_and_what_came_is_kept() {
 fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
     let mut bench = opened();
     let entry = &GALLERY[1];
-    bench.window.get_by_label(&format!("Figure {}", entry.number)).focus();
+    bench
+        .window
+        .get_by_label(&format!("Figure {}", entry.number))
+        .focus();
     bench.settle();
     bench.press(egui::Modifiers::NONE, Key::Enter);
     assert_eq!(bench.state().paper.page, Page::Figure(entry.number));
     bench.heard();
     bench.click("Open this scene");
-    assert_eq!(bench.scenes().iter().map(|scene| (**scene).clone()).collect::<Vec<_>>(), [(entry.scene)()]);
+    assert_eq!(
+        bench
+            .scenes()
+            .iter()
+            .map(|scene| (**scene).clone())
+            .collect::<Vec<_>>(),
+        [(entry.scene)()]
+    );
     assert!(bench.state().paper.overlay, "with theory over it");
     bench.click("Undo");
     assert_eq!(*bench.state().scene, super::bench::fig2());
@@ -174,15 +219,30 @@ fn theory_is_laid_over_the_live_plot_in_its_units_and_follows_the_scene() {
     bench.click("Overlay theory");
     let report = asked(&bench, Page::Theory);
     assert!(bench.state().overlay().is_empty());
-    done(&mut bench, &report, PageContent::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())));
+    done(
+        &mut bench,
+        &report,
+        PageContent::Theory(Arc::new(ZeroRange::compute(&Cancel::default()).unwrap())),
+    );
     let lines = bench.state().overlay();
-    assert_eq!(lines.iter().map(|line| line.0).collect::<Vec<_>>(), ["flat", "ridge", "dimple", "bulge"]);
-    // sigma_max is the largest of the flat state; the ridge of Fig. 2 flattens at 0.665608 sqrt(0.15 * 256) rho.
+    assert_eq!(
+        lines.iter().map(|line| line.0).collect::<Vec<_>>(),
+        ["flat", "ridge", "dimple", "bulge"]
+    );
+    // sigma_max is the largest of the flat state; the ridge of Fig. 2 flattens at 0.665608
+    // sqrt(0.15 * 256) rho.
     let top = lines[0].1.iter().map(|p| p[1]).fold(0.0, f64::max);
     let end = lines[1].1.last().expect("points")[0];
-    assert!((top - 1.0).abs() < 1e-2 && (end - 4.12463).abs() < 1e-4, "{top} {end}");
+    assert!(
+        (top - 1.0).abs() < 1e-2 && (end - 4.12463).abs() < 1e-4,
+        "{top} {end}"
+    );
     bench.click("Line cell (uniform along y)");
-    assert_eq!(bench.state().overlay().len(), 2, "a line cell knows no dimple");
+    assert_eq!(
+        bench.state().overlay().len(),
+        2,
+        "a line cell knows no dimple"
+    );
     bench.click("Overlay theory");
     assert!(bench.state().overlay().is_empty());
 }
@@ -193,12 +253,32 @@ fn the_errata_are_listed_with_their_evidence() {
     bench.pages();
     bench.click("Errata");
     let report = asked(&bench, Page::Errata);
-    let evidence =
-        vec![Evidence { quantity: "root of the slope", found: 0.4006428, printed: 0.4204, right: 0.4006428, tolerance: 1e-6 }];
-    let erratum = Erratum { place: "Eq. 24", printed: "0.4204", right: "0.40064", because: "It is exact.", evidence };
-    done(&mut bench, &report, PageContent::Errata(Arc::new(vec![erratum])));
+    let evidence = vec![Evidence {
+        quantity: "root of the slope",
+        found: 0.4006428,
+        printed: 0.4204,
+        right: 0.4006428,
+        tolerance: 1e-6,
+    }];
+    let erratum = Erratum {
+        place: "Eq. 24",
+        printed: "0.4204",
+        right: "0.40064",
+        because: "It is exact.",
+        evidence,
+    };
+    done(
+        &mut bench,
+        &report,
+        PageContent::Errata(Arc::new(vec![erratum])),
+    );
     let names = bench.names();
-    for words in ["Eq. 24", "printed: 0.4204", "right: 0.40064", "root of the slope: 0.400643; print 0.4204, right 0.400643"] {
+    for words in [
+        "Eq. 24",
+        "printed: 0.4204",
+        "right: 0.40064",
+        "root of the slope: 0.400643; print 0.4204, right 0.400643",
+    ] {
         assert!(names.contains(words), "{words} in {names}");
     }
 }
@@ -211,13 +291,19 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     done(&mut bench, &report, figure(first()));
     for label in ["Play loop", "Help", "Fit", "Open this scene", "Enlarge"] {
         let rect = bench.window.get_by_label(label).rect();
-        assert!(rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0, "{label} at {rect:?}");
+        assert!(
+            rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0,
+            "{label} at {rect:?}"
+        );
     }
     // A new window finds its size in a few more frames than `run` allows.
     bench.window.get_by_label("Enlarge").click();
     bench.window.run_steps(10);
     assert!(bench.state().paper.large);
-    let diagrams = bench.names().matches(&format!("Fig. {} diagram a:", first())).count();
+    let diagrams = bench
+        .names()
+        .matches(&format!("Fig. {} diagram a:", first()))
+        .count();
     assert_eq!(diagrams, 2, "in the tab and in the window");
 }
 
@@ -225,12 +311,20 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
 fn the_first_figure_of_the_gallery_is_drawn_as_it_is_computed() {
     let mut bench = opened();
     // The quickest one: closed forms.
-    let entry = GALLERY.iter().find(|entry| entry.number == 10).expect("Fig. 10");
+    let entry = GALLERY
+        .iter()
+        .find(|entry| entry.number == 10)
+        .expect("Fig. 10");
     let cancel = Cancel::default();
-    let figure = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut |_, _| {})).expect("a figure");
+    let figure =
+        (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut |_, _| {})).expect("a figure");
     bench.pages();
     bench.click("Figure 10");
     let report = asked(&bench, Page::Figure(10));
     done(&mut bench, &report, PageContent::Figure(Arc::new(figure)));
-    assert!(bench.names().contains("Fig. 10 diagram a:"), "{}", bench.names());
+    assert!(
+        bench.names().contains("Fig. 10 diagram a:"),
+        "{}",
+        bench.names()
+    );
 }

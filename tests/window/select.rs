@@ -9,7 +9,14 @@ use tackscope::storage::scene_file;
 /// Down through two jumps.
 fn walked() -> Bench {
     let mut bench = Bench::new();
-    for (u0, jumps) in [(4.0, false), (3.5, false), (3.102, true), (3.0, false), (2.9, true), (2.8, false)] {
+    for (u0, jumps) in [
+        (4.0, false),
+        (3.5, false),
+        (3.102, true),
+        (3.0, false),
+        (2.9, true),
+        (2.8, false),
+    ] {
         if jumps {
             bench.jump(u0);
         }
@@ -21,15 +28,24 @@ fn walked() -> Bench {
 #[test]
 fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
     let mut bench = walked();
-    let plot = bench.window.get_by_role_and_label(egui::Role::Image, bench.plot_sentence().as_str()).rect();
-    // The axes are the scene's; the plot's own margins are found by asking for the place of two known values.
+    let plot = bench
+        .window
+        .get_by_role_and_label(egui::Role::Image, bench.plot_sentence().as_str())
+        .rect();
+    // The axes are the scene's; the plot's own margins are found by asking for the place of two
+    // known values.
     let state = bench.state().run.record.states[1].clone();
     let found = (0..200).any(|i| {
         let x = plot.left() + plot.width() * (0.6 + 0.002 * i as f32);
         (0..8).any(|k| {
             let y = plot.bottom() - plot.height() * (0.08 + 0.02 * k as f32);
             bench.click_at(egui::pos2(x, y));
-            bench.state().run.selection.as_ref().is_some_and(|s| s.state == state)
+            bench
+                .state()
+                .run
+                .selection
+                .as_ref()
+                .is_some_and(|s| s.state == state)
         })
     });
     assert!(found, "no click found the state at 3.5");
@@ -47,7 +63,14 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
 #[test]
 fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
     let mut bench = walked();
-    let at = |bench: &Bench| bench.state().run.selection.as_ref().map(|s| (s.jump, s.state.mean_displacement));
+    let at = |bench: &Bench| {
+        bench
+            .state()
+            .run
+            .selection
+            .as_ref()
+            .map(|s| (s.jump, s.state.mean_displacement))
+    };
     bench.press(Modifiers::NONE, Key::K);
     assert_eq!(at(&bench), Some((Some(1), 2.9)));
     bench.press(Modifiers::NONE, Key::K);
@@ -64,7 +87,15 @@ fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
 fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
     let mut bench = walked();
     bench.click("3.102");
-    assert_eq!(bench.state().run.selection.as_ref().map(|s| (s.jump, s.state.mean_displacement)), Some((Some(0), 3.102)));
+    assert_eq!(
+        bench
+            .state()
+            .run
+            .selection
+            .as_ref()
+            .map(|s| (s.jump, s.state.mean_displacement)),
+        Some((Some(0), 3.102))
+    );
     assert!(bench.names().contains("flat → ridge released 0.1234 γ"));
 }
 
@@ -73,10 +104,16 @@ fn the_scene_goes_to_the_clipboard_as_text_and_comes_back() {
     let mut bench = Bench::new();
     bench.window.get_by_label("Copy scene").click();
     bench.window.step();
-    let copied = bench.window.output().platform_output.commands.iter().find_map(|command| match command {
-        OutputCommand::CopyText(text) => Some(text.clone()),
-        _ => None,
-    });
+    let copied = bench
+        .window
+        .output()
+        .platform_output
+        .commands
+        .iter()
+        .find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
     let copied = copied.expect("text on the clipboard");
     assert_eq!(scene_file::parse(&copied, "clipboard").unwrap(), fig2());
     bench.settle();
@@ -84,7 +121,9 @@ fn the_scene_goes_to_the_clipboard_as_text_and_comes_back() {
     bench.window.event(egui::Event::Paste(text));
     bench.settle();
     assert_eq!(bench.state().scene.cell.length, 200.0);
-    bench.window.event(egui::Event::Paste("a shopping list".to_owned()));
+    bench
+        .window
+        .event(egui::Event::Paste("a shopping list".to_owned()));
     bench.settle();
     assert!(bench.state().messages.failure.is_some() && bench.state().scene.cell.length == 200.0);
 }
@@ -110,11 +149,19 @@ fn an_exported_picture_opens_again_as_its_scene() {
     bench.click("Export PNG…");
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     bench.window.run();
-    bench.window.event(egui::Event::Text(path.display().to_string()));
+    bench
+        .window
+        .event(egui::Event::Text(path.display().to_string()));
     bench.window.run();
     bench.click("Write");
     assert_eq!(bench.state().messages.failure, None);
     bench.click("law mie");
     bench.open(&path);
-    assert_eq!((bench.state().messages.failure.clone(), bench.state().scene.clone()), (None, scene));
+    assert_eq!(
+        (
+            bench.state().messages.failure.clone(),
+            bench.state().scene.clone()
+        ),
+        (None, scene)
+    );
 }

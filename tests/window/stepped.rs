@@ -33,7 +33,11 @@ impl SolverHandle for Stepped {
     fn send(&self, command: Envelope<Command>) {
         let run = command.run;
         let mut said = self.said.borrow_mut();
-        self.session.borrow_mut().command(command, &Cancel::default(), &mut |message| said.push(Envelope { run, message }));
+        self.session
+            .borrow_mut()
+            .command(command, &Cancel::default(), &mut |message| {
+                said.push(Envelope { run, message });
+            });
     }
 
     fn poll(&self) -> Vec<Envelope<Event>> {
@@ -44,7 +48,9 @@ impl SolverHandle for Stepped {
             if session.wait(now + Duration::from_secs(3600)).is_none() {
                 break;
             }
-            session.step(now, &Cancel::default(), &mut |message| said.push(Envelope { run, message }));
+            session.step(now, &Cancel::default(), &mut |message| {
+                said.push(Envelope { run, message });
+            });
         }
         said
     }
@@ -66,9 +72,11 @@ impl SolverHandle for Stepped {
 fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
     let mut scene = fig2();
     scene.cell.points = Points::Square(32);
-    let app = App::with_chooser(Stepped::default(), ViewState::new(scene).expect("allowed"), |_| {
-        Box::pin(std::future::ready(None::<PathBuf>))
-    });
+    let app = App::with_chooser(
+        Stepped::default(),
+        ViewState::new(scene).expect("allowed"),
+        |_| Box::pin(std::future::ready(None::<PathBuf>)),
+    );
     let mut window = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .with_context_setup(theme::install)
@@ -84,7 +92,19 @@ fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
     }
     let run = &window.state().state().run;
     let closed = run.closed_loop.as_ref().expect("the loop is closed");
-    assert!(frames > 3 && closed.summary.ledger.dissipated_energy().is_some_and(|loss| loss > 0.1), "{frames} {closed:?}");
-    assert!(run.record.jumps.len() >= 6 && window.state().state().frame.is_some(), "{:?}", run.record.jumps);
+    assert!(
+        frames > 3
+            && closed
+                .summary
+                .ledger
+                .dissipated_energy()
+                .is_some_and(|loss| loss > 0.1),
+        "{frames} {closed:?}"
+    );
+    assert!(
+        run.record.jumps.len() >= 6 && window.state().state().frame.is_some(),
+        "{:?}",
+        run.record.jumps
+    );
     assert_eq!(run.actual, window.state().state().limits.1);
 }

@@ -19,7 +19,10 @@ fn tab(bench: &mut Bench, name: &str) {
 #[test]
 fn the_tabs_are_reached_and_chosen_by_the_keyboard() {
     let mut bench = Bench::new();
-    bench.window.get_by_role_and_label(Role::Tab, "Stability tab").focus();
+    bench
+        .window
+        .get_by_role_and_label(Role::Tab, "Stability tab")
+        .focus();
     bench.settle();
     bench.press(egui::Modifiers::NONE, egui::Key::Enter);
     assert!(bench.window.query_by_label("soft mode on map").is_some());
@@ -36,15 +39,29 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
     }
     let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
     let words = format!("now {eigenvalue:.4} E*/L; next jump at {upper:.4} going down (exact)");
-    assert!(bench.names().contains(&words), "{words} in {}", bench.names());
+    assert!(
+        bench.names().contains(&words),
+        "{words} in {}",
+        bench.names()
+    );
     for u0 in [0.3, 0.32] {
         bench.reach(u0, Direction::Retraction);
     }
-    assert!(bench.names().contains(&format!("next jump at {lower:.4} going up (exact)")), "{}", bench.names());
+    assert!(
+        bench
+            .names()
+            .contains(&format!("next jump at {lower:.4} going up (exact)")),
+        "{}",
+        bench.names()
+    );
     for u0 in [3.36, 3.38] {
         bench.reach(u0, Direction::Retraction);
     }
-    assert!(bench.names().contains("no jump foreseen going up"), "{}", bench.names());
+    assert!(
+        bench.names().contains("no jump foreseen going up"),
+        "{}",
+        bench.names()
+    );
 }
 
 #[test]
@@ -54,7 +71,14 @@ fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
     bench.reach(3.12, Direction::Approach);
     bench.jump(3.102);
     bench.reach(3.102, Direction::Approach);
-    let pieces: Vec<usize> = bench.state().run.stiffness.pieces.iter().map(|piece| piece.points.len()).collect();
+    let pieces: Vec<usize> = bench
+        .state()
+        .run
+        .stiffness
+        .pieces
+        .iter()
+        .map(|piece| piece.points.len())
+        .collect();
     assert_eq!(pieces, [2, 1]);
 }
 
@@ -63,14 +87,25 @@ fn the_energy_well_is_asked_for_while_it_is_looked_at_and_not_else() {
     let mut bench = Bench::new();
     bench.heard();
     tab(&mut bench, "Energy well");
-    assert!(matches!(bench.heard()[..], [Command::Watch { energy_well: true }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Watch { energy_well: true }]
+    ));
     tab(&mut bench, "Events");
-    assert!(matches!(bench.heard()[..], [Command::Watch { energy_well: false }]));
+    assert!(matches!(
+        bench.heard()[..],
+        [Command::Watch { energy_well: false }]
+    ));
 }
 
 /// A walk of the window's scene at rest at the last of these u0.
 fn walked(bench: &Bench, path: &[f64]) -> Walk {
-    let mut walk = Walk::start(&bench.state().scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut walk = Walk::start(
+        &bench.state().scene,
+        MethodKind::NewtonKrylov.into(),
+        &Cancel::default(),
+    )
+    .unwrap();
     for u0 in path {
         walk.set_target(*u0);
         while walk.step(&Cancel::default(), &mut |_| {}) == Walked::Working {}
@@ -91,14 +126,34 @@ fn the_well_is_a_minimum_whose_curvature_is_the_eigenvalue_and_says_its_barrier(
         assert!(well.is_complete());
         let middle = well.offsets.len() / 2;
         let (e, step) = (&well.energies, well.offsets[middle + 1]);
-        assert!(e[middle].abs() < 1e-12 && e[middle - 1] > 0.0 && e[middle + 1] > 0.0, "{e:?}");
+        assert!(
+            e[middle].abs() < 1e-12 && e[middle - 1] > 0.0 && e[middle + 1] > 0.0,
+            "{e:?}"
+        );
         let curvature = (e[middle - 1] + e[middle + 1]) / (step * step);
-        assert!((curvature / well.curvature - 1.0).abs() < 0.1, "{curvature} {} after {path:?}", well.curvature);
+        assert!(
+            (curvature / well.curvature - 1.0).abs() < 0.1,
+            "{curvature} {} after {path:?}",
+            well.curvature
+        );
         bench.say(Event::Well(Arc::new(well)));
-        barriers.push(bench.names().lines().find(|line| line.starts_with("Energy well: At u₀")).unwrap().to_owned());
+        barriers.push(
+            bench
+                .names()
+                .lines()
+                .find(|line| line.starts_with("Energy well: At u₀"))
+                .unwrap()
+                .to_owned(),
+        );
     }
-    assert!(barriers[0].contains("no barrier within 0.5 ρ"), "{barriers:?}");
-    assert!(barriers[1].contains("barrier of 3.0e-5 γ at offset -0.3"), "{barriers:?}");
+    assert!(
+        barriers[0].contains("no barrier within 0.5 ρ"),
+        "{barriers:?}"
+    );
+    assert!(
+        barriers[1].contains("barrier of 3.0e-5 γ at offset -0.3"),
+        "{barriers:?}"
+    );
 }
 
 #[test]
@@ -109,20 +164,36 @@ fn the_time_steps_are_measured_at_the_push_of_a_button_shown_as_they_come_and_ca
     bench.heard();
     bench.click("Measure");
     let (scene, turn, report) = bench.time_steps();
-    assert_eq!((scene.title.as_str(), turn), (bench.state().scene.title.as_str(), bench.state().limits.0));
+    assert_eq!(
+        (scene.title.as_str(), turn),
+        (bench.state().scene.title.as_str(), bench.state().limits.0)
+    );
     let mut survey = Survey::new(&scene, turn).unwrap();
     while survey.map().stable.len() < 7 {
         assert_eq!(survey.step(&Cancel::default()), Progress::Working);
     }
     report.result(survey.map().clone());
     bench.settle();
-    assert!(bench.names().contains("Time steps of GFMD against u0: 7 cells measured"), "{}", bench.names());
+    assert!(
+        bench
+            .names()
+            .contains("Time steps of GFMD against u0: 7 cells measured"),
+        "{}",
+        bench.names()
+    );
     bench.click("Cancel");
     assert!(report.cancel.requested());
     report.end(Ok(()));
     bench.settle();
     assert!(bench.window.query_by_label("Measure").is_some());
-    assert!(bench.state().run.time_steps.as_ref().is_some_and(|job| job.so_far.is_some()));
+    assert!(
+        bench
+            .state()
+            .run
+            .time_steps
+            .as_ref()
+            .is_some_and(|job| job.so_far.is_some())
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! An atlas for a law or a cell a little different: its ends and nodes found again from those of the old one.
+//! An atlas for a law or a cell a little different: its ends and nodes found again from those of
+//! the old one.
 
 use super::curve::Branch;
 use super::trace::{End, recross};
@@ -6,74 +7,106 @@ use super::{Atlas, Meshes, Place};
 use crate::numerics::vector::add;
 use crate::physics::system::carried;
 use crate::solver::Lost;
-use crate::solver::sector::{NODE, Node, Sector};
+use crate::solver::sector::{NODE, Node, Sector, Side};
 use std::collections::BTreeSet;
 
 /// Nodes of an adapted branch between its ends, besides those at landings.
 const INNER: usize = 1;
 
 impl Atlas {
-    /// The same branches for `meshes`, whose law and cell should differ by a few percent at most. Landings are taken over as they are:
-    /// the caller compares the order of jumps before and after.
+    /// The same branches for `meshes`, whose law and cell should differ by a few percent at most.
+    /// Landings are taken over as they are: the caller compares the order of jumps before and
+    /// after.
     ///
     /// # Errors
     /// A branch that was not found again; then a new atlas must be made.
     pub fn adapted(&self, meshes: Meshes) -> Result<Self, Lost> {
         let mut new = Self::new(meshes);
         new.obey(&self.cancel);
-        let landings = |i: usize| -> Vec<f64> { self.landed().filter(|l| l.2 == i).map(|l| self.end_point(l.0, l.1).0).collect() };
+        let landings = |i: usize| -> Vec<f64> {
+            self.landed()
+                .filter(|l| l.2 == i)
+                .map(|l| self.end_point(l.0, l.1).0)
+                .collect()
+        };
         for (i, old) in self.branches.iter().enumerate() {
             let from = self.sector_of(old);
-            let to = if old.is_ridge { &mut new.ridge } else { &mut new.square };
+            let to = if old.is_ridge {
+                &mut new.ridge
+            } else {
+                &mut new.square
+            };
             new.branches.push(adapt(old, &landings(i), from, to)?);
         }
         new.landings.clone_from(&self.landings);
-        for (place, up, i) in self.landed() {
+        for (place, side, i) in self.landed() {
             if place == Place::Flat && new.flat_limits.is_none() {
                 return Err(Lost::Gone);
             }
-            let (u0, _) = new.end_point(place, up);
+            let (u0, _) = new.end_point(place, side);
             new.pin(i, u0)?;
         }
         Ok(new)
     }
 
-    /// The known landings on branches: place, true for its upper end, and the branch landed on.
-    fn landed(&self) -> impl Iterator<Item = (Place, bool, usize)> + '_ {
-        self.landings.iter().enumerate().flat_map(|(row, sides)| {
-            let place = if row == 0 { Place::Flat } else { Place::On(row - 1) };
-            sides.iter().enumerate().filter_map(move |(side, landing)| match landing {
-                Some(Place::On(i)) => Some((place, side == 1, *i)),
-                _ => None,
-            })
+    /// The known landings on branches: place, its end, and the branch landed on.
+    fn landed(&self) -> impl Iterator<Item = (Place, Side, usize)> + '_ {
+        self.landings.iter().enumerate().flat_map(|(row, ends)| {
+            let place = if row == 0 {
+                Place::Flat
+            } else {
+                Place::On(row - 1)
+            };
+            Side::BOTH
+                .into_iter()
+                .filter_map(move |side| match ends[side.index()] {
+                    Some(Place::On(i)) => Some((place, side, i)),
+                    _ => None,
+                })
         })
     }
 }
 
-/// The branch `old` found again; of its inner nodes those next to the u0 of `landings`, whose energies count, and a few more.
+/// The branch `old` found again; of its inner nodes those next to the u0 of `landings`, whose
+/// energies count, and a few more.
 fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
     let last = old.nodes.len() - 1;
-    let mut end = |upper: bool| {
-        let node = moved(old.end(upper), from, to);
-        match old.ends[usize::from(upper)] {
-            End::Fold => to.refold(&node, upper).map(|(end, _)| end),
+    let mut end = |side: Side| {
+        let node = moved(old.end(side), from, to);
+        match old.ends[side.index()] {
+            End::Fold => to.refold(&node, side).map(|(end, _)| end),
             End::Breaking => recross(to, &node),
         }
     };
-    let (low, high) = (end(false)?, end(true)?);
-    let (a, b) = (old.nodes[0].state.mean_displacement, old.nodes[last].state.mean_displacement);
+    let (low, high) = (end(Side::Lower)?, end(Side::Upper)?);
+    let (a, b) = (
+        old.nodes[0].state.mean_displacement,
+        old.nodes[last].state.mean_displacement,
+    );
     let changed = |new: &Node, old: &Node| {
         let mut change = new.state.amplitudes.clone();
-        add(&mut change, -1.0, &carried(&old.state.amplitudes, from.system(), to.system()));
+        add(
+            &mut change,
+            -1.0,
+            &carried(&old.state.amplitudes, from.system(), to.system()),
+        );
         change
     };
-    let (change_low, change_high) = (changed(&low, &old.nodes[0]), changed(&high, &old.nodes[last]));
+    let (change_low, change_high) = (
+        changed(&low, &old.nodes[0]),
+        changed(&high, &old.nodes[last]),
+    );
     let mut nodes = vec![low];
-    let (from_u, width) = (nodes[0].state.mean_displacement, high.state.mean_displacement - nodes[0].state.mean_displacement);
+    let (from_u, width) = (
+        nodes[0].state.mean_displacement,
+        high.state.mean_displacement - nodes[0].state.mean_displacement,
+    );
     let stride = (last - 1).div_ceil(INNER).max(1);
     let nearest = |u0: &f64| {
         (1..last).min_by(|&i, &j| {
-            (old.nodes[i].state.mean_displacement - u0).abs().total_cmp(&(old.nodes[j].state.mean_displacement - u0).abs())
+            (old.nodes[i].state.mean_displacement - u0)
+                .abs()
+                .total_cmp(&(old.nodes[j].state.mean_displacement - u0).abs())
         })
     };
     let few = (1..last).skip(((last - 1) % stride) / 2).step_by(stride);
@@ -84,20 +117,34 @@ fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Resu
         // What changed at the ends changed a part of that in between.
         add(&mut z, 1.0 - share, &change_low);
         add(&mut z, share, &change_high);
-        let (node, _) = to.node(from_u + share * width, z, nodes.last().filter(|n| n.slope.is_finite()), NODE)?;
+        let (node, _) = to.node(
+            from_u + share * width,
+            z,
+            nodes.last().filter(|n| n.slope.is_finite()),
+            NODE,
+        )?;
         nodes.push(node);
     }
     nodes.push(high);
-    let stable = nodes[1..nodes.len() - 1].iter().all(|n| n.own > 0.0 && n.breaking > 0.0);
-    let ordered = nodes.windows(2).all(|w| w[0].state.mean_displacement < w[1].state.mean_displacement);
+    let stable = nodes[1..nodes.len() - 1]
+        .iter()
+        .all(|n| n.own > 0.0 && n.breaking > 0.0);
+    let ordered = nodes
+        .windows(2)
+        .all(|w| w[0].state.mean_displacement < w[1].state.mean_displacement);
     if !stable || !ordered {
         return Err(Lost::Gone);
     }
-    Ok(Branch { pattern: old.pattern, is_ridge: old.is_ridge, nodes, ends: old.ends })
+    Ok(Branch {
+        pattern: old.pattern,
+        is_ridge: old.is_ridge,
+        nodes,
+        ends: old.ends,
+    })
 }
 
-/// A node as a first guess on another mesh. Displacements hardly scale with the range: what elasticity and surface energy balance
-/// has a length of its own, sqrt(gamma L/E*).
+/// A node as a first guess on another mesh. Displacements hardly scale with the range: what
+/// elasticity and surface energy balance has a length of its own, sqrt(gamma L/E*).
 fn moved(node: &Node, from: &Sector, to: &Sector) -> Node {
     let mut guess = node.clone();
     guess.state.amplitudes = carried(&node.state.amplitudes, from.system(), to.system());

@@ -3,7 +3,7 @@
 use super::trace::{End, between};
 use crate::numerics::vector::add;
 use crate::physics::pattern::Pattern;
-use crate::solver::sector::Node;
+use crate::solver::sector::{Node, Side};
 
 /// A branch of stable states between its two ends.
 #[derive(Clone, Debug)]
@@ -30,19 +30,28 @@ pub struct Point {
 impl Branch {
     /// u0 of the lower and the upper end (length).
     pub fn extent(&self) -> (f64, f64) {
-        (self.nodes[0].state.mean_displacement, self.nodes[self.nodes.len() - 1].state.mean_displacement)
+        (
+            self.nodes[0].state.mean_displacement,
+            self.nodes[self.nodes.len() - 1].state.mean_displacement,
+        )
     }
 
     /// Adds a node between the ends.
     pub(super) fn insert(&mut self, node: Node) {
-        let i =
-            self.nodes.partition_point(|n| n.state.mean_displacement < node.state.mean_displacement).clamp(1, self.nodes.len() - 1);
+        let i = self
+            .nodes
+            .partition_point(|n| n.state.mean_displacement < node.state.mean_displacement)
+            .clamp(1, self.nodes.len() - 1);
         self.nodes.insert(i, node);
     }
 
     /// The upper or the lower end.
-    pub fn end(&self, upper: bool) -> &Node {
-        if upper { &self.nodes[self.nodes.len() - 1] } else { &self.nodes[0] }
+    pub fn end(&self, side: Side) -> &Node {
+        if side == Side::Upper {
+            &self.nodes[self.nodes.len() - 1]
+        } else {
+            &self.nodes[0]
+        }
     }
 
     /// True if it has a state at `u0`.
@@ -53,12 +62,16 @@ impl Branch {
 
     fn segment(&self, u0: f64) -> (&Node, &Node) {
         let last = self.nodes.len() - 1;
-        let i = self.nodes.partition_point(|n| n.state.mean_displacement <= u0).clamp(1, last);
+        let i = self
+            .nodes
+            .partition_point(|n| n.state.mean_displacement <= u0)
+            .clamp(1, last);
         (&self.nodes[i - 1], &self.nodes[i])
     }
 
-    /// Stress and energy at `u0`: quintic Hermite in the energy, whose derivatives are stress and slope; next to a fold a quartic in
-    /// the square root of the distance. Meaningful where [`Branch::covers`] holds.
+    /// Stress and energy at `u0`: quintic Hermite in the energy, whose derivatives are stress and
+    /// slope; next to a fold a quartic in the square root of the distance. Meaningful where
+    /// [`Branch::covers`] holds.
     pub fn at(&self, u0: f64) -> Point {
         let (a, b) = self.segment(u0);
         match (a.slope.is_finite(), b.slope.is_finite()) {
@@ -66,7 +79,8 @@ impl Branch {
             (true, false) => root(b, a, u0),
             (false, true) => root(a, b, u0),
             (false, false) => {
-                let t = (u0 - a.state.mean_displacement) / (b.state.mean_displacement - a.state.mean_displacement);
+                let t = (u0 - a.state.mean_displacement)
+                    / (b.state.mean_displacement - a.state.mean_displacement);
                 Point {
                     stress: a.state.stress + t * (b.state.stress - a.state.stress),
                     energy: a.state.energy + t * (b.state.energy - a.state.energy),
@@ -85,7 +99,9 @@ impl Branch {
         };
         // z = z_f + c1 s + c2 s^2 with s = sqrt((u0 - u_f)/(u_r - u_f)).
         let width = regular.state.mean_displacement - fold.state.mean_displacement;
-        let s = ((u0 - fold.state.mean_displacement) / width).max(0.0).sqrt();
+        let s = ((u0 - fold.state.mean_displacement) / width)
+            .max(0.0)
+            .sqrt();
         let mut z = fold.state.amplitudes.clone();
         let mut change = regular.state.amplitudes.clone();
         add(&mut change, -1.0, &fold.state.amplitudes);
@@ -105,19 +121,29 @@ fn quintic(a: &Node, b: &Node, u0: f64) -> Point {
     let t = (u0 - a.state.mean_displacement) / h;
     // V = V_a + p_a h t + s_a h^2 t^2/2 + c3 t^3 + c4 t^4 + c5 t^5.
     let (p0, s0) = (a.state.stress * h, a.slope * h * h);
-    let (v, p, s) = (b.state.energy - a.state.energy - p0 - 0.5 * s0, b.state.stress * h - p0 - s0, b.slope * h * h - s0);
-    let (c3, c4, c5) = (10.0 * v - 4.0 * p + 0.5 * s, -15.0 * v + 7.0 * p - s, 6.0 * v - 3.0 * p + 0.5 * s);
+    let (v, p, s) = (
+        b.state.energy - a.state.energy - p0 - 0.5 * s0,
+        b.state.stress * h - p0 - s0,
+        b.slope * h * h - s0,
+    );
+    let (c3, c4, c5) = (
+        10.0 * v - 4.0 * p + 0.5 * s,
+        -15.0 * v + 7.0 * p - s,
+        6.0 * v - 3.0 * p + 0.5 * s,
+    );
     Point {
         energy: a.state.energy + t * (p0 + t * (0.5 * s0 + t * (c3 + t * (c4 + t * c5)))),
         stress: (p0 + t * (s0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
     }
 }
 
-/// Between a `fold` and a regular node: stress = p_f + c1 s + c2 s^2 + c3 s^3 with s the root of the relative distance, which has
-/// the stress, the slope and the energy of the regular node.
+/// Between a `fold` and a regular node: stress = p_f + c1 s + c2 s^2 + c3 s^3 with s the root of
+/// the relative distance, which has the stress, the slope and the energy of the regular node.
 fn root(fold: &Node, regular: &Node, u0: f64) -> Point {
     let width = regular.state.mean_displacement - fold.state.mean_displacement;
-    let s = ((u0 - fold.state.mean_displacement) / width).clamp(0.0, 1.0).sqrt();
+    let s = ((u0 - fold.state.mean_displacement) / width)
+        .clamp(0.0, 1.0)
+        .sqrt();
     let p = regular.state.stress - fold.state.stress;
     let slope = 2.0 * width * regular.slope;
     let work = (regular.state.energy - fold.state.energy) / width - fold.state.stress;
@@ -127,6 +153,10 @@ fn root(fold: &Node, regular: &Node, u0: f64) -> Point {
     let c3 = 2.5 * slope + 15.0 * work - 12.5 * p;
     Point {
         stress: fold.state.stress + s * (c1 + s * (c2 + s * c3)),
-        energy: fold.state.energy + width * s * s * (fold.state.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
+        energy: fold.state.energy
+            + width
+                * s
+                * s
+                * (fold.state.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
     }
 }

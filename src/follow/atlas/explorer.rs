@@ -1,6 +1,7 @@
-//! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which pattern it is.
+//! Where a surface comes to rest when its branch ends: a release on a quarter cell, to learn which
+//! pattern it is.
 
-use crate::follow::contest::{KICK as FLAT_KICK, angle, tried};
+use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
 use crate::numerics::vector::{add, norm, scale};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
@@ -11,8 +12,6 @@ use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::newton::NewtonState;
 use crate::solver::release::{Release, Slice};
 
-/// Root mean square kick along the soft mode, in ranges; the same as the walk's.
-const KICK: f64 = 0.1;
 /// Residual at which a fall ends: next to a saddle forces are small too.
 const TOLERANCE: f64 = 1e-6;
 /// Share of the amplitude below which a symmetry counts as kept.
@@ -54,7 +53,9 @@ impl Explorer {
     /// On n x n points of the whole cell.
     pub fn new(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
-        Self { mechanics: Mechanics::new(system, Slides::Never) }
+        Self {
+            mechanics: Mechanics::new(system, Slides::Never),
+        }
     }
 
     /// Its mechanics.
@@ -62,9 +63,13 @@ impl Explorer {
         &self.mechanics.system
     }
 
-    /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first waves along x and y.
+    /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first
+    /// waves along x and y.
     pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
-        let (flat, ny) = (vec![0.0; self.system().dimension()], self.system().shape().0);
+        let (flat, ny) = (
+            vec![0.0; self.system().dimension()],
+            self.system().shape().0,
+        );
         let from = |mixture: usize| {
             let mut mode = flat.clone();
             (mode[1], mode[ny]) = angle(mixture).sin_cos();
@@ -76,10 +81,15 @@ impl Explorer {
     /// The pattern of amplitudes.
     pub fn pattern(&mut self, z: &[f64], u0: f64) -> Pattern {
         let gap = self.mechanics.gap(z, u0);
-        classify(self.system().unfolded(&gap).view(), self.system().law(), true)
+        classify(
+            self.system().unfolded(&gap).view(),
+            self.system().law(),
+            true,
+        )
     }
 
-    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it fall at fixed `u0`.
+    /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it
+    /// fall at fixed `u0`.
     pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
         self.kicked(z, mode, KICK, u0)
     }
@@ -92,9 +102,15 @@ impl Explorer {
             self.mechanics.at(moved, u0)
         };
         let (one, other) = (side(1.0), side(-1.0));
-        let start = if other.state.energy < one.state.energy { other } else { one };
+        let start = if other.state.energy < one.state.energy {
+            other
+        } else {
+            one
+        };
         self.mechanics.preconditioner.forget();
-        self.fall(start).map_or(Rest::Other, |found| self.recognise(found.at.state.amplitudes, u0))
+        self.fall(start).map_or(Rest::Other, |found| {
+            self.recognise(found.at.state.amplitudes, u0)
+        })
     }
 
     /// Down to the next minimum at fixed u0 by the walk's own release; `None` if there is no way.

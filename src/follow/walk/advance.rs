@@ -4,7 +4,7 @@ use super::{Barrier, Before, Bracket, Observed, Phase, Progress, Stuck, Walk};
 use crate::follow::atlas::{Explorer, Rest};
 use crate::follow::contest::{mixture, shares};
 use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, JumpRecord};
+use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
 use crate::numerics::vector::norm;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
@@ -17,16 +17,17 @@ use crate::solver::method::audit;
 use crate::solver::stability::random_smooth;
 use ndarray::Axis;
 
-/// Width, in ranges, to which the end of a branch is bracketed. Eigenvalues at both sides tell where in between it is.
-const LOCATED: f64 = 1e-5;
-/// The same over the least residual: closer to its end the softest mode is undecided, and a dimple that breaks up may read as a ridge.
+/// The same over the least residual: closer to its end the softest mode is undecided, and a dimple
+/// that breaks up may read as a ridge.
 const DECIDED: f64 = 100.0;
 
-/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for a range and more; on uneven ground a
-/// branch may be unstable for a tenth of a range alone, and a step across that goes unseen.
+/// Longest step, in ranges, from a patterned state on flat and on uneven ground. Patterns live for
+/// a range and more; on uneven ground a branch may be unstable for a tenth of a range alone, and a
+/// step across that goes unseen.
 const LONGEST_FLAT: f64 = 0.5;
 const LONGEST_UNEVEN: f64 = 0.1;
-/// The first step, in ranges, on a branch just landed on: there is no prediction yet from which another branch would stray.
+/// The first step, in ranges, on a branch just landed on: there is no prediction yet from which
+/// another branch would stray.
 pub(super) const FIRST: f64 = 0.05;
 /// Step, in ranges, below which nobody asks whether a falling eigenvalue was negative on the way.
 const PASSED: f64 = 1e-3;
@@ -34,40 +35,72 @@ const PASSED: f64 = 1e-3;
 /// Width, in ranges, of a bracket in which a state of undecided stability is taken for its end.
 const AT_END: f64 = 1e-3;
 
-/// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran into the wall of the law.
+/// Energy, in gamma, that a thermostat may add between two states. A method that gains more ran
+/// into the wall of the law.
 const GAIN_MAX: f64 = 1e-2;
 
 impl Walk {
-    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known barrier.
+    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known
+    /// barrier.
     pub(super) fn next_displacement(&self) -> f64 {
         let here = self.here.state.mean_displacement;
         if let Phase::Bracketing(bracket) = &self.phase {
             return self.towards(bracket);
         }
         let k = (self.start - here) / self.step;
-        let short = self.behind.short.unwrap_or(f64::INFINITY).min(self.longest());
+        let short = self
+            .behind
+            .short
+            .unwrap_or(f64::INFINITY)
+            .min(self.longest());
         match self.direction {
-            Direction::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step).max(self.target).max(here - short),
-            Direction::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step).min(self.target).min(here + short),
+            Direction::Approach => (self.start - ((k + 1e-6).floor() + 1.0) * self.step)
+                .max(self.target)
+                .max(here - short),
+            Direction::Retraction => (self.start - ((k - 1e-6).ceil() - 1.0) * self.step)
+                .min(self.target)
+                .min(here + short),
         }
     }
 
-    /// How far a method that locates may go without missing a jump (length). Where gamma'' falls nowhere below that of the upper limit of
-    /// the flat state, nothing can jump.
+    /// How far a method that locates may go without missing a jump (length). Where gamma'' falls
+    /// nowhere below that of the upper limit of the flat state, nothing can jump.
     fn longest(&self) -> f64 {
         let uniform = self.flat.is_some() && self.here.is_uniform();
         if uniform || !self.method.locates() {
             return f64::INFINITY;
         }
         let law = self.mechanics.system.law();
-        let Some((_, upper)) = flat::limits(law, self.model.grid.length) else { return f64::INFINITY };
-        let free = self.here.fields.gap.fold(f64::INFINITY, |least, g| least.min(*g)) - upper - law.range;
-        free.max(0.0) + law.range * if self.mechanics.system.is_flat() { LONGEST_FLAT } else { LONGEST_UNEVEN }
+        let Some((_, upper)) = flat::limits(law, self.model.grid.length) else {
+            return f64::INFINITY;
+        };
+        let free = self
+            .here
+            .fields
+            .gap
+            .fold(f64::INFINITY, |least, g| least.min(*g))
+            - upper
+            - law.range;
+        free.max(0.0)
+            + law.range
+                * if self.mechanics.system.is_flat() {
+                    LONGEST_FLAT
+                } else {
+                    LONGEST_UNEVEN
+                }
     }
 
-    /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue vanishes as a square root.
+    /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue
+    /// vanishes as a square root.
     fn expected_fold(&self) -> Option<f64> {
-        let (Before { at, stiffness: before, .. }, here) = (self.behind.before?, self.here.state.mean_displacement);
+        let (
+            Before {
+                at,
+                stiffness: before,
+                ..
+            },
+            here,
+        ) = (self.behind.before?, self.here.state.mean_displacement);
         let now = self.here.stiffness_min?.value;
         (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
@@ -91,24 +124,44 @@ impl Walk {
     fn located(&self, barrier: Barrier) -> Barrier {
         let here = self.here.state.mean_displacement;
         let share = self.expected_share(&barrier).unwrap_or(1.0);
-        Barrier { at: here + share * (barrier.at - here), ..barrier }
+        Barrier {
+            at: here + share * (barrier.at - here),
+            ..barrier
+        }
     }
 
-    /// The next trial between here and a barrier: close to where the eigenvalue is expected to vanish, by the secant; the middle
-    /// where there is no expectation, or it did not help last time.
+    /// The next trial between here and a barrier: close to where the eigenvalue is expected to
+    /// vanish, by the secant; the middle where there is no expectation, or it did not help last
+    /// time.
     fn towards(&self, Bracket { barrier, halve, .. }: &Bracket) -> f64 {
         let here = self.here.state.mean_displacement;
         let width = barrier.at - here;
-        let Some(share) = self.expected_share(barrier) else { return here + 0.5 * width };
+        let Some(share) = self.expected_share(barrier) else {
+            return here + 0.5 * width;
+        };
         let fine = self.located_within() / width.abs();
-        // A hair before the expected zero first, a hair behind it next: two solves close the bracket.
-        let trial = if share > 0.5 * fine { share - 0.4 * fine } else { 0.9 * fine };
-        if *halve { here + 0.5 * width } else { here + width * trial.clamp(0.02, 0.98) }
+        // A hair before the expected zero first, a hair behind it next: two solves close the
+        // bracket.
+        let trial = if share > 0.5 * fine {
+            share - 0.4 * fine
+        } else {
+            0.9 * fine
+        };
+        if *halve {
+            here + 0.5 * width
+        } else {
+            here + width * trial.clamp(0.02, 0.98)
+        }
     }
 
-    pub(super) fn step_flat(&mut self, flat: FlatBranch, observe: &mut dyn FnMut(Observed)) -> Progress {
+    pub(super) fn step_flat(
+        &mut self,
+        flat: FlatBranch,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
         let next = self.next_displacement();
-        let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next) else {
+        let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next)
+        else {
             self.here = flat.state(&self.mechanics.system, next);
             self.accept(observe);
             return Progress::Working;
@@ -123,13 +176,17 @@ impl Walk {
         }
         let shares = shares(&landings);
         let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
-        let barrier = Barrier { at: unstable, stiffness: None, soft_mode: soft };
+        let barrier = Barrier {
+            at: unstable,
+            stiffness: None,
+            soft_mode: soft,
+        };
         let contested = if shares.len() > 1 { shares } else { Vec::new() };
         self.release_because(Cause::FlatLimit, barrier, contested)
     }
 
-    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the even quarter; empty where there is
-    /// but one wave, or no such cell.
+    /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
+    /// even quarter; empty where there is but one wave, or no such cell.
     fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
         let grid = *self.mechanics.system.grid();
         if grid.is_line() || no_quarter(grid.nx).is_some() {
@@ -177,7 +234,9 @@ impl Walk {
         let located = self.located_within();
         let here = self.here.state.mean_displacement;
         let reached = match std::mem::replace(&mut self.phase, Phase::Following) {
-            Phase::Bracketing(bracket) if (bracket.barrier.at - here).abs() <= located => Some(bracket.barrier),
+            Phase::Bracketing(bracket) if (bracket.barrier.at - here).abs() <= located => {
+                Some(bracket.barrier)
+            }
             phase => {
                 self.phase = phase;
                 None
@@ -185,8 +244,11 @@ impl Walk {
         };
         let next = match &reached {
             // An unstable equilibrium was seen there: nothing to confirm.
-            Some(barrier) if barrier.stiffness.is_some() => return self.release(self.located(barrier.clone())),
-            // Newton failed there from afar. From this close, and from the state alone, its failure means a fold.
+            Some(barrier) if barrier.stiffness.is_some() => {
+                return self.release(self.located(barrier.clone()));
+            }
+            // Newton failed there from afar. From this close, and from the state alone, its failure
+            // means a fold.
             Some(barrier) => {
                 self.behind.history = History::starting(&self.here.state);
                 barrier.at
@@ -194,11 +256,20 @@ impl Walk {
             None => self.next_displacement(),
         };
         let locates = self.method.locates();
-        let mut barrier = Barrier { at: next, stiffness: None, soft_mode: Vec::new() };
-        match self.method.follow(&mut self.mechanics, &self.behind.history, &self.here, next) {
+        let mut barrier = Barrier {
+            at: next,
+            stiffness: None,
+            soft_mode: Vec::new(),
+        };
+        match self
+            .method
+            .follow(&mut self.mechanics, &self.behind.history, &self.here, next)
+        {
             Ok(mut state) => {
                 self.spent.counts.iterations += state.cost.iterations;
-                let (stiffness, mode) = self.tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+                let (stiffness, mode) =
+                    self.tracker
+                        .check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
                 if self.cancelled() {
                     return Progress::Cancelled;
                 }
@@ -213,7 +284,9 @@ impl Walk {
                 }
                 // Next to an end that is known no budget tells the sign of what vanishes there.
                 let at_end = self.barrier().is_some_and(|known| {
-                    stiffness.value.is_nan() && known.stiffness.is_some() && (known.at - here).abs() < AT_END * self.model.law.range
+                    stiffness.value.is_nan()
+                        && known.stiffness.is_some()
+                        && (known.at - here).abs() < AT_END * self.model.law.range
                 });
                 if at_end {
                     (barrier.stiffness, barrier.soft_mode) = (Some(0.0), state.soft_mode);
@@ -223,12 +296,17 @@ impl Walk {
                         return self.take(state, observe);
                     }
                 } else {
-                    (barrier.stiffness, barrier.soft_mode) = (Some(stiffness.value), state.soft_mode);
+                    (barrier.stiffness, barrier.soft_mode) =
+                        (Some(stiffness.value), state.soft_mode);
                 }
             }
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(Lost::Diverged(why)) => {
-                return Progress::Stuck(Stuck::Diverged { mean_displacement: next, method: self.method.name(), why });
+                return Progress::Stuck(Stuck::Diverged {
+                    mean_displacement: next,
+                    method: self.method.name(),
+                    why,
+                });
             }
             Err(Lost::Unstable | Lost::Gone) => {}
         }
@@ -246,27 +324,45 @@ impl Walk {
         Progress::Working
     }
 
-    /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the branch may have been unstable on
-    /// the way.
+    /// True if `next` lies beyond where the eigenvalue, falling as it did, would have vanished: the
+    /// branch may have been unstable on the way.
     fn passed_an_end(&self, next: &Equilibrium) -> bool {
-        let (Some(before), Some(now)) = (self.behind.before, self.here.stiffness_min) else { return false };
-        let (here, there) = (self.here.state.mean_displacement, next.state.mean_displacement);
-        let expected = now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
-        expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.model.law.range
+        let (Some(before), Some(now)) = (self.behind.before, self.here.stiffness_min) else {
+            return false;
+        };
+        let (here, there) = (
+            self.here.state.mean_displacement,
+            next.state.mean_displacement,
+        );
+        let expected =
+            now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
+        expected < 0.0
+            && next.stop == Stop::Stable
+            && (there - here).abs() > PASSED * self.model.law.range
     }
 
-    /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only faded, a bracket says so.
+    /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only
+    /// faded, a bracket says so.
     fn faded(&self, next: &Equilibrium) -> bool {
-        self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.here))
+        self.flat.is_some_and(|flat| {
+            self.is_as_good_as_flat(flat, next) && !self.is_as_good_as_flat(flat, &self.here)
+        })
     }
 
-    /// After a step that went well: a barrier behind which nothing is expected was only too long a step.
+    /// After a step that went well: a barrier behind which nothing is expected was only too long a
+    /// step.
     fn reconsider(&mut self, du: f64) {
         let short = &mut self.behind.short;
-        *short = short.map(|short| 1.5 * short.max(du.abs())).filter(|short| *short < self.step);
-        let Some(barrier) = self.barrier().cloned() else { return };
+        *short = short
+            .map(|short| 1.5 * short.max(du.abs()))
+            .filter(|short| *short < self.step);
+        let Some(barrier) = self.barrier().cloned() else {
+            return;
+        };
         let left = barrier.at - self.here.state.mean_displacement;
-        let expected = self.expected_fold().is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
+        let expected = self
+            .expected_fold()
+            .is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
         if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
             self.phase = Phase::Following;
             self.behind.short = Some(du.abs());
@@ -290,7 +386,11 @@ impl Walk {
             Phase::Bracketing(last) => width > 0.5 * last.width && !last.halve,
             _ => false,
         };
-        self.phase = Phase::Bracketing(Bracket { barrier, width, halve });
+        self.phase = Phase::Bracketing(Bracket {
+            barrier,
+            width,
+            halve,
+        });
     }
 
     /// Takes the present state into the history of its branch.
@@ -298,20 +398,37 @@ impl Walk {
         self.behind.history.push(&self.here.state);
     }
 
-    /// Stands on a new state of the same branch; a method that locates nothing may have jumped on the way.
-    pub(super) fn take(&mut self, state: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
-        let (before, energy, stress) = (self.record.clone(), self.here.state.energy, self.here.state.stress);
+    /// Stands on a new state of the same branch; a method that locates nothing may have jumped on
+    /// the way.
+    pub(super) fn take(
+        &mut self,
+        state: Equilibrium,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
+        let (before, energy, stress) = (
+            self.record.clone(),
+            self.here.state.energy,
+            self.here.state.stress,
+        );
         let du = state.state.mean_displacement - self.here.state.mean_displacement;
         let work = 0.5 * (stress + state.state.stress) * du;
         let released = (energy + work - state.state.energy) / self.model.law.surface_energy;
         if !self.method.locates() && !(released > -GAIN_MAX) {
             let (mean_displacement, method) = (state.state.mean_displacement, self.method.name());
-            return Progress::Stuck(Stuck::EnergyGained { mean_displacement, method, gained: -released });
+            return Progress::Stuck(Stuck::EnergyGained {
+                mean_displacement,
+                method,
+                gained: -released,
+            });
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
         let (at, stiffness_min) = (self.here.state.mean_displacement, self.here.stiffness_min);
-        self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before { at, stiffness: s.value, stress });
+        self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before {
+            at,
+            stiffness: s.value,
+            stress,
+        });
         self.here = state;
         self.reconsider(du);
         if smooth {
@@ -332,7 +449,8 @@ impl Walk {
                 stress_before: stress,
                 stress_after: self.here.state.stress,
                 released_energy: released,
-                release_error: (du * (self.here.state.stress - stress)).abs() / self.model.law.surface_energy,
+                release_error: (du * (self.here.state.stress - stress)).abs()
+                    / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
                 landings: Vec::new(),
             }));

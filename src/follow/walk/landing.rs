@@ -2,7 +2,7 @@
 
 use super::advance::FIRST;
 use super::{Barrier, Jumping, Observed, Phase, Progress, Stuck, Walk};
-use crate::follow::contest::{KICK as FLAT_KICK, Share};
+use crate::follow::contest::{FLAT_KICK, KICK, Share};
 use crate::follow::record::{Cause, JumpRecord};
 use crate::numerics::krylov::CgLimits;
 use crate::numerics::vector::{add, dot, norm};
@@ -16,9 +16,8 @@ use crate::solver::newton::{NewtonEnd, NewtonLimits, NewtonState, centred, solve
 use crate::solver::release::{Release, Slice};
 use rand::Rng;
 
-/// Root mean square kick along the soft mode, in ranges.
-const KICK: f64 = 0.1;
-/// Largest kick of any single point over the root mean square: a mode of a few points is kicked no harder than a wave.
+/// Largest kick of any single point over the root mean square: a mode of a few points is kicked no
+/// harder than a wave.
 const PEAK: f64 = 4.0;
 /// The smallest one tried, where a larger one ended higher than it began.
 const LEAST_KICK: f64 = 1e-4;
@@ -26,10 +25,12 @@ const LEAST_KICK: f64 = 1e-4;
 pub(super) const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
-/// Share of a soft mode in what u0 pushes below which that is no push: of 60 ends on even and uneven ground folds have 0.01 and more,
-/// and broken symmetries, which mesh and tolerance leave inexact, up to 4e-5.
+/// Share of a soft mode in what u0 pushes below which that is no push: of 60 ends on even and
+/// uneven ground folds have 0.01 and more, and broken symmetries, which mesh and tolerance leave
+/// inexact, up to 4e-5.
 const UNPUSHED: f64 = 1e-3;
-/// Stiffness of what u0 pushes, in units of q1, below which it gives way: at those folds it is 0.02 at most, elsewhere 0.18 and more.
+/// Stiffness of what u0 pushes, in units of q1, below which it gives way: at those folds it is 0.02
+/// at most, elsewhere 0.18 and more.
 const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
@@ -47,13 +48,15 @@ pub(super) struct Leaving {
 }
 
 impl Walk {
-    /// Starts the release at the end of a patterned branch, to the side of its soft mode on which the energy falls.
+    /// Starts the release at the end of a patterned branch, to the side of its soft mode on which
+    /// the energy falls.
     pub(super) fn release(&mut self, barrier: Barrier) -> Progress {
         let cause = self.cause(&barrier.soft_mode);
         self.release_because(cause, barrier, Vec::new())
     }
 
-    /// Starts the release at a barrier; from a flat limit that leads to several `landings`, to one of them.
+    /// Starts the release at a barrier; from a flat limit that leads to several `landings`, to one
+    /// of them.
     pub(super) fn release_because(
         &mut self,
         cause: Cause,
@@ -63,9 +66,24 @@ impl Walk {
         let (_, energy_before) = self.carried_to(at);
         let from_flat = cause == Cause::FlatLimit;
         let kick = if from_flat { FLAT_KICK } else { KICK };
-        let kicked = self.kicked(&self.here.state.amplitudes.clone(), at, &soft_mode, kick, !from_flat);
-        let release = Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
-        self.jump_on(Box::new(Jumping { release, cause, kicks: 1, soft_mode, kick, energy_before, landings }))
+        let kicked = self.kicked(
+            &self.here.state.amplitudes.clone(),
+            at,
+            &soft_mode,
+            kick,
+            !from_flat,
+        );
+        let release =
+            Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
+        self.jump_on(Box::new(Jumping {
+            release,
+            cause,
+            kicks: 1,
+            soft_mode,
+            kick,
+            energy_before,
+            landings,
+        }))
     }
 
     /// The surface moves.
@@ -74,41 +92,73 @@ impl Walk {
         Progress::Working
     }
 
-    /// What ends the present branch, of which `mode` goes soft. Where u0 itself pushes the surface along a mode without stiffness the
-    /// branch turns back; where it does not, by symmetry, the branch goes on and is unstable.
+    /// What ends the present branch, of which `mode` goes soft. Where u0 itself pushes the surface
+    /// along a mode without stiffness the branch turns back; where it does not, by symmetry, the
+    /// branch goes on and is unstable.
     fn cause(&mut self, mode: &[f64]) -> Cause {
         if mode.is_empty() {
             return Cause::Fold;
         }
         let mut push = vec![0.0; mode.len()];
-        self.mechanics.stiffness_amplitudes(&self.here.fields, &mut push);
+        self.mechanics
+            .stiffness_amplitudes(&self.here.fields, &mut push);
         if dot(&push, mode).abs() > UNPUSHED * norm(&push) * norm(mode) {
             return Cause::Fold;
         }
-        // A pattern that hardly anything holds in its place may slide more easily still than it folds: what the push does tells.
-        let Self { mechanics, here, .. } = self;
+        // A pattern that hardly anything holds in its place may slide more easily still than it
+        // folds: what the push does tells.
+        let Self {
+            mechanics, here, ..
+        } = self;
         let removed = mechanics.sliding_basis(&here.state.amplitudes, &here.fields);
-        let limits = CgLimits { tolerance: 0.03, products: NewtonLimits::default().products };
-        let moved = mechanics.solve_linear(&here.fields, &push, &removed, limits).x;
+        let limits = CgLimits {
+            tolerance: 0.03,
+            products: NewtonLimits::default().products,
+        };
+        let moved = mechanics
+            .solve_linear(&here.fields, &push, &removed, limits)
+            .x;
         let stiffness = dot(&moved, &push) / dot(&moved, &moved);
-        if stiffness < SOFT * mechanics.system.grid().q1() { Cause::Fold } else { Cause::SymmetryBreaking }
+        if stiffness < SOFT * mechanics.system.grid().q1() {
+            Cause::Fold
+        } else {
+            Cause::SymmetryBreaking
+        }
     }
 
-    /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order, with the slope of the stress from
-    /// the state before.
+    /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order,
+    /// with the slope of the stress from the state before.
     fn carried_to(&self, u0: f64) -> (f64, f64) {
-        let (here, stress, du) =
-            (self.here.state.mean_displacement, self.here.state.stress, u0 - self.here.state.mean_displacement);
-        let slope = self.behind.before.map_or(0.0, |before| (stress - before.stress) / (here - before.at));
+        let (here, stress, du) = (
+            self.here.state.mean_displacement,
+            self.here.state.stress,
+            u0 - self.here.state.mean_displacement,
+        );
+        let slope = self
+            .behind
+            .before
+            .map_or(0.0, |before| (stress - before.stress) / (here - before.at));
         let there = stress + slope * du;
         (there, self.here.state.energy + 0.5 * (stress + there) * du)
     }
 
-    /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a side drawn from the seed where they do not.
-    pub(super) fn kicked(&mut self, z: &[f64], u0: f64, mode: &[f64], kick: f64, choose: bool) -> Evaluation {
+    /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a
+    /// side drawn from the seed where they do not.
+    pub(super) fn kicked(
+        &mut self,
+        z: &[f64],
+        u0: f64,
+        mode: &[f64],
+        kick: f64,
+        choose: bool,
+    ) -> Evaluation {
         let mut size = kick * self.model.law.range;
         if !mode.is_empty() {
-            let peak = self.mechanics.field(mode).iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            let peak = self
+                .mechanics
+                .field(mode)
+                .iter()
+                .fold(0.0, |most: f64, v| most.max(v.abs()));
             size *= (PEAK / peak).min(1.0);
         }
         let random = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
@@ -125,10 +175,18 @@ impl Walk {
         }
         let other = side(-random);
         let (energy, equal) = (one.state.energy, 1e-7 * self.model.law.surface_energy);
-        if other.state.energy < energy - equal || !energy.is_finite() { other } else { one }
+        if other.state.energy < energy - equal || !energy.is_finite() {
+            other
+        } else {
+            one
+        }
     }
 
-    pub(super) fn relax(&mut self, mut jumping: Box<Jumping>, observe: &mut dyn FnMut(Observed)) -> Progress {
+    pub(super) fn relax(
+        &mut self,
+        mut jumping: Box<Jumping>,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
         let slice = jumping.release.advance(&mut self.mechanics, SLICE);
         let u0 = jumping.release.at.state.mean_displacement;
         match slice {
@@ -141,7 +199,9 @@ impl Walk {
                 self.phase = Phase::Jumping(jumping);
                 Progress::Cancelled
             }
-            Slice::Stuck => Progress::Stuck(Stuck::NoWayDown { mean_displacement: u0 }),
+            Slice::Stuck => Progress::Stuck(Stuck::NoWayDown {
+                mean_displacement: u0,
+            }),
             Slice::Settled(settled) => self.settle(jumping, *settled, observe),
         }
     }
@@ -172,27 +232,38 @@ impl Walk {
         };
         if landed.stop == Stop::Unstable {
             if jumping.kicks >= KICKS {
-                return Progress::Stuck(Stuck::OnlyUnstable { mean_displacement: u0 });
+                return Progress::Stuck(Stuck::OnlyUnstable {
+                    mean_displacement: u0,
+                });
             }
             jumping.kicks += 1;
             let kicked = self.kicked(&landed.state.amplitudes, u0, &landed.soft_mode, KICK, true);
-            // Where a saddle and the minima beside it all meet the tolerance, only a tighter one tells them apart.
-            let tolerance = (jumping.release.tolerance() * 0.1).max(1e-10).max(self.mechanics.system.precision().floor());
+            // Where a saddle and the minima beside it all meet the tolerance, only a tighter one
+            // tells them apart.
+            let tolerance = (jumping.release.tolerance() * 0.1)
+                .max(1e-10)
+                .max(self.mechanics.system.precision().floor());
             jumping.release = Release::new(kicked).with_tolerance(tolerance);
             return self.jump_on(jumping);
         }
         self.land(jumping, landed, observe)
     }
 
-    /// Centres, polishes and measures a pattern that settled after `steps` of a release; `Err` as [`Walk::assessed`].
-    pub(super) fn measure(&mut self, mut settled: NewtonState, steps: usize) -> Result<Equilibrium, Progress> {
+    /// Centres, polishes and measures a pattern that settled after `steps` of a release; `Err` as
+    /// [`Walk::assessed`].
+    pub(super) fn measure(
+        &mut self,
+        mut settled: NewtonState,
+        steps: usize,
+    ) -> Result<Equilibrium, Progress> {
         settled = self.centred(&settled.at).unwrap_or(settled);
         self.forget_modes();
         settled.steps += steps;
         self.assessed(settled)
     }
 
-    /// The pattern `at` moved to where the mesh does not pull at it and its energy is the lowest, if it slides.
+    /// The pattern `at` moved to where the mesh does not pull at it and its energy is the lowest,
+    /// if it slides.
     fn centred(&mut self, at: &Evaluation) -> Option<NewtonState> {
         let (z, u0) = (&at.state.amplitudes, at.state.mean_displacement);
         if self.mechanics.sliding_basis(z, &at.fields).is_empty() {
@@ -201,11 +272,17 @@ impl Walk {
         let rounding = self.mechanics.system.precision().rounding() * self.model.law.surface_energy;
         let mut lowest: Option<NewtonState> = None;
         let all = [[false, false], [true, false], [false, true], [true, true]];
-        for between in if self.mechanics.slides == Slides::Freely { &all[..1] } else { &all } {
+        for between in if self.mechanics.slides == Slides::Freely {
+            &all[..1]
+        } else {
+            &all
+        } {
             let moved = centred(&self.mechanics.system, z, *between);
             let limits = NewtonLimits::of(&self.mechanics.system);
             let polished = solve(&mut self.mechanics, moved, u0, limits);
-            let lower = lowest.as_ref().is_none_or(|lowest| polished.at.state.energy < lowest.at.state.energy - rounding);
+            let lower = lowest
+                .as_ref()
+                .is_none_or(|lowest| polished.at.state.energy < lowest.at.state.energy - rounding);
             if polished.end == NewtonEnd::Converged && lower {
                 lowest = Some(polished);
             }
@@ -221,12 +298,18 @@ impl Walk {
         }
     }
 
-    /// The equilibrium that was found, with its stability; `Err` if cancelled, or if it leaves the symmetry of the model.
+    /// The equilibrium that was found, with its stability; `Err` if cancelled, or if it leaves the
+    /// symmetry of the model.
     pub(super) fn assessed(&mut self, settled: NewtonState) -> Result<Equilibrium, Progress> {
         self.mechanics.refresh(&settled.at.fields);
-        let cost = Cost { iterations: settled.steps, transforms: 0 };
+        let cost = Cost {
+            iterations: settled.steps,
+            transforms: 0,
+        };
         let mut state = Equilibrium::unmeasured(settled.at, settled.residual, Stop::Stable, cost);
-        let (stiffness, mode) = self.tracker.check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+        let (stiffness, mode) =
+            self.tracker
+                .check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
         let stiffness = self.all_modes(&state, stiffness).map_err(Progress::Stuck)?;
         if self.cancelled() {
             return Err(Progress::Cancelled);
@@ -235,59 +318,108 @@ impl Walk {
         Ok(state)
     }
 
-    pub(super) fn land(&mut self, mut jumping: Box<Jumping>, landed: Equilibrium, observe: &mut dyn FnMut(Observed)) -> Progress {
+    pub(super) fn land(
+        &mut self,
+        mut jumping: Box<Jumping>,
+        landed: Equilibrium,
+        observe: &mut dyn FnMut(Observed),
+    ) -> Progress {
         let law = self.model.law;
         let u0 = landed.state.mean_displacement;
         let released = (jumping.energy_before - landed.state.energy) / law.surface_energy;
         let (stress_before, _) = self.carried_to(u0);
         self.spent.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
-            // Where minima lie close together (a law whose stiffness jumps), so large a kick has gone up and over into another one.
+            // Where minima lie close together (a law whose stiffness jumps), so large a kick has
+            // gone up and over into another one.
             jumping.kick *= 0.1;
-            let kicked = self.kicked(&self.here.state.amplitudes.clone(), u0, &jumping.soft_mode.clone(), jumping.kick, true);
-            jumping.release = Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
+            let kicked = self.kicked(
+                &self.here.state.amplitudes.clone(),
+                u0,
+                &jumping.soft_mode.clone(),
+                jumping.kick,
+                true,
+            );
+            jumping.release =
+                Release::new(kicked).with_tolerance(self.mechanics.system.precision().tolerance());
             return self.jump_on(jumping);
         }
         if released < -EVENT {
-            return Progress::Stuck(Stuck::NegativeRelease { mean_displacement: u0, released });
+            return Progress::Stuck(Stuck::NegativeRelease {
+                mean_displacement: u0,
+                released,
+            });
         }
-        let Jumping { cause, landings, .. } = *jumping;
-        self.arrive(landed, Leaving { stress: stress_before, released, cause, landings }, EVENT, observe);
+        let Jumping {
+            cause, landings, ..
+        } = *jumping;
+        self.arrive(
+            landed,
+            Leaving {
+                stress: stress_before,
+                released,
+                cause,
+                landings,
+            },
+            EVENT,
+            observe,
+        );
         Progress::Working
     }
 
-    /// Stands on the state where a jump ended. What released less than `event` (gamma) was none, unless the flat state was left or
-    /// reached: Newton can fail on a branch that goes on, a mode can soften without a jump, and faint patterns change their names.
+    /// Stands on the state where a jump ended. What released less than `event` (gamma) was none,
+    /// unless the flat state was left or reached: Newton can fail on a branch that goes on, a mode
+    /// can soften without a jump, and faint patterns change their names.
     pub(super) fn arrive(
         &mut self,
         landed: Equilibrium,
-        Leaving { stress: stress_before, released, cause, landings }: Leaving,
+        Leaving {
+            stress: stress_before,
+            released,
+            cause,
+            landings,
+        }: Leaving,
         event: f64,
         observe: &mut dyn FnMut(Observed),
     ) {
         let left = std::mem::replace(&mut self.here, landed);
         // The flat state is known everywhere.
-        let first = (!(self.flat.is_some() && self.here.is_uniform())).then_some(FIRST * self.model.law.range);
+        let first = (!(self.flat.is_some() && self.here.is_uniform()))
+            .then_some(FIRST * self.model.law.range);
         (self.behind.before, self.behind.short) = (None, first.filter(|first| *first < self.step));
         let (from, to) = (self.record.pattern, self.pattern());
-        let as_good_as_flat = |state: &Equilibrium| self.flat.is_some_and(|flat| self.is_as_good_as_flat(flat, state));
-        let from = if as_good_as_flat(&left) { Pattern::Flat } else { from };
-        let to = if as_good_as_flat(&self.here) { Pattern::Flat } else { to };
+        let as_good_as_flat = |state: &Equilibrium| {
+            self.flat
+                .is_some_and(|flat| self.is_as_good_as_flat(flat, state))
+        };
+        let from = if as_good_as_flat(&left) {
+            Pattern::Flat
+        } else {
+            from
+        };
+        let to = if as_good_as_flat(&self.here) {
+            Pattern::Flat
+        } else {
+            to
+        };
         if released <= event && (from == to || (from != Pattern::Flat && to != Pattern::Flat)) {
             self.remember();
             return self.accept(observe);
         }
         let du = (self.here.state.mean_displacement - left.state.mean_displacement).abs();
-        // The end lies somewhere on the way from the last state: what the release changes on it, and what the energy was carried.
-        let changed = (self.here.state.stress - stress_before).abs() + 0.5 * (stress_before - left.state.stress).abs();
+        // The end lies somewhere on the way from the last state: what the release changes on it,
+        // and what the energy was carried.
+        let changed = (self.here.state.stress - stress_before).abs()
+            + 0.5 * (stress_before - left.state.stress).abs();
         let located = du * changed / self.model.law.surface_energy;
-        let (released_energy, release_error, cause) = if self.is_continuous(from, to, released, event) {
-            (0.0, released.abs(), Cause::Transition)
-        } else if from == to && self.is_of_the_mesh(&left) {
-            (released, located, Cause::Mesh)
-        } else {
-            (released, located, cause)
-        };
+        let (released_energy, release_error, cause) =
+            if self.is_continuous(from, to, released, event) {
+                (0.0, released.abs(), Cause::Transition)
+            } else if from == to && self.is_of_the_mesh(&left) {
+                (released, located, Cause::Mesh)
+            } else {
+                (released, located, cause)
+            };
         self.behind.history = History::starting(&self.here.state);
         // Nothing else happened on the way.
         self.record.mean_displacement = self.here.state.mean_displacement;

@@ -115,7 +115,12 @@ impl Stuck {
 
 impl std::ops::AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
-        let Self { transforms, proof_transforms, iterations, patterned_increments } = other;
+        let Self {
+            transforms,
+            proof_transforms,
+            iterations,
+            patterned_increments,
+        } = other;
         self.transforms += transforms;
         self.proof_transforms += proof_transforms;
         self.iterations += iterations;

@@ -11,9 +11,11 @@ use crate::scene::part::Part;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 
-/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a jump.
+/// Released energy, in gamma, from which nobody asks whether a landing on another pattern was a
+/// jump.
 const WEAK: f64 = 1e-2;
-/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits are uncertain.
+/// How far before a limit, in ranges, a jump is told from a continuous transition: more than limits
+/// are uncertain.
 const APART: f64 = 3e-4;
 
 impl Walk {
@@ -21,11 +23,19 @@ impl Walk {
         if self.here.is_uniform() && self.mechanics.system.is_flat() {
             return Pattern::Flat;
         }
-        let thermal = if self.method.locates() { 0.0 } else { 0.02 * self.model.law.range };
+        let thermal = if self.method.locates() {
+            0.0
+        } else {
+            0.02 * self.model.law.range
+        };
         if self.mechanics.system.is_flat() && norm(&self.here.state.amplitudes) < thermal {
             return Pattern::Flat;
         }
-        classify(self.mechanics.system.unfolded(&self.here.fields.gap).view(), &self.model.law, self.mechanics.system.is_flat())
+        classify(
+            self.mechanics.system.unfolded(&self.here.fields.gap).view(),
+            &self.model.law,
+            self.mechanics.system.is_flat(),
+        )
     }
 
     /// Writes the record of the present state and hands it out.
@@ -37,7 +47,9 @@ impl Walk {
             self.note_transition(pattern, observe);
         }
         let contact_area = if uniform {
-            f64::from(u8::from(self.here.state.mean_displacement < law.contact_gap()))
+            f64::from(u8::from(
+                self.here.state.mean_displacement < law.contact_gap(),
+            ))
         } else {
             contact_area(self.here.fields.gap.view(), &law)
         };
@@ -45,7 +57,10 @@ impl Walk {
             self.spent.counts.patterned_increments += 1;
         }
         self.pause_clock();
-        let stiffness = self.here.stiffness_min.unwrap_or(Stiffness { value: f64::NAN, error: f64::NAN });
+        let stiffness = self.here.stiffness_min.unwrap_or(Stiffness {
+            value: f64::NAN,
+            error: f64::NAN,
+        });
         let length = self.model.grid.length;
         self.record = StateRecord {
             direction: self.direction,
@@ -68,17 +83,33 @@ impl Walk {
             transforms: self.transforms() - self.spent.recorded.transforms,
             milliseconds: std::mem::take(&mut self.spent.worked).as_secs_f64() * 1e3,
         };
-        self.spent.recorded = Cost { iterations: self.spent.counts.iterations, transforms: self.transforms() };
+        self.spent.recorded = Cost {
+            iterations: self.spent.counts.iterations,
+            transforms: self.transforms(),
+        };
         observe(Observed::State(self.record.clone()));
     }
 
-    /// True if the surface came to the present state, of another pattern, without a jump: then the branch it is on goes over into the one
-    /// it left, as at a supercritical bifurcation, and there is no stable state of it at a distance before the limit. After a jump there
-    /// is one, beside the state that was left.
-    pub(super) fn is_continuous(&mut self, from: Pattern, to: Pattern, released: f64, event: f64) -> bool {
+    /// True if the surface came to the present state, of another pattern, without a jump: then the
+    /// branch it is on goes over into the one it left, as at a supercritical bifurcation, and there
+    /// is no stable state of it at a distance before the limit. After a jump there is one, beside
+    /// the state that was left.
+    pub(super) fn is_continuous(
+        &mut self,
+        from: Pattern,
+        to: Pattern,
+        released: f64,
+        event: f64,
+    ) -> bool {
         let weak = released < WEAK && (from == Pattern::Flat) != (to == Pattern::Flat);
-        let Some(flat) = self.flat.filter(|_| weak) else { return false };
-        let side = if self.direction == Direction::Approach { 1.0 } else { -1.0 };
+        let Some(flat) = self.flat.filter(|_| weak) else {
+            return false;
+        };
+        let side = if self.direction == Direction::Approach {
+            1.0
+        } else {
+            -1.0
+        };
         let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
         if to == Pattern::Flat {
             return !flat.is_stable(before);
@@ -99,28 +130,48 @@ impl Walk {
         }
     }
 
-    /// True where the flat state is stable and `state` no more than a trace of a pattern on it, which the tolerance lets be.
+    /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
+    /// which the tolerance lets be.
     pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
         let (at, law) = (state.state.mean_displacement, &self.model.law);
-        flat.is_stable(at) && (state.state.energy - law.at(at).energy).abs() <= EVENT * law.surface_energy
+        flat.is_stable(at)
+            && (state.state.energy - law.at(at).energy).abs() <= EVENT * law.surface_energy
     }
 
-    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the present state without the branch having
-    /// come to an end: the flat state has its limit in between, on the stable side of which the surface is as good as flat.
+    /// Tells of a pattern that came out of the flat state, or went into it, on the way to the
+    /// present state without the branch having come to an end: the flat state has its limit in
+    /// between, on the stable side of which the surface is as good as flat.
     pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
         let Some(flat) = self.flat else { return };
         let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
-        let Some(limits) = flat::limits(law, self.model.grid.length) else { return };
-        let (low, high) = (a.mean_displacement.min(b.mean_displacement), a.mean_displacement.max(b.mean_displacement));
-        let Some(at) = [limits.0, limits.1].into_iter().find(|limit| low < *limit && *limit <= high) else { return };
+        let Some(limits) = flat::limits(law, self.model.grid.length) else {
+            return;
+        };
+        let (low, high) = (
+            a.mean_displacement.min(b.mean_displacement),
+            a.mean_displacement.max(b.mean_displacement),
+        );
+        let Some(at) = [limits.0, limits.1]
+            .into_iter()
+            .find(|limit| low < *limit && *limit <= high)
+        else {
+            return;
+        };
         let leaves = flat.is_stable(a.mean_displacement);
-        let (stable, energy, pattern) =
-            if leaves { (a.mean_displacement, a.energy, now) } else { (b.mean_displacement, b.energy, a.pattern) };
-        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy || pattern == Pattern::Flat {
+        let (stable, energy, pattern) = if leaves {
+            (a.mean_displacement, a.energy, now)
+        } else {
+            (b.mean_displacement, b.energy, a.pattern)
+        };
+        if (energy - law.at(stable).energy).abs() > EVENT * law.surface_energy
+            || pattern == Pattern::Flat
+        {
             return;
         }
         let stress = law.at(at).traction;
-        let work = 0.5 * ((a.stress + stress) * (at - a.mean_displacement) + (stress + b.stress) * (b.mean_displacement - at));
+        let work = 0.5
+            * ((a.stress + stress) * (at - a.mean_displacement)
+                + (stress + b.stress) * (b.mean_displacement - at));
         observe(Observed::Jump(JumpRecord {
             direction: self.direction,
             mean_displacement: at,

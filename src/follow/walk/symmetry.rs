@@ -1,5 +1,6 @@
-//! The part of the cell: a state that is stable among even fields may still give way to a mode of another symmetry. Such modes are
-//! watched beside the walk, which goes over to the whole cell where one goes soft.
+//! The part of the cell: a state that is stable among even fields may still give way to a mode of
+//! another symmetry. Such modes are watched beside the walk, which goes over to the whole cell
+//! where one goes soft.
 
 use super::{Stuck, Walk, WalkOptions, solved};
 use crate::numerics::cancel::Cancel;
@@ -18,7 +19,8 @@ use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use crate::solver::stability::Tracker;
 use ndarray::Array2;
 
-/// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the mesh pins them (Fig. 8).
+/// Largest mu_rho at which patterns on flat ground still slide freely over the mesh; beyond it the
+/// mesh pins them (Fig. 8).
 const SLIDING_MU_RHO: f64 = 0.45;
 
 /// mu_rho of a mesh that resolves soft modes.
@@ -33,14 +35,20 @@ pub(in crate::follow) struct Guard {
 impl Guard {
     /// Watches a whole cell.
     pub(in crate::follow) fn new(mechanics: Mechanics, tracker: Tracker) -> Self {
-        Self { tracker: with_coarse(tracker, &mechanics), mechanics }
+        Self {
+            tracker: with_coarse(tracker, &mechanics),
+            mechanics,
+        }
     }
 
     /// Watches the whole cell of the `even` system.
     pub(super) fn of_even(even: &System, slides: Slides, tracker: Tracker) -> Self {
         let whole = System::whole(even);
         let preconditioner = Preconditioner::new(&whole, preconditioner_stiffness(even));
-        Self::new(Mechanics::with_preconditioner(preconditioner, whole, slides), tracker)
+        Self::new(
+            Mechanics::with_preconditioner(preconditioner, whole, slides),
+            tracker,
+        )
     }
 
     /// Transforms of the whole cell spent.
@@ -58,7 +66,8 @@ impl Guard {
         self.tracker.reset();
     }
 
-    /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of mean `u0`.
+    /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of
+    /// mean `u0`.
     pub(in crate::follow) fn check(&mut self, displacement: &Array2<f64>, u0: f64) -> Stiffness {
         let Self { mechanics, tracker } = self;
         let z = mechanics.amplitudes(displacement);
@@ -69,14 +78,19 @@ impl Guard {
 }
 
 impl Walk {
-    /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a quarter cell also over those that are
-    /// not. `Err` where one of those is negative.
-    pub(super) fn all_modes(&mut self, found: &Equilibrium, even: Stiffness) -> Result<Stiffness, Stuck> {
+    /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a
+    /// quarter cell also over those that are not. `Err` where one of those is negative.
+    pub(super) fn all_modes(
+        &mut self,
+        found: &Equilibrium,
+        even: Stiffness,
+    ) -> Result<Stiffness, Stuck> {
         let Some(guard) = &mut self.guard else {
             return Ok(even);
         };
         let (system, gap) = (&self.mechanics.system, &found.fields.gap);
-        let u0 = gap.mean().unwrap_or(f64::NAN) + system.height().and_then(|h| h.mean()).unwrap_or(0.0);
+        let u0 =
+            gap.mean().unwrap_or(f64::NAN) + system.height().and_then(|h| h.mean()).unwrap_or(0.0);
         let mut displacement = system.unfolded(gap);
         if let Some(height) = system.height() {
             displacement += &system.unfolded(height);
@@ -99,14 +113,18 @@ pub struct Widened {
 }
 
 impl Walk {
-    /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if that is not near an equilibrium of the
-    /// whole cell (a tip's apex lies on a point there and between points here), from the start of the drive. A jump under way begins
-    /// anew from the state before it. `None` unless it is `because` a mode left the symmetry of the part.
+    /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if
+    /// that is not near an equilibrium of the whole cell (a tip's apex lies on a point there and
+    /// between points here), from the start of the drive. A jump under way begins anew from the
+    /// state before it. `None` unless it is `because` a mode left the symmetry of the part.
     pub fn widen(&mut self, because: &Stuck, scene: &Scene, cancel: &Cancel) -> Option<Widened> {
         if *because != Stuck::LeavesSymmetry {
             return None;
         }
-        let options = WalkOptions { part: Part::Whole, ..self.options };
+        let options = WalkOptions {
+            part: Part::Whole,
+            ..self.options
+        };
         let afresh = || Self::start(scene, options, cancel).ok();
         let mut walk = afresh()?;
         let stays = self.stand(&mut walk);
@@ -122,7 +140,9 @@ impl Walk {
         let u0 = self.here.state.mean_displacement;
         whole.direction = self.direction;
         match self.flat {
-            Some(flat) if self.here.is_uniform() => whole.here = flat.state(&whole.mechanics.system, u0),
+            Some(flat) if self.here.is_uniform() => {
+                whole.here = flat.state(&whole.mechanics.system, u0);
+            }
             _ => {
                 let even = self.mechanics.field(&self.here.state.amplitudes).clone();
                 let displacement = self.mechanics.system.unfolded(&even);
@@ -139,15 +159,27 @@ impl Walk {
     }
 }
 
-/// The tracker with a coarser mesh to look for modes on, where the one of `mechanics` has points to spare.
-pub(super) fn with_coarse(tracker: Tracker, Mechanics { system, slides, .. }: &Mechanics) -> Tracker {
+/// The tracker with a coarser mesh to look for modes on, where the one of `mechanics` has points to
+/// spare.
+pub(super) fn with_coarse(
+    tracker: Tracker,
+    Mechanics { system, slides, .. }: &Mechanics,
+) -> Tracker {
     let (law, grid) = (system.law(), system.grid());
     let n = next_fast(mesh_rule::points_for_mu_rho(law, grid.length, RESOLVED).ceil() as usize);
     if !system.is_flat() || !law.is_smooth() || 2 * n > grid.nx {
         return tracker;
     }
-    let coarse = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
-    let make = if system.is_even() { System::even } else { System::new };
+    let coarse = if grid.is_line() {
+        Grid::line(grid.length, n)
+    } else {
+        Grid::square(grid.length, n)
+    };
+    let make = if system.is_even() {
+        System::even
+    } else {
+        System::new
+    };
     tracker.with_coarse(Mechanics::new(make(coarse, *law, &Indenter::Flat), *slides))
 }
 

@@ -5,7 +5,7 @@ use crate::numerics::vector::{add, dot, scale};
 use ndarray::Array2;
 
 /// Offsets along the soft mode, in ranges, root mean square over the cell.
-const REACH: f64 = 0.5;
+const OFFSET: f64 = 0.5;
 /// Energies of a well; odd, so that the state itself is among them.
 const SAMPLES: usize = 41;
 
@@ -41,21 +41,27 @@ impl Walk {
         self.mechanics.system.unfolded(&fields.gap)
     }
 
-    /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest eigenvalue, or of the flat state one of its
-    /// equal longest waves. `None` while jumping or not measured. One transform.
+    /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest
+    /// eigenvalue, or of the flat state one of its equal longest waves. `None` while jumping or not
+    /// measured. One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
         let mode = self.soft_amplitudes()?;
-        let field = self.mechanics.uncounted(|mechanics| mechanics.field(&mode).clone());
+        let field = self
+            .mechanics
+            .uncounted(|mechanics| mechanics.field(&mode).clone());
         Some(self.mechanics.system.unfolded(&field))
     }
 
-    /// The well around the present state, still empty: [`Walk::deepen`] fills it. `None` while jumping or without a soft mode.
+    /// The well around the present state, still empty: [`Walk::deepen`] fills it. `None` while
+    /// jumping or without a soft mode.
     pub fn energy_well(&mut self) -> Option<EnergyWell> {
         let (mode, stiffness) = (self.soft_amplitudes()?, self.here.stiffness_min?);
-        let step = 2.0 * REACH * self.model.law.range / (SAMPLES - 1) as f64;
+        let step = 2.0 * OFFSET * self.model.law.range / (SAMPLES - 1) as f64;
         Some(EnergyWell {
             mean_displacement: self.here.state.mean_displacement,
-            offsets: (0..SAMPLES).map(|i| (i as f64 - (SAMPLES / 2) as f64) * step).collect(),
+            offsets: (0..SAMPLES)
+                .map(|i| (i as f64 - (SAMPLES / 2) as f64) * step)
+                .collect(),
             energies: Vec::with_capacity(SAMPLES),
             curvature: stiffness.value,
             energy: self.here.state.energy,
@@ -68,7 +74,9 @@ impl Walk {
         for _ in 0..count.min(well.offsets.len() - well.energies.len()) {
             let mut z = self.here.state.amplitudes.clone();
             add(&mut z, well.offsets[well.energies.len()], &well.mode);
-            let there = self.mechanics.uncounted(|mechanics| mechanics.at(z, well.mean_displacement));
+            let there = self
+                .mechanics
+                .uncounted(|mechanics| mechanics.at(z, well.mean_displacement));
             well.energies.push(there.state.energy - well.energy);
         }
     }
@@ -83,7 +91,11 @@ impl Walk {
             mode = vec![0.0; self.mechanics.system.dimension()];
             // The first wave along x: a pair of amplitudes, or one on the even part of the cell.
             let row = self.mechanics.system.shape().0;
-            mode[if self.mechanics.system.is_even() { row } else { 2 * row }] = 1.0;
+            mode[if self.mechanics.system.is_even() {
+                row
+            } else {
+                2 * row
+            }] = 1.0;
         }
         if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
             scale(&mut mode, -1.0);

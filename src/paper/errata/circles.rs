@@ -5,7 +5,8 @@ use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
 use std::f64::consts::{PI, SQRT_2};
 
-/// The limit at zero of what approaches it linearly (or as the cube) from `at`: by Richardson's rule.
+/// The limit at zero of what approaches it linearly (or as the cube) from `at`: by Richardson's
+/// rule.
 fn limit(at: f64, order: i32, value: impl Fn(f64) -> f64) -> f64 {
     let factor = 2f64.powi(order);
     (factor * value(0.5 * at) - value(at)) / (factor - 1.0)
@@ -65,8 +66,13 @@ pub(super) fn after_equation_29() -> Erratum {
     // The energy of neighbouring sizes at u~ = 0.5, on the stable part of the branch.
     let displacement = 0.5;
     let size = bulge.size(displacement, Part::Stable).unwrap_or(f64::NAN);
-    let energy = |size: f64| displacement * displacement * bulge.elastic_energy(size)[0] - bulge.contact_area(size);
-    let lowest = (1..980).map(|i| 1e-3 * f64::from(i)).filter(|s| *s > fold.size).min_by(|a, b| energy(*a).total_cmp(&energy(*b)));
+    let energy = |size: f64| {
+        displacement * displacement * bulge.elastic_energy(size)[0] - bulge.contact_area(size)
+    };
+    let lowest = (1..980)
+        .map(|i| 1e-3 * f64::from(i))
+        .filter(|s| *s > fold.size)
+        .min_by(|a, b| energy(*a).total_cmp(&energy(*b)));
     Erratum {
         place: "after Eq. 29",
         printed: "no stable bulge exists in the continuum limit",
@@ -93,7 +99,10 @@ pub(super) fn after_equation_29() -> Erratum {
 }
 
 pub(super) fn section_4() -> Erratum {
-    let tip = Jkr { radius: 1.0, surface_energy: 0.5859e-3 };
+    let tip = Jkr {
+        radius: 1.0,
+        surface_energy: 0.5859e-3,
+    };
     Erratum {
         place: "Sect. 4",
         printed: "contact radii a_c = 0.1278 (load) and 0.06315 (displacement)",
@@ -118,7 +127,8 @@ pub(super) fn section_4() -> Erratum {
     }
 }
 
-/// Where a quantity of the contact turns round between two radii: by golden section, whichever way it turns.
+/// Where a quantity of the contact turns round between two radii: by golden section, whichever way
+/// it turns.
 fn turning(tip: &Jkr, low: f64, high: f64, value: impl Fn(&Jkr, f64) -> f64) -> f64 {
     let middle = 0.5 * (low + high);
     let sign = (value(tip, middle) - 0.5 * (value(tip, low) + value(tip, high))).signum();
@@ -126,7 +136,11 @@ fn turning(tip: &Jkr, low: f64, high: f64, value: impl Fn(&Jkr, f64) -> f64) -> 
     let (mut a, mut b) = (low, high);
     for _ in 0..80 {
         let (c, d) = (b - ratio * (b - a), a + ratio * (b - a));
-        if sign * value(tip, c) > sign * value(tip, d) { b = d } else { a = c }
+        if sign * value(tip, c) > sign * value(tip, d) {
+            b = d;
+        } else {
+            a = c;
+        }
     }
     0.5 * (a + b)
 }

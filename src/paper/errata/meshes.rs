@@ -11,7 +11,11 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 const POINTS: usize = 16;
 
 fn morse(range: f64) -> Law {
-    Law { shape: Shape::Morse(Morse), surface_energy: 1.0, range }
+    Law {
+        shape: Shape::Morse(Morse),
+        surface_energy: 1.0,
+        range,
+    }
 }
 
 /// The elastic stiffness q E*/2 of a mesh of unit spacing, smallest and largest.
@@ -19,7 +23,9 @@ fn stiffness(grid: Grid) -> [f64; 2] {
     let system = System::new(grid, morse(1.0), &Indenter::Flat);
     // What has no wave has no stiffness either.
     let waves = system.elastic().iter().copied().filter(|e| *e > 0.0);
-    waves.fold([f64::INFINITY, 0.0], |[low, high], e| [low.min(e), high.max(e)])
+    waves.fold([f64::INFINITY, 0.0], |[low, high], e| {
+        [low.min(e), high.max(e)]
+    })
 }
 
 /// mu_rho at which softening overcomes the stiffest wave of the mesh, read off the mesh itself.
@@ -64,9 +70,15 @@ pub(super) fn equation_9() -> Erratum {
 }
 
 pub(super) fn equation_33() -> Erratum {
-    let law = morse(mesh_rule::range_for_mu_rho(&morse(1.0), 1.0, mesh_rule::SAFE));
+    let law = morse(mesh_rule::range_for_mu_rho(
+        &morse(1.0),
+        1.0,
+        mesh_rule::SAFE,
+    ));
     // The largest softening by looking for it, not by its formula.
-    let softening = (0..40_000).map(|i| -law.at(f64::from(i) * 2e-4 * law.range).stiffness).fold(0.0, f64::max);
+    let softening = (0..40_000)
+        .map(|i| -law.at(f64::from(i) * 2e-4 * law.range).stiffness)
+        .fold(0.0, f64::max);
     Erratum {
         place: "Eq. 33",
         printed: "max(-gamma'') <= E*/da",
@@ -85,7 +97,11 @@ pub(super) fn equation_33() -> Erratum {
 pub(super) fn equation_31() -> Erratum {
     // Stiffness from differences of the traction on either side of zero.
     let jump = |smooth: bool| {
-        let law = Law { shape: Shape::Cosine(Cosine { smooth }), surface_energy: 1.0, range: 1.0 };
+        let law = Law {
+            shape: Shape::Cosine(Cosine { smooth }),
+            surface_energy: 1.0,
+            range: 1.0,
+        };
         let traction = |gap: f64| law.at(gap).traction;
         let step = 1e-4;
         (traction(-step) - traction(-2.0 * step)) / (traction(2.0 * step) - traction(step))

@@ -87,9 +87,12 @@ pub(super) fn equation_25() -> Erratum {
 
 pub(super) fn equation_27() -> Erratum {
     let end = ridge::critical();
-    // p~ a little before the end, less p_c~, over the root of the distance; once more at a quarter of it, and extrapolated.
-    let slope =
-        |distance: f64| ridge::pressure(end.displacement - distance).map_or(f64::NAN, |p| (p - end.pressure) / distance.sqrt());
+    // p~ a little before the end, less p_c~, over the root of the distance; once more at a quarter
+    // of it, and extrapolated.
+    let slope = |distance: f64| {
+        ridge::pressure(end.displacement - distance)
+            .map_or(f64::NAN, |p| (p - end.pressure) / distance.sqrt())
+    };
     let root = 2.0 * slope(2.5e-7) - slope(1e-6);
     Erratum {
         place: "Eq. 27",
@@ -115,16 +118,27 @@ pub(super) fn equation_27() -> Erratum {
     }
 }
 
-/// The area under the exact ridge, from u~ = 0 to its end, by Simpson's rule in the cube root of u~, where it is smooth.
+/// The area under the exact ridge, from u~ = 0 to its end, by Simpson's rule in the cube root of
+/// u~, where it is smooth.
 fn area_under_ridge() -> f64 {
     let end = ridge::critical().displacement.cbrt();
     let count = 400;
     // -p~ du~/u~ = -3 p~ dt/t with u~ = t^3; p~ goes as t^2.
     let value = |i: usize| {
         let t = end * i as f64 / count as f64;
-        if i == 0 { 0.0 } else { ridge::pressure(t.powi(3)).map_or(f64::NAN, |p| -3.0 * p / t) }
+        if i == 0 {
+            0.0
+        } else {
+            ridge::pressure(t.powi(3)).map_or(f64::NAN, |p| -3.0 * p / t)
+        }
     };
-    let weight = |i: usize| if i == 0 || i == count { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+    let weight = |i: usize| {
+        if i == 0 || i == count {
+            1.0
+        } else {
+            2.0 + 2.0 * (i % 2) as f64
+        }
+    };
     (0..=count).map(|i| weight(i) * value(i)).sum::<f64>() * end / (3.0 * count as f64)
 }
 
@@ -145,17 +159,38 @@ pub(super) fn equation_30c() -> Erratum {
 }
 
 pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stopped> {
-    // Turned while the ridge is still a ridge: Eq. 30 is about the cycle from separation to the ridge and back.
-    let scene = scenes::flat("a line cell of 1024 ranges", 1024.0, Points::Line(256), 9.5, 3.5, 0.1);
+    // Turned while the ridge is still a ridge: Eq. 30 is about the cycle from separation to the
+    // ridge and back.
+    let scene = scenes::flat(
+        "a line cell of 1024 ranges",
+        1024.0,
+        Points::Line(256),
+        9.5,
+        3.5,
+        0.1,
+    );
     let model = scene.model().map_err(|error| refused(&scene, error))?;
     let plan = plan(&scene, &model, None);
-    let found = run_planned(&scene, MethodKind::NewtonKrylov, &plan, task.cancel, &mut |_| {});
+    let found = run_planned(
+        &scene,
+        MethodKind::NewtonKrylov,
+        &plan,
+        task.cancel,
+        &mut |_| {},
+    );
     let run = completed(found.map_err(|error| refused(&scene, error))?, &scene)?;
-    let (law, units) = (&model.law, Units { length: model.grid.length, surface_energy: model.law.surface_energy });
+    let (law, units) = (
+        &model.law,
+        Units {
+            length: model.grid.length,
+            surface_energy: model.law.surface_energy,
+        },
+    );
     let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());
     let thick = to.energy - ridge::alpha(from).map_or(f64::NAN, |alpha| ridge::energy(alpha, from));
-    let flat = (law.at(approach).energy - law.at(units.restore(to.displacement)).energy) / units.surface_energy;
+    let flat = (law.at(approach).energy - law.at(units.restore(to.displacement)).energy)
+        / units.surface_energy;
     Ok(Erratum {
         place: "text at Eq. 30",
         printed: "the correction v_int(u_c,nc) - v_int(u_c,lr) is subtracted",

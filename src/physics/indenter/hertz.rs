@@ -7,7 +7,8 @@ use crate::physics::parameter::{LENGTHS, Own, POSITIVE, Parameter, Value};
 use crate::physics::theory::jkr::Jkr;
 use std::f64::consts::PI;
 
-/// A Hertzian tip h = -r^2/(2R), its apex on the point (n/2, n/2) of the mesh (for a line cell a cylinder).
+/// A Hertzian tip h = -r^2/(2R), its apex on the point (n/2, n/2) of the mesh (for a line cell a
+/// cylinder).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
     /// Radius of curvature R (length).
@@ -36,7 +37,9 @@ impl Own for Hertz {
     }
 
     fn of(values: &[Value]) -> Self {
-        Self { radius: values[0].number() }
+        Self {
+            radius: values[0].number(),
+        }
     }
 }
 
@@ -46,7 +49,9 @@ impl Ground for Hertz {
     }
 
     fn suited(&self, _law: &Law, grid: &Grid) -> Indenter {
-        Indenter::Hertz(Self { radius: grid.length })
+        Indenter::Hertz(Self {
+            radius: grid.length,
+        })
     }
 
     fn at(&self, x: f64, y: f64, _length: f64) -> f64 {
@@ -61,17 +66,24 @@ impl Ground for Hertz {
         true
     }
 
-    /// a^2/R at zero load, where a^3 = 9 pi gamma R^2/2 (JKR), so written that no unit of length overflows.
+    /// a^2/R at zero load, where a^3 = 9 pi gamma R^2/2 (JKR), so written that no unit of length
+    /// overflows.
     fn relief(&self, law: &Law) -> f64 {
         self.radius * (4.5 * PI * law.surface_energy / self.radius).cbrt().powi(2)
     }
 
-    /// Of JKR without images: (3/2) pi gamma R over the cell, and 3 gamma (pi R/(16 gamma))^(1/3) per length for a cylinder
-    /// (M. K. Chaudhury, T. Weaver, C. Y. Hui and E. J. Kramer, J. Appl. Phys. 80, 30 (1996)).
+    /// Of JKR without images: (3/2) pi gamma R over the cell, and 3 gamma (pi R/(16 gamma))^(1/3)
+    /// per length for a cylinder (M. K. Chaudhury, T. Weaver, C. Y. Hui and E. J. Kramer, J. Appl.
+    /// Phys. 80, 30 (1996)).
     fn pull_off(&self, law: &Law, grid: &Grid) -> Option<f64> {
         let (radius, surface_energy) = (self.radius, law.surface_energy);
         Some(if !grid.is_line() {
-            Jkr { radius, surface_energy }.pull_off_force() / grid.length.powi(2)
+            Jkr {
+                radius,
+                surface_energy,
+            }
+            .pull_off_force()
+                / grid.length.powi(2)
         } else {
             3.0 * surface_energy * (PI * radius / (16.0 * surface_energy)).cbrt() / grid.length
         })

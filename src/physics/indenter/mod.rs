@@ -33,9 +33,15 @@ pub trait Ground {
     /// Height at (x, y) from the middle of a cell of side `length`; at most 0. All lengths.
     fn at(&self, x: f64, y: f64, length: f64) -> f64;
 
-    /// Height field (length) of shape (ny, nx), or `None` where it is zero everywhere; its middle on the point (n/2, n/2).
+    /// Height field (length) of shape (ny, nx), or `None` where it is zero everywhere; its middle
+    /// on the point (n/2, n/2).
     fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
-        Some(sampled(grid, grid.shape(), |i, n| i as f64 - (n / 2) as f64, |x, y| self.at(x, y, grid.length)))
+        Some(sampled(
+            grid,
+            grid.shape(),
+            |i, n| i as f64 - (n / 2) as f64,
+            |x, y| self.at(x, y, grid.length),
+        ))
     }
 
     /// True if h(-x, y) = h(x, -y) = h(x, y) about the middle of the cell.
@@ -53,7 +59,8 @@ pub trait Ground {
         [false; 2]
     }
 
-    /// True if it has one crest in a square cell: then nothing tells its sides apart. Two crests may take turns.
+    /// True if it has one crest in a square cell: then nothing tells its sides apart. Two crests
+    /// may take turns.
     fn has_one_crest(&self) -> bool {
         false
     }
@@ -63,8 +70,8 @@ pub trait Ground {
         false
     }
 
-    /// Depth of its mean height below the crest, or of what a contact presses in at zero load (length): it scales pictures. 0 on flat
-    /// ground.
+    /// Depth of its mean height below the crest, or of what a contact presses in at zero load
+    /// (length): it scales pictures. 0 on flat ground.
     fn relief(&self, law: &Law) -> f64;
 
     /// Largest mean stress (E*) to be expected, if anything is known of it.
@@ -108,7 +115,8 @@ impl Indenter {
         self.ground().height(grid)
     }
 
-    /// The same on the even part of the cell, whose corner is the middle: there the apex lies half a spacing off the points.
+    /// The same on the even part of the cell, whose corner is the middle: there the apex lies half
+    /// a spacing off the points.
     ///
     /// # Panics
     /// On ground that is not [`Ground::is_even`].
@@ -117,18 +125,25 @@ impl Indenter {
         assert!(ground.is_even(), "a {} surface is not even", ground.name());
         let shape = (grid.ny.div_ceil(2), grid.nx / 2);
         let place = |i: usize, n: usize| if n == 1 { 0.0 } else { i as f64 + 0.5 };
-        (*self != Indenter::Flat).then(|| sampled(grid, shape, place, |x, y| ground.at(x, y, grid.length)))
+        (*self != Indenter::Flat)
+            .then(|| sampled(grid, shape, place, |x, y| ground.at(x, y, grid.length)))
     }
 }
 
-/// A height at every point of a mesh of this shape, `place` telling how many spacings a point lies from the middle.
+/// A height at every point of a mesh of this shape, `place` telling how many spacings a point lies
+/// from the middle.
 fn sampled(
     grid: &Grid,
     shape: (usize, usize),
     place: impl Fn(usize, usize) -> f64,
     height: impl Fn(f64, f64) -> f64,
 ) -> Array2<f64> {
-    Array2::from_shape_fn(shape, |(j, i)| height(place(i, shape.1) * grid.spacing(), place(j, shape.0) * grid.spacing()))
+    Array2::from_shape_fn(shape, |(j, i)| {
+        height(
+            place(i, shape.1) * grid.spacing(),
+            place(j, shape.0) * grid.spacing(),
+        )
+    })
 }
 
 #[cfg(test)]
@@ -144,8 +159,14 @@ mod tests {
     #[test]
     fn the_even_part_of_a_wave_is_the_wave_between_the_points() {
         let grid = Grid::square(8.0, 16);
-        let wave = Indenter::Wave(Wave { amplitude: 0.5, periods: [1, 2] });
-        let (even, whole) = (wave.even_height(&grid).unwrap(), wave.height(&Grid::square(8.0, 32)).unwrap());
+        let wave = Indenter::Wave(Wave {
+            amplitude: 0.5,
+            periods: [1, 2],
+        });
+        let (even, whole) = (
+            wave.even_height(&grid).unwrap(),
+            wave.height(&Grid::square(8.0, 32)).unwrap(),
+        );
         for ((j, i), h) in even.indexed_iter() {
             assert!((h - whole[[16 + 2 * j + 1, 16 + 2 * i + 1]]).abs() < 1e-15);
         }

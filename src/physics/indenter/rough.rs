@@ -1,9 +1,11 @@
-//! Self-affine random roughness: a periodic sum of waves with prescribed amplitudes and random phases.
+//! Self-affine random roughness: a periodic sum of waves with prescribed amplitudes and random
+//! phases.
 //!
-//! h(r) = sum_q a_q cos(q r + phi_q) - crest, with the phases phi_q drawn uniformly and the amplitudes a_q^2 proportional to the
-//! spectrum C(q): q^-2(1+H) between 2 pi/longest and 2 pi/shortest, constant below (a plateau down to the longest wave of the cell),
-//! zero above. A line cell has profiles of the same Hurst exponent, C(q) ~ q^-(1+2H). As only the phases are random, height and
-//! gradient have exactly their root mean squares, whatever the seed.
+//! h(r) = sum_q a_q cos(q r + phi_q) - crest, with the phases phi_q drawn uniformly and the
+//! amplitudes a_q^2 proportional to the spectrum C(q): q^-2(1+H) between 2 pi/longest and 2
+//! pi/shortest, constant below (a plateau down to the longest wave of the cell), zero above. A line
+//! cell has profiles of the same Hurst exponent, C(q) ~ q^-(1+2H). As only the phases are random,
+//! height and gradient have exactly their root mean squares, whatever the seed.
 
 use super::{Ground, Indenter};
 use crate::numerics::fourier::Fourier;
@@ -16,10 +18,12 @@ use rand_pcg::Pcg64;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Most waves along a side of the cell: `longest` and `shortest` are at least this share of its length.
+/// Most waves along a side of the cell: `longest` and `shortest` are at least this share of its
+/// length.
 pub const WAVES_MAX: usize = 512;
 
-/// Points to climb from: the highest on a mesh of eight for each shortest wave. A top may hide beside a higher mesh point.
+/// Points to climb from: the highest on a mesh of eight for each shortest wave. A top may hide
+/// beside a higher mesh point.
 const STARTS: usize = 24;
 
 /// Most steps from a mesh point to the top of its hill.
@@ -32,7 +36,8 @@ pub struct Rough {
     pub hurst: f64,
     /// Root mean square height about the mean (length).
     pub rms: f64,
-    /// Longest wavelength of the self-affine part (length): longer waves have the spectrum of this one.
+    /// Longest wavelength of the self-affine part (length): longer waves have the spectrum of this
+    /// one.
     pub longest: f64,
     /// Shortest wavelength (length).
     pub shortest: f64,
@@ -49,7 +54,13 @@ struct Component {
 
 impl Default for Rough {
     fn default() -> Self {
-        Self { hurst: 0.8, rms: 1.0, longest: 8.0, shortest: 2.0, seed: 1 }
+        Self {
+            hurst: 0.8,
+            rms: 1.0,
+            longest: 8.0,
+            shortest: 2.0,
+            seed: 1,
+        }
     }
 }
 
@@ -103,13 +114,29 @@ impl Own for Rough {
     ];
 
     fn values(&self) -> Vec<Value> {
-        let Self { hurst, rms, longest, shortest, seed } = *self;
-        [hurst, rms, longest, shortest].map(Value::Number).into_iter().chain([Value::Whole(seed)]).collect()
+        let Self {
+            hurst,
+            rms,
+            longest,
+            shortest,
+            seed,
+        } = *self;
+        [hurst, rms, longest, shortest]
+            .map(Value::Number)
+            .into_iter()
+            .chain([Value::Whole(seed)])
+            .collect()
     }
 
     fn of(values: &[Value]) -> Self {
         let [hurst, rms, longest, shortest] = [0, 1, 2, 3].map(|i| values[i].number());
-        Self { hurst, rms, longest, shortest, seed: values[4].whole() }
+        Self {
+            hurst,
+            rms,
+            longest,
+            shortest,
+            seed: values[4].whole(),
+        }
     }
 }
 
@@ -123,8 +150,16 @@ impl Ground for Rough {
 
     /// Four ranges high, in waves from the cell's length down to what its mesh shows well.
     fn suited(&self, law: &Law, grid: &Grid) -> Indenter {
-        let shortest = (8.0 * grid.spacing()).max(grid.length / 16.0).min(grid.length);
-        Indenter::Rough(Self { hurst: 0.8, rms: 4.0 * law.range, longest: grid.length, shortest, seed: 1 })
+        let shortest = (8.0 * grid.spacing())
+            .max(grid.length / 16.0)
+            .min(grid.length);
+        Indenter::Rough(Self {
+            hurst: 0.8,
+            rms: 4.0 * law.range,
+            longest: grid.length,
+            shortest,
+            seed: 1,
+        })
     }
 
     fn at(&self, _x: f64, _y: f64, _length: f64) -> f64 {
@@ -133,7 +168,8 @@ impl Ground for Rough {
 
     /// Highest point of the surface (not of the mesh) at 0.
     ///
-    /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows it without them.
+    /// Of every mesh of the same cell the same surface; one too coarse for the shortest waves shows
+    /// it without them.
     fn height(&self, grid: &Grid) -> Option<Array2<f64>> {
         let waves = self.shown(grid);
         let crest = crest(&waves, grid);
@@ -154,21 +190,34 @@ impl Ground for Rough {
     }
 
     fn check_in(&self, length: f64) -> Result<(), Refusal> {
-        let Self { longest, shortest, .. } = *self;
+        let Self {
+            longest, shortest, ..
+        } = *self;
         if longest > length {
             let allowed = format!("above 0, at most cell.length = {}", number(length));
             return Err(Refusal::new("indenter.longest", number(longest), &allowed));
         }
         let least = length / WAVES_MAX as f64;
         if !(shortest >= least && shortest <= longest) {
-            let allowed = format!("from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}", number(least), number(longest));
-            return Err(Refusal::new("indenter.shortest", number(shortest), &allowed));
+            let allowed = format!(
+                "from {} (cell.length/{WAVES_MAX}) to indenter.longest = {}",
+                number(least),
+                number(longest)
+            );
+            return Err(Refusal::new(
+                "indenter.shortest",
+                number(shortest),
+                &allowed,
+            ));
         }
         Ok(())
     }
 
     fn left_out(&self, grid: &Grid) -> Option<String> {
-        let words = format!("the mesh is too coarse for waves of length {}: the shortest ones are left out", self.shortest);
+        let words = format!(
+            "the mesh is too coarse for waves of length {}: the shortest ones are left out",
+            self.shortest
+        );
         (!self.fits(grid)).then_some(words)
     }
 }
@@ -188,7 +237,11 @@ impl Rough {
 
     /// Root mean square of |grad h| (dimensionless).
     pub fn rms_gradient(&self, grid: &Grid) -> f64 {
-        let squares = self.waves(grid).iter().map(|w| 0.5 * w.amplitude.norm_sqr() * w.square() * grid.q1().powi(2)).sum::<f64>();
+        let squares = self
+            .waves(grid)
+            .iter()
+            .map(|w| 0.5 * w.amplitude.norm_sqr() * w.square() * grid.q1().powi(2))
+            .sum::<f64>();
         squares.sqrt()
     }
 
@@ -203,12 +256,16 @@ impl Rough {
         if q > TAU / self.shortest * (1.0 + 1e-9) {
             return 0.0;
         }
-        let decay = if profile { 1.0 + 2.0 * self.hurst } else { 2.0 + 2.0 * self.hurst };
+        let decay = if profile {
+            1.0 + 2.0 * self.hurst
+        } else {
+            2.0 + 2.0 * self.hurst
+        };
         (q * self.longest / TAU).max(1.0).powf(-decay)
     }
 
-    /// All waves of one half plane. The phases are drawn ring by ring outwards, so that neither the mesh nor a shorter `shortest`
-    /// changes those of the longer waves.
+    /// All waves of one half plane. The phases are drawn ring by ring outwards, so that neither the
+    /// mesh nor a shorter `shortest` changes those of the longer waves.
     fn waves(&self, grid: &Grid) -> Vec<Component> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
         let mut waves = Vec::new();
@@ -221,10 +278,14 @@ impl Rough {
                         continue;
                     }
                     let phase = rng.random_range(0.0..TAU);
-                    let power = self.spectrum(grid.q1() * (x as f64).hypot(y as f64), grid.is_line());
+                    let power =
+                        self.spectrum(grid.q1() * (x as f64).hypot(y as f64), grid.is_line());
                     if power > 0.0 {
                         sum += 0.5 * power;
-                        waves.push(Component { wave: [x, y], amplitude: Complex::from_polar(power.sqrt(), phase) });
+                        waves.push(Component {
+                            wave: [x, y],
+                            amplitude: Complex::from_polar(power.sqrt(), phase),
+                        });
                     }
                 }
             }
@@ -251,7 +312,11 @@ impl Component {
 fn synthesis(waves: &[Component], grid: &Grid) -> Array2<f64> {
     let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
     let mut spectrum = fourier.spectrum();
-    for Component { wave: [x, y], amplitude } in waves {
+    for Component {
+        wave: [x, y],
+        amplitude,
+    } in waves
+    {
         let column = |y: i64| y.rem_euclid(grid.ny as i64) as usize;
         spectrum[[*x as usize, column(*y)]] = 0.5 * amplitude;
         if *x == 0 {
@@ -263,12 +328,21 @@ fn synthesis(waves: &[Component], grid: &Grid) -> Array2<f64> {
     height
 }
 
-/// The highest value of the sum of the waves anywhere: by Newton's method from the highest points of a mesh that depends on the waves
-/// alone.
+/// The highest value of the sum of the waves anywhere: by Newton's method from the highest points
+/// of a mesh that depends on the waves alone.
 fn crest(waves: &[Component], grid: &Grid) -> f64 {
-    let longest = waves.iter().flat_map(|w| w.wave).map(i64::unsigned_abs).max().unwrap_or(1) as usize;
+    let longest = waves
+        .iter()
+        .flat_map(|w| w.wave)
+        .map(i64::unsigned_abs)
+        .max()
+        .unwrap_or(1) as usize;
     let n = (8 * longest).max(32);
-    let mesh = if grid.is_line() { Grid::line(grid.length, n) } else { Grid::square(grid.length, n) };
+    let mesh = if grid.is_line() {
+        Grid::line(grid.length, n)
+    } else {
+        Grid::square(grid.length, n)
+    };
     let height = synthesis(waves, &mesh);
     // The highest points, the highest first.
     let mut starts: Vec<((usize, usize), f64)> = Vec::with_capacity(STARTS + 1);
@@ -278,12 +352,15 @@ fn crest(waves: &[Component], grid: &Grid) -> f64 {
             starts.truncate(STARTS);
         }
     }
-    let top = |&((j, i), _): &((usize, usize), f64)| climb(waves, longest, [i, j].map(|i| TAU * i as f64 / n as f64));
+    let top = |&((j, i), _): &((usize, usize), f64)| {
+        climb(waves, longest, [i, j].map(|i| TAU * i as f64 / n as f64))
+    };
     starts.iter().map(top).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Height of the top above `angle` = 2 pi r/L, by Newton's method: steps of at most a mesh spacing, halved until they lead up, with the
-/// curvature of a hill in every direction, which a mesh point beside a saddle does not have.
+/// Height of the top above `angle` = 2 pi r/L, by Newton's method: steps of at most a mesh spacing,
+/// halved until they lead up, with the curvature of a hill in every direction, which a mesh point
+/// beside a saddle does not have.
 fn climb(waves: &[Component], longest: usize, mut angle: [f64; 2]) -> f64 {
     let reach = TAU / (4 * longest) as f64;
     let mut here = Hill::at(waves, longest, angle);
@@ -306,7 +383,8 @@ fn climb(waves: &[Component], longest: usize, mut angle: [f64; 2]) -> f64 {
     here.height
 }
 
-/// Height, slope and second derivatives (xx, xy, yy) of the sum of the waves at a point, with respect to 2 pi r/L.
+/// Height, slope and second derivatives (xx, xy, yy) of the sum of the waves at a point, with
+/// respect to 2 pi r/L.
 struct Hill {
     height: f64,
     slope: [f64; 2],
@@ -317,29 +395,58 @@ impl Hill {
     /// At `angle`, of waves up to `longest` in either direction.
     fn at(waves: &[Component], longest: usize, angle: [f64; 2]) -> Hill {
         // Sine and cosine of x and of y alone: a wave is their product.
-        let [along_x, along_y] = angle.map(|angle| (0..=longest).map(|k| (k as f64 * angle).sin_cos()).collect::<Vec<_>>());
-        let mut hill = Hill { height: 0.0, slope: [0.0; 2], bend: [0.0; 3] };
-        for Component { wave: [i, j], amplitude } in waves {
+        let [along_x, along_y] = angle.map(|angle| {
+            (0..=longest)
+                .map(|k| (k as f64 * angle).sin_cos())
+                .collect::<Vec<_>>()
+        });
+        let mut hill = Hill {
+            height: 0.0,
+            slope: [0.0; 2],
+            bend: [0.0; 3],
+        };
+        for Component {
+            wave: [i, j],
+            amplitude,
+        } in waves
+        {
             let (x, y) = (*i as f64, *j as f64);
             let (sin_x, cos_x) = along_x[*i as usize];
             let (sin_y, cos_y) = along_y[j.unsigned_abs() as usize];
             let sin_y = if *j < 0 { -sin_y } else { sin_y };
             let (sin, cos) = (sin_x * cos_y + cos_x * sin_y, cos_x * cos_y - sin_x * sin_y);
-            let (value, turned) = (amplitude.re * cos - amplitude.im * sin, -amplitude.re * sin - amplitude.im * cos);
+            let (value, turned) = (
+                amplitude.re * cos - amplitude.im * sin,
+                -amplitude.re * sin - amplitude.im * cos,
+            );
             hill.height += value;
             hill.slope = [hill.slope[0] + x * turned, hill.slope[1] + y * turned];
-            hill.bend = [hill.bend[0] - x * x * value, hill.bend[1] - x * y * value, hill.bend[2] - y * y * value];
+            hill.bend = [
+                hill.bend[0] - x * x * value,
+                hill.bend[1] - x * y * value,
+                hill.bend[2] - y * y * value,
+            ];
         }
         hill
     }
 
-    /// Newton's step, at most `reach`, with both principal curvatures taken as those of a hill: minus their magnitude.
+    /// Newton's step, at most `reach`, with both principal curvatures taken as those of a hill:
+    /// minus their magnitude.
     fn step(&self, reach: f64) -> [f64; 2] {
         let ([xx, xy, yy], [x, y]) = (self.bend, self.slope);
         let (sin, cos) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
         let (mean, radius) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
-        let along = |slope: f64, bend: f64| if slope == 0.0 { 0.0 } else { (slope / bend.abs()).clamp(-reach, reach) };
-        let (first, second) = (along(cos * x + sin * y, mean + radius), along(cos * y - sin * x, mean - radius));
+        let along = |slope: f64, bend: f64| {
+            if slope == 0.0 {
+                0.0
+            } else {
+                (slope / bend.abs()).clamp(-reach, reach)
+            }
+        };
+        let (first, second) = (
+            along(cos * x + sin * y, mean + radius),
+            along(cos * y - sin * x, mean - radius),
+        );
         [cos * first - sin * second, sin * first + cos * second]
     }
 }
@@ -350,10 +457,18 @@ mod tests {
     use proptest::prelude::*;
 
     fn surfaces() -> impl Strategy<Value = Rough> {
-        (0.1..1.0, 0.1..3.0, 0.2..1.0, 0.1..0.15, any::<u64>()).prop_map(|(hurst, rms, longest, shortest, seed)| {
-            // In a cell of side 20: at most 10 waves along a side.
-            Rough { hurst, rms, longest: 20.0 * longest, shortest: 20.0 * shortest, seed }
-        })
+        (0.1..1.0, 0.1..3.0, 0.2..1.0, 0.1..0.15, any::<u64>()).prop_map(
+            |(hurst, rms, longest, shortest, seed)| {
+                // In a cell of side 20: at most 10 waves along a side.
+                Rough {
+                    hurst,
+                    rms,
+                    longest: 20.0 * longest,
+                    shortest: 20.0 * shortest,
+                    seed,
+                }
+            },
+        )
     }
 
     fn grids(n: usize) -> [Grid; 2] {
@@ -370,7 +485,8 @@ mod tests {
                 let mean = h.mean().unwrap();
                 let rms = h.mapv(|h| (h - mean).powi(2)).mean().unwrap().sqrt();
                 prop_assert!((rms / surface.rms - 1.0).abs() < 1e-10, "{}", rms);
-                // Central differences over the periodic cell: each wave loses (q a)^2/6 of its slope, at most 1 % here.
+                // Central differences over the periodic cell: each wave loses (q a)^2/6 of its
+                // slope, at most 1 % here.
                 let (ny, nx) = grid.shape();
                 let square = |j: usize, i: usize| {
                     let x = h[[j, (i + 1) % nx]] - h[[j, (i + nx - 1) % nx]];
@@ -391,7 +507,8 @@ mod tests {
                     prop_assert!((h - fine[[8 * j, 8 * i]]).abs() < 1e-10 * surface.rms);
                 }
                 let highest = fine.iter().cloned().fold(f64::NEG_INFINITY, f64::max);
-                // No mesh point is above the crest, and with 25 points on the shortest wave one is close to it.
+                // No mesh point is above the crest, and with 25 points on the shortest wave one is
+                // close to it.
                 prop_assert!(highest < 1e-12 * surface.rms && highest > -0.05 * surface.rms, "{}", highest);
             }
         }
@@ -411,16 +528,27 @@ mod tests {
         }
     }
 
-    /// Slope of ln of the mean square amplitude per wave against ln q, by least squares over rings of the transformed field.
+    /// Slope of ln of the mean square amplitude per wave against ln q, by least squares over rings
+    /// of the transformed field.
     fn measured_decay(grid: &Grid, low: f64, high: f64) -> f64 {
-        let surface = Rough { hurst: 0.7, rms: 1.0, longest: 5.0, shortest: 0.5, seed: 3 };
+        let surface = Rough {
+            hurst: 0.7,
+            rms: 1.0,
+            longest: 5.0,
+            shortest: 0.5,
+            seed: 3,
+        };
         let height = surface.height(grid).unwrap();
         let fourier: Fourier = Fourier::new(grid.ny, grid.nx);
         let mut spectrum = fourier.spectrum();
         fourier.forward(&height, &mut spectrum, &mut fourier.scratch());
         let (mut n, mut sums) = (0.0, [0.0; 4]);
         for ((x, y), a) in spectrum.indexed_iter() {
-            let y = if 2 * y > grid.ny { y as f64 - grid.ny as f64 } else { y as f64 };
+            let y = if 2 * y > grid.ny {
+                y as f64 - grid.ny as f64
+            } else {
+                y as f64
+            };
             let q = grid.q1() * (x as f64).hypot(y);
             if q > low && q < high {
                 let (u, v) = (q.ln(), a.norm_sqr().ln());
@@ -442,13 +570,22 @@ mod tests {
 
     #[test]
     fn a_ground_takes_no_more_waves_than_its_mesh_has_points_and_all_where_it_shows_them() {
-        let most = Rough { hurst: 0.8, rms: 1.0, longest: 20.0, shortest: 20.0 / WAVES_MAX as f64, seed: 5 };
+        let most = Rough {
+            hurst: 0.8,
+            rms: 1.0,
+            longest: 20.0,
+            shortest: 20.0 / WAVES_MAX as f64,
+            seed: 5,
+        };
         for grid in grids(16) {
             assert!(most.shown(&grid).len() <= grid.points() / 2);
             let height = most.height(&grid).unwrap();
             assert!(height.iter().all(|h| *h <= 1e-12 && h.is_finite()));
         }
-        let some = Rough { shortest: 2.0, ..most };
+        let some = Rough {
+            shortest: 2.0,
+            ..most
+        };
         for grid in grids(24) {
             assert_eq!(some.shown(&grid).len(), some.waves(&grid).len());
         }
@@ -456,7 +593,13 @@ mod tests {
 
     #[test]
     fn a_mesh_too_coarse_for_the_shortest_waves_shows_the_surface_without_them() {
-        let surface = Rough { hurst: 0.8, rms: 1.0, longest: 10.0, shortest: 1.0, seed: 5 };
+        let surface = Rough {
+            hurst: 0.8,
+            rms: 1.0,
+            longest: 10.0,
+            shortest: 1.0,
+            seed: 5,
+        };
         let coarse = Grid::square(20.0, 16);
         assert!(!surface.fits(&coarse) && surface.fits(&Grid::square(20.0, 64)));
         let height = surface.height(&coarse).unwrap();

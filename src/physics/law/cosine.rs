@@ -4,10 +4,12 @@ use super::Form;
 use crate::physics::parameter::{Own, Parameter, Value};
 use std::f64::consts::PI;
 
-/// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the cut-off g_c.
+/// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the
+/// cut-off g_c.
 ///
-/// As printed the parabola is -(1 - (pi x)^2/2), and f'' jumps by a factor 2 at x = 0; `smooth` halves the wall, which makes f
-/// twice continuously differentiable there. At the cut-off f'' jumps from -pi^2/2 to 0 in both variants; x = 1 itself is beyond.
+/// As printed the parabola is -(1 - (pi x)^2/2), and f'' jumps by a factor 2 at x = 0; `smooth`
+/// halves the wall, which makes f twice continuously differentiable there. At the cut-off f'' jumps
+/// from -pi^2/2 to 0 in both variants; x = 1 itself is beyond.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cosine {
     /// True for the variant with continuous stiffness at x = 0.
@@ -30,7 +32,9 @@ impl Own for Cosine {
     }
 
     fn of(values: &[Value]) -> Self {
-        Self { smooth: values[0].flag() }
+        Self {
+            smooth: values[0].flag(),
+        }
     }
 }
 

@@ -4,10 +4,12 @@ use super::{Form, fill_by_point};
 use crate::numerics::exponential::{exp, map_sum};
 use crate::physics::parameter::{BELOW_ONE, Own, Parameter, Value};
 
-/// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to 1e-14.
+/// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to
+/// 1e-14.
 const APART: f64 = 0.95;
 
-/// f = (r e^{-x/r} - e^{-x}) / (1 - r) with 0 < r < 1, the ratio of the repulsive to the attractive range.
+/// f = (r e^{-x/r} - e^{-x}) / (1 - r) with 0 < r < 1, the ratio of the repulsive to the attractive
+/// range.
 ///
 /// Its minimum is -1 at x = 0 for every r; r = 1/2 is the Morse law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,13 +40,16 @@ impl Own for DoubleExponential {
     }
 
     fn of(values: &[Value]) -> Self {
-        Self { ratio: values[0].number() }
+        Self {
+            ratio: values[0].number(),
+        }
     }
 }
 
 impl Form for DoubleExponential {
     fn at(&self, x: f64) -> [f64; 3] {
-        // With m = e^{-x(1-r)/r} - 1 nothing cancels, neither as r -> 1 nor as infinity minus infinity deep in compression.
+        // With m = e^{-x(1-r)/r} - 1 nothing cancels, neither as r -> 1 nor as infinity minus
+        // infinity deep in compression.
         let r = self.ratio;
         let (b, m) = ((-x).exp(), (-x * (1.0 - r) / r).exp_m1());
         let cm = m / (1.0 - r);
@@ -63,7 +68,14 @@ impl Form for DoubleExponential {
         (x, -self.at(x)[2])
     }
 
-    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(
+        &self,
+        gap: &[f64],
+        range: f64,
+        scale: [f64; 3],
+        first: &mut [f64],
+        second: &mut [f64],
+    ) -> f64 {
         let r = self.ratio;
         if r > APART {
             return fill_by_point(self, gap, range, scale, first, second);

@@ -3,8 +3,8 @@
 use super::Form;
 use crate::physics::parameter::{Own, Parameter, Refusal, Value, number};
 
-/// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is singular at zero gap,
-/// and even exponents would give a plausible number on the wrong side of it.
+/// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is
+/// singular at zero gap, and even exponents would give a plausible number on the wrong side of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mie {
     /// Exponent m of the repulsion.
@@ -46,17 +46,29 @@ impl Own for Mie {
     }
 
     fn of(values: &[Value]) -> Self {
-        Self { m: values[0].number(), n: values[1].number() }
+        Self {
+            m: values[0].number(),
+            n: values[1].number(),
+        }
     }
 
     fn check(&self) -> Result<(), Refusal> {
         let (m, n, most) = (self.m, self.n, Self::PARAMETERS[0].range.end());
-        if m > n { Ok(()) } else { Err(Refusal::new("law.m", number(m), &format!("a number above law.n = {n}, at most {most}"))) }
+        if m > n {
+            Ok(())
+        } else {
+            Err(Refusal::new(
+                "law.m",
+                number(m),
+                &format!("a number above law.n = {n}, at most {most}"),
+            ))
+        }
     }
 }
 
 impl Mie {
-    /// (1 - e^{-(m - n) l})/(m - n): the difference of the two powers without cancellation, l where the exponents are one.
+    /// (1 - e^{-(m - n) l})/(m - n): the difference of the two powers without cancellation, l where
+    /// the exponents are one.
     fn split(&self, l: f64) -> f64 {
         let d = self.m - self.n;
         -(-d * l).exp_m1() / d
@@ -78,7 +90,11 @@ impl Form for Mie {
         let l = x.ln();
         // With s = (1 - x^{n-m})/(m - n) nothing cancels as m -> n, where s -> ln x.
         let (b, s) = ((-n * l).exp(), self.split(l));
-        [-b * (n * s + 1.0), m * n * b * s / x, m * n * b * (1.0 - (m + 1.0) * s) / (x * x)]
+        [
+            -b * (n * s + 1.0),
+            m * n * b * s / x,
+            m * n * b * (1.0 - (m + 1.0) * s) / (x * x),
+        ]
     }
 
     fn strongest(&self) -> (f64, f64) {

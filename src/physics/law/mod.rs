@@ -1,9 +1,9 @@
 //! Cohesive laws: interaction energy gamma(g) per area against the gap g.
 //!
-//! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it:
-//! gamma(g) = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
-//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and an [`Own`],
-//! and one word in `kinds!`.
+//! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it: gamma(g)
+//! = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
+//! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and an
+//! [`Own`], and one word in `kinds!`.
 
 mod cosine;
 mod double_exponential;
@@ -25,10 +25,12 @@ pub trait Form {
     /// Gap x and value of the largest traction, max f'.
     fn strongest(&self) -> (f64, f64);
 
-    /// Gap x and value of the largest negative stiffness, max(-f''). Where f'' jumps (the cosine's cut-off) the one-sided limit.
+    /// Gap x and value of the largest negative stiffness, max(-f''). Where f'' jumps (the cosine's
+    /// cut-off) the one-sided limit.
     fn softest(&self) -> (f64, f64);
 
-    /// Gap x of the minimum, f = -1 and f' = 0. Between here and [`Form::softest`] f'' falls steadily from above to below zero.
+    /// Gap x of the minimum, f = -1 and f' = 0. Between here and [`Form::softest`] f'' falls
+    /// steadily from above to below zero.
     fn equilibrium(&self) -> f64 {
         0.0
     }
@@ -38,11 +40,18 @@ pub trait Form {
         true
     }
 
-    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the sum of f. Each is multiplied by its
-    /// `scale`, that of f first.
+    /// f' and f'' of every gap g (in lengths, x = g/range) into `first` and `second`; returns the
+    /// sum of f. Each is multiplied by its `scale`, that of f first.
     ///
     /// One pass over the field; laws made of exponentials replace it by a vectorised kernel.
-    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(
+        &self,
+        gap: &[f64],
+        range: f64,
+        scale: [f64; 3],
+        first: &mut [f64],
+        second: &mut [f64],
+    ) -> f64 {
         fill_by_point(self, gap, range, scale, first, second)
     }
 }
@@ -94,17 +103,28 @@ pub struct Response {
 }
 
 impl Law {
-    /// Energy, traction and stiffness at gap `g` (length). All NaN where the law is not defined (a Mie law at g <= 0).
+    /// Energy, traction and stiffness at gap `g` (length). All NaN where the law is not defined (a
+    /// Mie law at g <= 0).
     pub fn at(&self, g: f64) -> Response {
         let [f, f1, f2] = self.shape.form().at(g / self.range);
         let (gamma, rho) = (self.surface_energy, self.range);
-        Response { energy: gamma * f, traction: gamma / rho * f1, stiffness: gamma / (rho * rho) * f2 }
+        Response {
+            energy: gamma * f,
+            traction: gamma / rho * f1,
+            stiffness: gamma / (rho * rho) * f2,
+        }
     }
 
     /// Traction and stiffness of every gap, in one pass; returns the sum of the energies gamma(g).
     pub fn fill(&self, gap: &[f64], traction: &mut [f64], stiffness: &mut [f64]) -> f64 {
         let (gamma, rho) = (self.surface_energy, self.range);
-        self.shape.form().fill(gap, rho, [gamma, gamma / rho, gamma / (rho * rho)], traction, stiffness)
+        self.shape.form().fill(
+            gap,
+            rho,
+            [gamma, gamma / rho, gamma / (rho * rho)],
+            traction,
+            stiffness,
+        )
     }
 
     /// True if the stiffness is a continuous function of the gap.
@@ -122,12 +142,14 @@ impl Law {
         self.range * self.shape.form().strongest().0
     }
 
-    /// Gap of the minimum of the energy: gamma(g) = -surface_energy, no traction (0, for a Mie law its range).
+    /// Gap of the minimum of the energy: gamma(g) = -surface_energy, no traction (0, for a Mie law
+    /// its range).
     pub fn equilibrium_gap(&self) -> f64 {
         self.range * self.shape.form().equilibrium()
     }
 
-    /// Largest negative stiffness max(-gamma''). For the cosine law the limit at its cut-off from inside.
+    /// Largest negative stiffness max(-gamma''). For the cosine law the limit at its cut-off from
+    /// inside.
     pub fn softening_max(&self) -> f64 {
         self.surface_energy / (self.range * self.range) * self.shape.form().softest().1
     }

@@ -14,7 +14,11 @@ impl Own for Morse {}
 impl Form for Morse {
     fn at(&self, x: f64) -> [f64; 3] {
         let e = (-x).exp();
-        [e * (e - 2.0), 2.0 * e * (1.0 - e), 2.0 * e * (2.0 * e - 1.0)]
+        [
+            e * (e - 2.0),
+            2.0 * e * (1.0 - e),
+            2.0 * e * (2.0 * e - 1.0),
+        ]
     }
 
     fn strongest(&self) -> (f64, f64) {
@@ -25,7 +29,14 @@ impl Form for Morse {
         (2.0 * LN_2, 0.25)
     }
 
-    fn fill(&self, gap: &[f64], range: f64, scale: [f64; 3], first: &mut [f64], second: &mut [f64]) -> f64 {
+    fn fill(
+        &self,
+        gap: &[f64],
+        range: f64,
+        scale: [f64; 3],
+        first: &mut [f64],
+        second: &mut [f64],
+    ) -> f64 {
         let inverse = -1.0 / range;
         let [s, s1, s2] = [scale[0], 2.0 * scale[1], 2.0 * scale[2]];
         map_sum(
@@ -35,7 +46,11 @@ impl Form for Morse {
             #[inline(always)]
             |g| {
                 let e = exp(g * inverse);
-                [s * e * (e - 2.0), s1 * e * (1.0 - e), s2 * e * (2.0 * e - 1.0)]
+                [
+                    s * e * (e - 2.0),
+                    s1 * e * (1.0 - e),
+                    s2 * e * (2.0 * e - 1.0),
+                ]
             },
         )
     }

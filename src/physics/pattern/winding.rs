@@ -5,10 +5,12 @@ use ndarray::ArrayView2;
 /// Turns around the cell along x and along y.
 type Turns = [i64; 2];
 
-/// The largest rank, 0 to 2, of the winding lattices of the components of {gap < threshold}; 0 if nothing is below.
+/// The largest rank, 0 to 2, of the winding lattices of the components of {gap < threshold}; 0 if
+/// nothing is below.
 ///
-/// Components are joined over the four nearest neighbours on the torus. The work is done on runs (contiguous stretches of a row),
-/// of which there are few, so that the cost is one pass over the field.
+/// Components are joined over the four nearest neighbours on the torus. The work is done on runs
+/// (contiguous stretches of a row), of which there are few, so that the cost is one pass over the
+/// field.
 pub(super) fn rank(gap: ArrayView2<f64>, threshold: f64) -> u8 {
     let (ny, nx) = gap.dim();
     let mut runs: Vec<(usize, usize)> = Vec::new();
@@ -35,21 +37,42 @@ pub(super) fn rank(gap: ArrayView2<f64>, threshold: f64) -> u8 {
         if end > first && runs[first].0 == 0 && runs[end - 1].1 == nx {
             forest.join(end - 1, first, [1, 0]);
         }
-        let (below, turns) = if j + 1 < ny { (j + 1, [0, 0]) } else { (0, [0, 1]) };
-        join_rows(&mut forest, &runs, (first, end), (rows[below], rows[below + 1]), turns);
+        let (below, turns) = if j + 1 < ny {
+            (j + 1, [0, 0])
+        } else {
+            (0, [0, 1])
+        };
+        join_rows(
+            &mut forest,
+            &runs,
+            (first, end),
+            (rows[below], rows[below + 1]),
+            turns,
+        );
     }
     // Over roots and former roots alike: a rank once reached stays.
     forest.trees.iter().map(|tree| tree.rank).max().unwrap_or(0)
 }
 
-/// Joins the overlapping runs of two neighbouring rows, given as index ranges into `runs`; both are sorted, so one sweep does.
-fn join_rows(forest: &mut Forest, runs: &[(usize, usize)], upper: (usize, usize), lower: (usize, usize), turns: Turns) {
+/// Joins the overlapping runs of two neighbouring rows, given as index ranges into `runs`; both are
+/// sorted, so one sweep does.
+fn join_rows(
+    forest: &mut Forest,
+    runs: &[(usize, usize)],
+    upper: (usize, usize),
+    lower: (usize, usize),
+    turns: Turns,
+) {
     let (mut a, mut b) = (upper.0, lower.0);
     while a < upper.1 && b < lower.1 {
         if runs[a].0.max(runs[b].0) < runs[a].1.min(runs[b].1) {
             forest.join(a, b, turns);
         }
-        if runs[a].1 < runs[b].1 { a += 1 } else { b += 1 }
+        if runs[a].1 < runs[b].1 {
+            a += 1;
+        } else {
+            b += 1;
+        }
     }
 }
 
@@ -57,10 +80,12 @@ fn join_rows(forest: &mut Forest, runs: &[(usize, usize)], upper: (usize, usize)
 #[derive(Clone, Copy)]
 struct Tree {
     parent: usize,
-    /// Copy of the cell in which this node lies, relative to its parent's, when the component is unrolled into the plane.
+    /// Copy of the cell in which this node lies, relative to its parent's, when the component is
+    /// unrolled into the plane.
     offset: Turns,
     size: usize,
-    /// Rank of the loops found so far, and the latest independent one of them; kept up to date at the root only.
+    /// Rank of the loops found so far, and the latest independent one of them; kept up to date at
+    /// the root only.
     rank: u8,
     generator: Turns,
 }
@@ -72,8 +97,16 @@ struct Forest {
 
 impl Forest {
     fn new(nodes: usize) -> Self {
-        let tree = |parent| Tree { parent, offset: [0, 0], size: 1, rank: 0, generator: [0, 0] };
-        Self { trees: (0..nodes).map(tree).collect() }
+        let tree = |parent| Tree {
+            parent,
+            offset: [0, 0],
+            size: 1,
+            rank: 0,
+            generator: [0, 0],
+        };
+        Self {
+            trees: (0..nodes).map(tree).collect(),
+        }
     }
 
     /// Root of a node and the node's offset from it. Halves the path on the way.
@@ -107,7 +140,11 @@ impl Forest {
             (root_b, root_a, sub([0, 0], way))
         };
         let dropped = self.trees[drop];
-        self.trees[drop] = Tree { parent: keep, offset, ..dropped };
+        self.trees[drop] = Tree {
+            parent: keep,
+            offset,
+            ..dropped
+        };
         self.trees[keep].size += dropped.size;
         self.note_loop(keep, dropped.generator);
     }

@@ -1,7 +1,8 @@
 //! The paper's asymptotes at zero range (Eqs 22 to 29), right and as printed.
 //!
-//! Reduced units throughout: vhat per E* u0^2/L, u~ = u0/sqrt(gamma L/E*), p~ = p u0/gamma. Eq. 25 is Eq. 26 with dimensions, where
-//! the print lacks a square: p/E* = -(4 gamma^2/(pi L E*^2 u0))^(1/3).
+//! Reduced units throughout: vhat per E* u0^2/L, u~ = u0/sqrt(gamma L/E*), p~ = p u0/gamma. Eq. 25
+//! is Eq. 26 with dimensions, where the print lacks a square: p/E* = -(4 gamma^2/(pi L E*^2
+//! u0))^(1/3).
 
 use super::ridge;
 use std::f64::consts::{LN_2, PI, SQRT_2};
@@ -11,12 +12,14 @@ pub const THIN_CONSTANT: f64 = 0.5 * LN_2;
 /// c as printed, from a stress that goes as sqrt(1 - x^2), not 1/sqrt(1 - x^2).
 pub const THIN_CONSTANT_PRINTED: f64 = 0.3079;
 
-/// vhat of the thick ridge, alpha -> 0 (Eq. 22): 2/(pi alpha^2). The next term is smaller by (pi alpha)^2/24.
+/// vhat of the thick ridge, alpha -> 0 (Eq. 22): 2/(pi alpha^2). The next term is smaller by (pi
+/// alpha)^2/24.
 pub fn ridge_thick(alpha: f64) -> f64 {
     2.0 / (PI * alpha * alpha)
 }
 
-/// vhat of the thin ridge, abar = 1 - alpha -> 0 (Eq. 22 as meant, Eq. A7): -pi/(4 ln(pi abar) - 8 c).
+/// vhat of the thin ridge, abar = 1 - alpha -> 0 (Eq. 22 as meant, Eq. A7): -pi/(4 ln(pi abar) - 8
+/// c).
 ///
 /// The print has ln(pi alpha) + 8 c, which is negative near alpha = 1.
 pub fn ridge_thin(abar: f64, c: f64) -> f64 {
@@ -52,7 +55,8 @@ pub struct Flattening {
     pub pressure_root: f64,
 }
 
-/// As printed in and after Eqs 24 and 27. (p^(1/2) lacks the root of -2/u''; in p_c a digit of vhat_c went astray.)
+/// As printed in and after Eqs 24 and 27. (p^(1/2) lacks the root of -2/u''; in p_c a digit of
+/// vhat_c went astray.)
 pub const FLATTENING_PRINTED: Flattening = Flattening {
     alpha: 0.909,
     elastic_energy: 0.4204,
@@ -94,7 +98,8 @@ impl Flattening {
     }
 }
 
-/// Neighbours of a square lattice raise 1/vhat of a bulge by this, twice: 1/(2 vhat) = 1/abar - this + ...
+/// Neighbours of a square lattice raise 1/vhat of a bulge by this, twice: 1/(2 vhat) = 1/abar -
+/// this + ...
 const LATTICE: f64 = 1.2414929;
 /// The next order for either pattern: the field of the neighbours.
 const NEIGHBOURS: f64 = 0.2396265;

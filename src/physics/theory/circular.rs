@@ -1,14 +1,16 @@
 //! Dimple and bulge of an adhesion without range (Griffith), in a periodic square cell.
 //!
-//! A dimple of diameter alpha L is out of contact, or a bulge of diameter abar L in contact; `size` is either. With
-//! u~ = u0/sqrt(gamma L/E*), energies per area in units of gamma and W = 0 for the flat separated state,
+//! A dimple of diameter alpha L is out of contact, or a bulge of diameter abar L in contact; `size`
+//! is either. With u~ = u0/sqrt(gamma L/E*), energies per area in units of gamma and W = 0 for the
+//! flat separated state,
 //!
 //! ```text
 //! W = u~^2 vhat(size) - ahat(size),   ahat = 1 - pi alpha^2/4 (dimple), pi abar^2/4 (bulge),
 //! ```
 //!
-//! and equilibrium is dW/dsize = 0 (Eq. 17), with p~ = -2 u~^2 vhat (Eqs 18 and 19). Each pattern has one fold: a largest u~. The
-//! dimple is stable against growing and shrinking below the fold's size, the bulge above it.
+//! and equilibrium is dW/dsize = 0 (Eq. 17), with p~ = -2 u~^2 vhat (Eqs 18 and 19). Each pattern
+//! has one fold: a largest u~. The dimple is stable against growing and shrinking below the fold's
+//! size, the bulge above it.
 
 use super::discs::{self, Kind};
 use super::{boundary, ridge};
@@ -27,7 +29,8 @@ const POINTS: usize = 24;
 #[derive(Debug)]
 pub struct Pattern {
     kind: Kind,
-    /// vhat times size^3 (dimple) or over size (bulge) and its two derivatives, as functions of -ln(1 - size): smooth up to 1.
+    /// vhat times size^3 (dimple) or over size (bulge) and its two derivatives, as functions of
+    /// -ln(1 - size): smooth up to 1.
     scaled: [Chebyshev; 3],
 }
 
@@ -71,11 +74,18 @@ impl Pattern {
             // Nodes keep off the end x = 0.
             let size = -(-x).exp_m1();
             let vhat = discs::elastic_energy(kind, size);
-            if kind == Kind::Dimple { vhat * size.powi(3) } else { vhat / size }
+            if kind == Kind::Dimple {
+                vhat * size.powi(3)
+            } else {
+                vhat / size
+            }
         });
         let slope = scaled.derivative();
         let curvature = slope.derivative();
-        Self { kind, scaled: [scaled, slope, curvature] }
+        Self {
+            kind,
+            scaled: [scaled, slope, curvature],
+        }
     }
 
     /// vhat and its first two derivatives by size, for 0 < size <= [`SIZE_MAX`].
@@ -89,7 +99,11 @@ impl Pattern {
             Kind::Dimple => {
                 let s = 1.0 / size;
                 let cube = s * s * s;
-                [f * cube, (f1 - 3.0 * f * s) * cube, (f2 - 6.0 * f1 * s + 12.0 * f * s * s) * cube]
+                [
+                    f * cube,
+                    (f1 - 3.0 * f * s) * cube,
+                    (f2 - 6.0 * f1 * s + 12.0 * f * s * s) * cube,
+                ]
             }
             Kind::Bulge => [f * size, f1 * size + f, f2 * size + 2.0 * f1],
         }
@@ -98,7 +112,11 @@ impl Pattern {
     /// Share of the cell in contact, ahat (Eq. 16).
     pub fn contact_area(&self, size: f64) -> f64 {
         let disc = FRAC_PI_4 * size * size;
-        if self.kind == Kind::Dimple { 1.0 - disc } else { disc }
+        if self.kind == Kind::Dimple {
+            1.0 - disc
+        } else {
+            disc
+        }
     }
 
     /// The equilibrium of this `size` (Eqs 17 and 18), 0 < size <= [`SIZE_MAX`].
@@ -107,19 +125,26 @@ impl Pattern {
         let contact = FRAC_PI_2 * size * if self.kind == Kind::Dimple { -1.0 } else { 1.0 };
         let square = contact / vhat[1];
         let energy = square * vhat[0] - self.contact_area(size);
-        State { size, displacement: square.sqrt(), pressure: -2.0 * square * vhat[0], energy }
+        State {
+            size,
+            displacement: square.sqrt(),
+            pressure: -2.0 * square * vhat[0],
+            energy,
+        }
     }
 
     /// The fold: the largest u~ at which the pattern exists.
     pub fn fold(&self) -> State {
-        // 1/u~^2 = vhat'/ahat' is least where vhat''/vhat' = 1/size; it falls before and rises after.
+        // 1/u~^2 = vhat'/ahat' is least where vhat''/vhat' = 1/size; it falls before and rises
+        // after.
         self.state(boundary(0.1, SIZE_MAX, |size| {
             let vhat = self.elastic_energy(size);
             vhat[2] / vhat[1] < 1.0 / size
         }))
     }
 
-    /// Size of the pattern at `displacement` u~ on a part of its branch; `None` where there is none, or beyond [`SIZE_MAX`].
+    /// Size of the pattern at `displacement` u~ on a part of its branch; `None` where there is
+    /// none, or beyond [`SIZE_MAX`].
     pub fn size(&self, displacement: f64, part: Part) -> Option<f64> {
         let fold = self.fold();
         if !(displacement > 0.0 && displacement <= fold.displacement) {
@@ -131,30 +156,43 @@ impl Pattern {
         if !below(end) {
             return None;
         }
-        Some(if small { boundary(end, fold.size, below) } else { boundary(fold.size, end, |size| !below(size)) })
+        Some(if small {
+            boundary(end, fold.size, below)
+        } else {
+            boundary(fold.size, end, |size| !below(size))
+        })
     }
 
-    /// The equilibrium at `displacement` u~ on a part of the branch; `None` as in [`Pattern::size`].
+    /// The equilibrium at `displacement` u~ on a part of the branch; `None` as in
+    /// [`Pattern::size`].
     pub fn at(&self, displacement: f64, part: Part) -> Option<State> {
         self.size(displacement, part).map(|size| self.state(size))
     }
 
-    /// The equilibrium whose circle begins to give way to an ellipse (axes along the cell's): the curvature of vhat against the
-    /// stretch at constant area vanishes. The dimple is stable below this size, the bulge above the fold and below this size.
+    /// The equilibrium whose circle begins to give way to an ellipse (axes along the cell's): the
+    /// curvature of vhat against the stretch at constant area vanishes. The dimple is stable below
+    /// this size, the bulge above the fold and below this size.
     ///
-    /// An upper estimate of the limit: edges may bend in other ways too. Takes a tenth of a second, once.
+    /// An upper estimate of the limit: edges may bend in other ways too. Takes a tenth of a second,
+    /// once.
     pub fn elliptic_limit(&self) -> State {
         static LIMITS: [OnceLock<f64>; 2] = [OnceLock::new(), OnceLock::new()];
-        let (dimple, place) = (self.kind == Kind::Dimple, &LIMITS[usize::from(self.kind == Kind::Dimple)]);
+        let (dimple, place) = (
+            self.kind == Kind::Dimple,
+            &LIMITS[usize::from(self.kind == Kind::Dimple)],
+        );
         let between = if dimple { [0.86, 0.87] } else { [0.65, 0.66] };
-        self.state(*place.get_or_init(|| secant(between, |size| ellipse_curvature(self.kind, size))))
+        self.state(
+            *place.get_or_init(|| secant(between, |size| ellipse_curvature(self.kind, size))),
+        )
     }
 }
 
 /// (vhat(stretch) - vhat(0))/stretch^2, which is half the curvature, without its next order.
 fn ellipse_curvature(kind: Kind, size: f64) -> f64 {
     let circle = discs::elastic_energy(kind, size);
-    let at = |stretch: f64| (discs::ellipse_energy(kind, size, stretch) - circle) / (stretch * stretch);
+    let at =
+        |stretch: f64| (discs::ellipse_energy(kind, size, stretch) - circle) / (stretch * stretch);
     (4.0 * at(0.005) - at(0.01)) / 3.0
 }
 
@@ -185,7 +223,11 @@ pub struct EqualEnergy {
 /// The crossings of the stable branches' energies.
 pub fn equal_energy() -> EqualEnergy {
     let ridge = |u: f64| ridge::alpha(u).map_or(f64::NAN, |alpha| ridge::energy(alpha, u));
-    let of = |pattern: &Pattern, u: f64| pattern.at(u, Part::Stable).map_or(f64::NAN, |state| state.energy);
+    let of = |pattern: &Pattern, u: f64| {
+        pattern
+            .at(u, Part::Stable)
+            .map_or(f64::NAN, |state| state.energy)
+    };
     EqualEnergy {
         dimple_ridge: boundary(0.1, 0.45, |u| of(dimple(), u) < ridge(u)),
         ridge_bulge: boundary(0.3, 0.6, |u| ridge(u) < of(bulge(), u)),

@@ -4,32 +4,39 @@ use super::boundary;
 use crate::physics::law::Law;
 use std::f64::consts::PI;
 
-/// The stability of the flat state at gap `u0`: its smallest Hessian eigenvalue pi + L gamma''(u0)/E*, in units of E*/L.
+/// The stability of the flat state at gap `u0`: its smallest Hessian eigenvalue pi + L
+/// gamma''(u0)/E*, in units of E*/L.
 pub fn stiffness_min(law: &Law, length: f64, u0: f64) -> f64 {
     PI + length * law.at(u0).stiffness
 }
 
-/// The side L_c (length) of the smallest cell in which the flat state can become unstable (Eq. 7), pi E*/max(-gamma'').
+/// The side L_c (length) of the smallest cell in which the flat state can become unstable (Eq. 7),
+/// pi E*/max(-gamma'').
 ///
-/// Morse: 4 pi rho^2 E*/gamma. The same for a square and a line cell, whose longest waves are the same.
+/// Morse: 4 pi rho^2 E*/gamma. The same for a square and a line cell, whose longest waves are the
+/// same.
 pub fn critical_length(law: &Law) -> f64 {
     PI / law.softening_max()
 }
 
-/// The (lower, upper) gaps between which the flat state of a cell of side `length` is unstable: pi E*/L + gamma'' = 0.
+/// The (lower, upper) gaps between which the flat state of a cell of side `length` is unstable: pi
+/// E*/L + gamma'' = 0.
 ///
-/// Upper is met on approach, lower on retraction; for Morse they are Eq. 8. `None` where the cell is too small to become unstable,
-/// L <= L_c ([`critical_length`]). Exact to rounding, of which the conditioning near L_c leaves half the digits.
+/// Upper is met on approach, lower on retraction; for Morse they are Eq. 8. `None` where the cell
+/// is too small to become unstable, L <= L_c ([`critical_length`]). Exact to rounding, of which the
+/// conditioning near L_c leaves half the digits.
 pub fn limits(law: &Law, length: f64) -> Option<(f64, f64)> {
     if length <= critical_length(law) {
         return None;
     }
     let stable = |gap: f64| stiffness_min(law, length, gap) > 0.0;
     let softest = law.softest_gap();
-    // The law is stiff at its equilibrium, so that this bracket holds, and a Mie law is never asked at or below zero gap.
+    // The law is stiff at its equilibrium, so that this bracket holds, and a Mie law is never asked
+    // at or below zero gap.
     let lower = boundary(law.equilibrium_gap(), softest, stable);
     if stable(softest) {
-        // The stiffness jumps here (the cosine's cut-off): unstable just below, free of forces from here on.
+        // The stiffness jumps here (the cosine's cut-off): unstable just below, free of forces from
+        // here on.
         return Some((lower, softest));
     }
     let mut width = law.range;
@@ -37,5 +44,8 @@ pub fn limits(law: &Law, length: f64) -> Option<(f64, f64)> {
     while width.is_finite() && !stable(softest + width) {
         width *= 2.0;
     }
-    Some((lower, boundary(softest, softest + width, |gap| !stable(gap))))
+    Some((
+        lower,
+        boundary(softest, softest + width, |gap| !stable(gap)),
+    ))
 }

@@ -1,13 +1,16 @@
-//! A tip without range of adhesion on an endless half-space: Johnson, Kendall, Roberts (1971), by the radius a of the contact.
+//! A tip without range of adhesion on an endless half-space: Johnson, Kendall, Roberts (1971), by
+//! the radius a of the contact.
 //!
-//! With E* = 1, forces positive in tension, and u0 the height of the far surface above the tip's apex (so that -u0 is the depth d):
+//! With E* = 1, forces positive in tension, and u0 the height of the far surface above the tip's
+//! apex (so that -u0 is the depth d):
 //!
 //! ```text
 //! F = sqrt(8 pi gamma a^3) - 4 a^3/(3 R),   u0 = sqrt(2 pi gamma a) - a^2/R,   F = dU/du0 along the branch.
 //! ```
 //!
-//! Approaching, nothing happens before the surfaces touch at u0 = 0; there the contact jumps open. Retracting, the branch turns back
-//! at `F = 5/9` of the pull-off force. Driven by force instead it ends at the pull-off force.
+//! Approaching, nothing happens before the surfaces touch at u0 = 0; there the contact jumps open.
+//! Retracting, the branch turns back at `F = 5/9` of the pull-off force. Driven by force instead it
+//! ends at the pull-off force.
 
 use std::f64::consts::PI;
 
@@ -36,10 +39,14 @@ pub struct Contact {
 impl Jkr {
     /// The state with a contact of radius `a`.
     pub fn contact(&self, a: f64) -> Contact {
-        let Self { radius, surface_energy } = *self;
+        let Self {
+            radius,
+            surface_energy,
+        } = *self;
         let depth = a * a / radius - self.opening(a);
         // The work of pressing in with the contact held at a, as by a punch of the tip's shape.
-        let elastic = a * depth * depth - 2.0 / 3.0 * a.powi(3) * depth / radius + 0.2 * a.powi(5) / (radius * radius);
+        let elastic = a * depth * depth - 2.0 / 3.0 * a.powi(3) * depth / radius
+            + 0.2 * a.powi(5) / (radius * radius);
         Contact {
             radius: a,
             displacement: -depth,
@@ -48,7 +55,8 @@ impl Jkr {
         }
     }
 
-    /// sqrt(2 pi gamma a): how far adhesion pulls the contact out of its Hertzian depth (length). By it the edge is in equilibrium.
+    /// sqrt(2 pi gamma a): how far adhesion pulls the contact out of its Hertzian depth (length).
+    /// By it the edge is in equilibrium.
     pub fn opening(&self, a: f64) -> f64 {
         (2.0 * PI * self.surface_energy * a).sqrt()
     }
@@ -88,7 +96,8 @@ impl Jkr {
         self.end_of_displacement().energy
     }
 
-    /// V_hys = 7.092196 (gamma^5 R^4/E*^2)^(1/3): the energy that a closed loop driven by displacement loses.
+    /// V_hys = 7.092196 (gamma^5 R^4/E*^2)^(1/3): the energy that a closed loop driven by
+    /// displacement loses.
     pub fn dissipation(&self) -> f64 {
         self.jump_in() + self.snap_off()
     }

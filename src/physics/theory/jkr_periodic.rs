@@ -7,9 +7,10 @@
 //! c_k = (1 3 .. (2k-1))^2/(4^k k!^2) sum' |R|^-(2k+1)   over the lattice without its origin (c_0 by continuation),
 //! ```
 //!
-//! up to terms of the lattice's fourfold symmetry, which do not act on a circular contact to first order. The images thus add
-//! even powers of r to the shape of the tip, in proportion to the moments of the pressure, and a tip of such a shape is solved in
-//! closed form (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)): with theta(t) the load density of concentric punches of radius t,
+//! up to terms of the lattice's fourfold symmetry, which do not act on a circular contact to first
+//! order. The images thus add even powers of r to the shape of the tip, in proportion to the
+//! moments of the pressure, and a tip of such a shape is solved in closed form (I. N. Sneddon, Int.
+//! J. Eng. Sci. 3, 47 (1965)): with theta(t) the load density of concentric punches of radius t,
 //!
 //! ```text
 //! theta(t) = depth - sum_k m_k b_k t^2k for a tip sum_k b_k r^2k,  M_k = 2 m_k int_0^a theta t^2k dt,  m_k = 4^k k!^2/(2k)!,
@@ -21,7 +22,8 @@ use super::boundary;
 use super::jkr::Jkr;
 use std::f64::consts::PI;
 
-/// Highest k: the series goes by (2a/L)^2, and what comes after adds less than 1e-8 to V_hys for contacts up to a = 0.15 L.
+/// Highest k: the series goes by (2a/L)^2, and what comes after adds less than 1e-8 to V_hys for
+/// contacts up to a = 0.15 L.
 const ORDER: usize = 6;
 
 /// A tip in a periodic cell.
@@ -31,8 +33,8 @@ pub struct PeriodicJkr {
     pub tip: Jkr,
     /// Side L of the cell (length).
     pub length: f64,
-    /// Powers s^2k of the images' field that are kept. 0: images lift or lower the surface as a whole; 1: they bend it, and their
-    /// own extent counts; ...
+    /// Powers s^2k of the images' field that are kept. 0: images lift or lower the surface as a
+    /// whole; 1: they bend it, and their own extent counts; ...
     pub order: usize,
 }
 
@@ -50,7 +52,11 @@ pub struct Contact {
 impl PeriodicJkr {
     /// With everything that counts.
     pub fn new(tip: Jkr, length: f64) -> Self {
-        Self { tip, length, order: ORDER }
+        Self {
+            tip,
+            length,
+            order: ORDER,
+        }
     }
 
     /// The state with a contact of radius `a`, well below L/2.
@@ -60,7 +66,10 @@ impl PeriodicJkr {
         // Each image changes the shape by a share of (a/L)^3 of the force: this converges at once.
         for _ in 0..40 {
             let shape = self.shape(&moments, &coefficients);
-            let depth = (1..=ORDER).map(|k| punch(k) * shape[k] * a.powi(2 * k as i32)).sum::<f64>() - self.tip.opening(a);
+            let depth = (1..=ORDER)
+                .map(|k| punch(k) * shape[k] * a.powi(2 * k as i32))
+                .sum::<f64>()
+                - self.tip.opening(a);
             for (j, moment) in moments.iter_mut().enumerate() {
                 let integral = |k: usize| a.powi(2 * (j + k) as i32 + 1) / (2 * (j + k) + 1) as f64;
                 let dented: f64 = (1..=ORDER).map(|k| punch(k) * shape[k] * integral(k)).sum();
@@ -68,18 +77,31 @@ impl PeriodicJkr {
             }
         }
         let shape = self.shape(&moments, &coefficients);
-        let depth = (1..=ORDER).map(|k| punch(k) * shape[k] * a.powi(2 * k as i32)).sum::<f64>() - self.tip.opening(a);
-        Contact { radius: a, mean_displacement: -depth - shape[0], force: -moments[0] }
+        let depth = (1..=ORDER)
+            .map(|k| punch(k) * shape[k] * a.powi(2 * k as i32))
+            .sum::<f64>()
+            - self.tip.opening(a);
+        Contact {
+            radius: a,
+            mean_displacement: -depth - shape[0],
+            force: -moments[0],
+        }
     }
 
     /// The coefficients of r^2k in the tip's shape, images included.
-    fn shape(&self, moments: &[f64; ORDER + 1], coefficients: &[f64; ORDER + 1]) -> [f64; ORDER + 1] {
+    fn shape(
+        &self,
+        moments: &[f64; ORDER + 1],
+        coefficients: &[f64; ORDER + 1],
+    ) -> [f64; ORDER + 1] {
         let mut shape = [0.0; ORDER + 1];
         let order = self.order.min(ORDER);
         for i in 0..=order {
             for j in 0..=order - i {
-                // The mean of |r - r'|^2k over the angle between them is the sum of binomial(k, i)^2 r^2i r'^2j with i + j = k.
-                let image = coefficients[i + j] * binomial(i + j, i).powi(2) / self.length.powi(2 * (i + j) as i32 + 1);
+                // The mean of |r - r'|^2k over the angle between them is the sum of binomial(k,
+                // i)^2 r^2i r'^2j with i + j = k.
+                let image = coefficients[i + j] * binomial(i + j, i).powi(2)
+                    / self.length.powi(2 * (i + j) as i32 + 1);
                 shape[i] += image * moments[j] / PI;
             }
         }
@@ -90,43 +112,62 @@ impl PeriodicJkr {
     /// The last stable state at a given displacement, where u0 is largest.
     pub fn end_of_displacement(&self) -> Contact {
         let alone = self.tip.end_of_displacement().radius;
-        let rising = |a: f64| self.contact(a * (1.0 + 1e-5)).mean_displacement > self.contact(a * (1.0 - 1e-5)).mean_displacement;
+        let rising = |a: f64| {
+            self.contact(a * (1.0 + 1e-5)).mean_displacement
+                > self.contact(a * (1.0 - 1e-5)).mean_displacement
+        };
         self.contact(boundary(0.5 * alone, 1.5 * alone, rising))
     }
 
     /// The state of the largest force.
     pub fn pull_off(&self) -> Contact {
         let alone = self.tip.end_under_force().radius;
-        let rising = |a: f64| self.contact(a * (1.0 + 1e-5)).force > self.contact(a * (1.0 - 1e-5)).force;
+        let rising =
+            |a: f64| self.contact(a * (1.0 + 1e-5)).force > self.contact(a * (1.0 - 1e-5)).force;
         self.contact(boundary(0.5 * alone, 1.5 * alone, rising))
     }
 
     /// The contact just after the flat surface has touched at u0 = 0.
     pub fn touch(&self) -> Contact {
         let alone = self.tip.touch().radius;
-        self.contact(boundary(self.end_of_displacement().radius, 1.5 * alone, |a| self.contact(a).mean_displacement > 0.0))
+        self.contact(boundary(
+            self.end_of_displacement().radius,
+            1.5 * alone,
+            |a| self.contact(a).mean_displacement > 0.0,
+        ))
     }
 
     /// The contact without force.
     pub fn zero_load(&self) -> Contact {
         let alone = self.tip.zero_load().radius;
-        self.contact(boundary(0.8 * alone, 1.3 * alone, |a| self.contact(a).force > 0.0))
+        self.contact(boundary(0.8 * alone, 1.3 * alone, |a| {
+            self.contact(a).force > 0.0
+        }))
     }
 
-    /// V_hys: the energy (E* times volume) that a closed loop driven by displacement loses, the integral of F du0 from the touch to
-    /// the end of the branch.
+    /// V_hys: the energy (E* times volume) that a closed loop driven by displacement loses, the
+    /// integral of F du0 from the touch to the end of the branch.
     pub fn dissipation(&self) -> f64 {
         const PIECES: usize = 256;
         let (from, to) = (self.touch().radius, self.end_of_displacement().radius);
-        let states: Vec<Contact> =
-            (0..=2 * PIECES).map(|i| self.contact(from + (to - from) * i as f64 / (2 * PIECES) as f64)).collect();
-        // Simpson's rule for F du0/da, with the slope of the parabola through the same three states.
+        let states: Vec<Contact> = (0..=2 * PIECES)
+            .map(|i| self.contact(from + (to - from) * i as f64 / (2 * PIECES) as f64))
+            .collect();
+        // Simpson's rule for F du0/da, with the slope of the parabola through the same three
+        // states.
         states
             .windows(3)
             .step_by(2)
             .map(|s| {
-                let [u, f] = [[0, 1, 2].map(|i| s[i].mean_displacement), [0, 1, 2].map(|i| s[i].force)];
-                let slope = [-1.5 * u[0] + 2.0 * u[1] - 0.5 * u[2], 0.5 * (u[2] - u[0]), 0.5 * u[0] - 2.0 * u[1] + 1.5 * u[2]];
+                let [u, f] = [
+                    [0, 1, 2].map(|i| s[i].mean_displacement),
+                    [0, 1, 2].map(|i| s[i].force),
+                ];
+                let slope = [
+                    -1.5 * u[0] + 2.0 * u[1] - 0.5 * u[2],
+                    0.5 * (u[2] - u[0]),
+                    0.5 * u[0] - 2.0 * u[1] + 1.5 * u[2],
+                ];
                 (f[0] * slope[0] + 4.0 * f[1] * slope[1] + f[2] * slope[2]) / 3.0
             })
             .sum()
@@ -135,25 +176,31 @@ impl PeriodicJkr {
 
 /// m_k.
 fn punch(k: usize) -> f64 {
-    (1..=k).map(|i| 2.0 * i as f64 / (2 * i - 1) as f64).product()
+    (1..=k)
+        .map(|i| 2.0 * i as f64 / (2 * i - 1) as f64)
+        .product()
 }
 
 fn binomial(n: usize, k: usize) -> f64 {
     (1..=k).map(|i| (n + 1 - i) as f64 / i as f64).product()
 }
 
-/// c_k. Over the square lattice the sum of |R|^-2s is 4 zeta(s) beta(s), both of them from alternating series.
+/// c_k. Over the square lattice the sum of |R|^-2s is 4 zeta(s) beta(s), both of them from
+/// alternating series.
 fn coefficients() -> [f64; ORDER + 1] {
     std::array::from_fn(|k| {
         let s = k as f64 + 0.5;
         let zeta = alternating(|n| (n as f64 + 1.0).powf(-s)) / (1.0 - 2.0_f64.powf(1.0 - s));
         let beta = alternating(|n| (2.0 * n as f64 + 1.0).powf(-s));
-        let ratio: f64 = (1..=k).map(|i| ((2 * i - 1) as f64 / (2 * i) as f64).powi(2)).product();
+        let ratio: f64 = (1..=k)
+            .map(|i| ((2 * i - 1) as f64 / (2 * i) as f64).powi(2))
+            .product();
         4.0 * zeta * beta * ratio
     })
 }
 
-/// The sum of (-1)^n a(n), to rounding (H. Cohen, F. Rodriguez Villegas, D. Zagier, Exp. Math. 9, 3 (2000), algorithm 1).
+/// The sum of (-1)^n a(n), to rounding (H. Cohen, F. Rodriguez Villegas, D. Zagier, Exp. Math. 9, 3
+/// (2000), algorithm 1).
 fn alternating(a: impl Fn(usize) -> f64) -> f64 {
     const TERMS: usize = 24;
     let n = TERMS as f64;

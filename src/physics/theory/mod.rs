@@ -1,6 +1,7 @@
 //! Closed forms and fast series: production code and oracles at once.
 //!
-//! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made dimensionless by [`units`].
+//! Contact modulus E* = 1 throughout. What is written with a tilde in the paper is made
+//! dimensionless by [`units`].
 
 pub mod asymptotes;
 pub mod circular;
@@ -13,7 +14,8 @@ pub mod ridge;
 pub mod tabor;
 pub mod units;
 
-/// The point between `below` and `above` where `is_below` turns from true to false, to the last bit.
+/// The point between `below` and `above` where `is_below` turns from true to false, to the last
+/// bit.
 ///
 /// `is_below` is never evaluated at the two ends, so that they may lie where it has no meaning.
 fn boundary(mut below: f64, mut above: f64, is_below: impl Fn(f64) -> bool) -> f64 {

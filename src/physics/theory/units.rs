@@ -20,23 +20,27 @@ impl Units {
         length / self.displacement()
     }
 
-    /// The displacement or range (length) of a dimensionless `reduced` one; inverts [`Units::reduce`].
+    /// The displacement or range (length) of a dimensionless `reduced` one; inverts
+    /// [`Units::reduce`].
     pub fn restore(&self, reduced: f64) -> f64 {
         reduced * self.displacement()
     }
 
-    /// p~ = p u0/gamma of a mean `stress` (E*, tensile positive) at `mean_displacement`; the pressure p is minus the stress.
+    /// p~ = p u0/gamma of a mean `stress` (E*, tensile positive) at `mean_displacement`; the
+    /// pressure p is minus the stress.
     pub fn pressure(&self, stress: f64, mean_displacement: f64) -> f64 {
         -stress * mean_displacement / self.surface_energy
     }
 
-    /// The mean stress (E*, tensile positive) of p~ at `mean_displacement` (not zero); inverts [`Units::pressure`].
+    /// The mean stress (E*, tensile positive) of p~ at `mean_displacement` (not zero); inverts
+    /// [`Units::pressure`].
     pub fn stress(&self, pressure: f64, mean_displacement: f64) -> f64 {
         -pressure * self.surface_energy / mean_displacement
     }
 }
 
-/// L/L_c = 1/(4 pi rho~^2) for the Morse law; other laws: length over [`super::flat::critical_length`].
+/// L/L_c = 1/(4 pi rho~^2) for the Morse law; other laws: length over
+/// [`super::flat::critical_length`].
 pub fn length_ratio(range: f64) -> f64 {
     1.0 / (4.0 * std::f64::consts::PI * range * range)
 }

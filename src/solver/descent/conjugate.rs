@@ -1,4 +1,5 @@
-//! Nonlinear conjugate gradients (Polak-Ribiere+) with a secant search that knows the curvature of the last direction.
+//! Nonlinear conjugate gradients (Polak-Ribiere+) with a secant search that knows the curvature of
+//! the last direction.
 
 use super::{Landscape, Lost};
 use crate::numerics::vector::{add, dot};

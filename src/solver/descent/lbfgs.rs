@@ -13,7 +13,8 @@ const SLOPE: f64 = 0.9;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Memory {
     pairs: VecDeque<Pair>,
-    /// Where the last relaxation ended. From anywhere else (after a jump, or a failed increment) the pairs are another state's.
+    /// Where the last relaxation ended. From anywhere else (after a jump, or a failed increment)
+    /// the pairs are another state's.
     end: Vec<f64>,
 }
 
@@ -25,7 +26,11 @@ struct Pair {
     sy: f64,
 }
 
-pub(super) fn relax(land: &mut Landscape<'_>, memory: &mut Memory, from: &[f64]) -> Result<(), Lost> {
+pub(super) fn relax(
+    land: &mut Landscape<'_>,
+    memory: &mut Memory,
+    from: &[f64],
+) -> Result<(), Lost> {
     if memory.end != from {
         memory.pairs.clear();
     }

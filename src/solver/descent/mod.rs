@@ -1,8 +1,9 @@
 //! Descents to the nearest minimum without Hessian: FIRE, nonlinear conjugate gradients, L-BFGS.
 //!
-//! All three work in the scaled amplitudes y = z / sqrt(m) with m the diagonal of the preconditioner, in which the Hessian's spectrum
-//! is of order one whatever the mesh: a plain step then suits all waves alike. They begin at the branch's prediction, and give up
-//! where they leave its neighbourhood: a descent that ran on would find some other branch and call it this one.
+//! All three work in the scaled amplitudes y = z / sqrt(m) with m the diagonal of the
+//! preconditioner, in which the Hessian's spectrum is of order one whatever the mesh: a plain step
+//! then suits all waves alike. They begin at the branch's prediction, and give up where they leave
+//! its neighbourhood: a descent that ran on would find some other branch and call it this one.
 
 mod conjugate;
 mod fire;
@@ -19,8 +20,8 @@ use crate::physics::law::Law;
 use crate::physics::system::{Evaluation, Fields};
 use lbfgs::Memory;
 
-/// Iterations after which a descent says that it does not get there. Tens are normal; next to a fold it is the square root of the
-/// softness that counts.
+/// Iterations after which a descent says that it does not get there. Tens are normal; next to a
+/// fold it is the square root of the softness that counts.
 const BUDGET: usize = 600;
 /// How often a step that leaves the domain of the law is cut to a quarter.
 const CUTS: usize = 8;
@@ -39,19 +40,26 @@ enum Rule {
 }
 
 impl Descent {
-    /// FIRE (E. Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), doi 10.1103/PhysRevLett.97.170201).
+    /// FIRE (E. Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), doi
+    /// 10.1103/PhysRevLett.97.170201).
     pub fn fire() -> Self {
         Self { rule: Rule::Fire }
     }
 
-    /// Nonlinear conjugate gradients after Polak and Ribiere, restarted where their factor is negative.
+    /// Nonlinear conjugate gradients after Polak and Ribiere, restarted where their factor is
+    /// negative.
     pub fn conjugate() -> Self {
-        Self { rule: Rule::Conjugate }
+        Self {
+            rule: Rule::Conjugate,
+        }
     }
 
-    /// L-BFGS with ten pairs (D. C. Liu and J. Nocedal, Math. Program. 45, 503 (1989), doi 10.1007/BF01589116).
+    /// L-BFGS with ten pairs (D. C. Liu and J. Nocedal, Math. Program. 45, 503 (1989), doi
+    /// 10.1007/BF01589116).
     pub fn lbfgs() -> Self {
-        Self { rule: Rule::Lbfgs(Memory::default()) }
+        Self {
+            rule: Rule::Lbfgs(Memory::default()),
+        }
     }
 }
 
@@ -69,7 +77,13 @@ impl Method for Descent {
         true
     }
 
-    fn follow(&mut self, mechanics: &mut Mechanics, branch: &History, from: &Equilibrium, u0: f64) -> Result<Equilibrium, Lost> {
+    fn follow(
+        &mut self,
+        mechanics: &mut Mechanics,
+        branch: &History,
+        from: &Equilibrium,
+        u0: f64,
+    ) -> Result<Equilibrium, Lost> {
         let before = mechanics.transforms();
         let guess = predicted(mechanics, branch, from, u0);
         let reach = reach(&mechanics.system, &from.state, &guess, u0);
@@ -79,11 +93,19 @@ impl Method for Descent {
             Rule::Conjugate => conjugate::relax(&mut land)?,
             Rule::Lbfgs(memory) => lbfgs::relax(&mut land, memory, &from.state.amplitudes)?,
         }
-        let Landscape { at, residual, iterations, .. } = land;
+        let Landscape {
+            at,
+            residual,
+            iterations,
+            ..
+        } = land;
         if !audit(&mechanics.system, &from.state, &at.state) {
             return Err(Lost::Gone);
         }
-        let cost = Cost { iterations, transforms: mechanics.transforms() - before };
+        let cost = Cost {
+            iterations,
+            transforms: mechanics.transforms() - before,
+        };
         Ok(Equilibrium::unmeasured(at, residual, Stop::Stable, cost))
     }
 }
@@ -107,20 +129,43 @@ struct Landscape<'a> {
 
 impl<'a> Landscape<'a> {
     fn at(mechanics: &'a mut Mechanics, guess: Vec<f64>, u0: f64, reach: f64) -> Self {
-        let root: Vec<f64> = mechanics.preconditioner.diagonal().iter().map(|m| m.sqrt()).collect();
+        let root: Vec<f64> = mechanics
+            .preconditioner
+            .diagonal()
+            .iter()
+            .map(|m| m.sqrt())
+            .collect();
         let at = mechanics.at(guess.clone(), u0);
         let slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
-        let scaled = slides.iter().map(|mode| mode.iter().zip(&root).map(|(m, r)| m * r).collect()).collect();
+        let scaled = slides
+            .iter()
+            .map(|mode| mode.iter().zip(&root).map(|(m, r)| m * r).collect())
+            .collect();
         let removed = orthonormalise(scaled, 1e-9);
         let gradient = vec![0.0; guess.len()];
-        let mut land = Self { mechanics, root, removed, guess, reach, at, gradient, residual: f64::NAN, iterations: 0 };
+        let mut land = Self {
+            mechanics,
+            root,
+            removed,
+            guess,
+            reach,
+            at,
+            gradient,
+            residual: f64::NAN,
+            iterations: 0,
+        };
         land.differentiate();
         land
     }
 
     /// The gradient in y of what was evaluated.
     fn differentiate(&mut self) {
-        for ((g, f), r) in self.gradient.iter_mut().zip(&self.at.gradient).zip(&self.root) {
+        for ((g, f), r) in self
+            .gradient
+            .iter_mut()
+            .zip(&self.at.gradient)
+            .zip(&self.root)
+        {
             *g = f * r;
         }
         project_out(&mut self.gradient, &self.removed);
@@ -128,7 +173,14 @@ impl<'a> Landscape<'a> {
 
     /// Moves y by `t` times `direction`.
     fn go(&mut self, direction: &[f64], t: f64) {
-        for ((z, d), r) in self.at.state.amplitudes.iter_mut().zip(direction).zip(&self.root) {
+        for ((z, d), r) in self
+            .at
+            .state
+            .amplitudes
+            .iter_mut()
+            .zip(direction)
+            .zip(&self.root)
+        {
             *z += t * r * d;
         }
         self.mechanics.update(&mut self.at);
@@ -147,9 +199,12 @@ impl<'a> Landscape<'a> {
         if !self.is_finite() || distance(&self.at.state.amplitudes, &self.guess) > self.reach {
             return Some(Err(Lost::Gone));
         }
-        // The mean square is a lower bound of the largest residual: only then the exact one is worth a transform.
+        // The mean square is a lower bound of the largest residual: only then the exact one is
+        // worth a transform.
         let tolerance = self.mechanics.system.precision().tolerance();
-        if norm(&self.at.gradient) <= 0.5 * tolerance * tractions(self.mechanics.system.law(), &self.at.fields) {
+        if norm(&self.at.gradient)
+            <= 0.5 * tolerance * tractions(self.mechanics.system.law(), &self.at.fields)
+        {
             self.residual = self.mechanics.residual(&self.at);
             if self.residual <= tolerance {
                 return Some(Ok(()));
@@ -167,8 +222,9 @@ impl<'a> Landscape<'a> {
         stiffest(self.mechanics, &self.at.fields)
     }
 
-    /// Goes along the descent direction `d` to where the slope has fallen to `share` of what it was: a first trial at `t`, then by
-    /// the secant. Returns the mean curvature d H d / d d on the way, which is above zero.
+    /// Goes along the descent direction `d` to where the slope has fallen to `share` of what it
+    /// was: a first trial at `t`, then by the secant. Returns the mean curvature d H d / d d on the
+    /// way, which is above zero.
     fn search(&mut self, d: &[f64], mut t: f64, share: f64) -> Result<f64, Lost> {
         let before = dot(&self.gradient, d);
         self.go(d, t);
@@ -198,12 +254,19 @@ impl<'a> Landscape<'a> {
 
 /// The largest tractions that act, at least sigma_max (E*): the scale of every residual.
 pub(super) fn tractions(law: &Law, fields: &Fields) -> f64 {
-    fields.traction.as_slice().map_or(0.0, max_abs).max(law.traction_max())
+    fields
+        .traction
+        .as_slice()
+        .map_or(0.0, max_abs)
+        .max(law.traction_max())
 }
 
-/// Upper bound of the Hessian's eigenvalues in the scaled amplitudes: the stiffest point met by the longest wave.
+/// Upper bound of the Hessian's eigenvalues in the scaled amplitudes: the stiffest point met by the
+/// longest wave.
 pub(super) fn stiffest(mechanics: &Mechanics, fields: &Fields) -> f64 {
     let largest = |x: &[f64]| x.iter().cloned().fold(0.0, f64::max);
     let stiffness = fields.stiffness.as_slice().map_or(0.0, largest);
-    ((stiffness + mechanics.system.grid().q1() / 2.0) * largest(mechanics.preconditioner.diagonal())).max(1.0)
+    ((stiffness + mechanics.system.grid().q1() / 2.0)
+        * largest(mechanics.preconditioner.diagonal()))
+    .max(1.0)
 }

@@ -1,21 +1,30 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
-use super::{Evaluation, Fields, Lost, Node, SHARP, STEPS, Sector, State};
+use super::{Evaluation, Fields, Lost, Node, SHARP, STEPS, Sector, Side, State};
 use crate::numerics::vector::{add, dot, norm, scale};
 
-/// A step of a bordered solve that leaves more than this share of the force asks for fresh derivatives.
+/// A step of a bordered solve that leaves more than this share of the force asks for fresh
+/// derivatives.
 const SLOW: f64 = 0.1;
 /// Longest step along the branch towards a fold, root mean square, in ranges.
 const STRIDE: f64 = 0.5;
 /// Rounds of the search for a fold.
 const ROUNDS: usize = 12;
-/// Accuracy of the mean displacement of a fold, in ranges: the parabola through it is trusted that far.
-const LOCATED: f64 = 2e-5;
+/// Accuracy of the mean displacement of a fold, in ranges: the parabola through it is trusted that
+/// far.
+const PARABOLA: f64 = 2e-5;
 
 impl Sector {
-    /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit vector `phi`, u0 free. Passes
-    /// through folds. Returns the node (its tangent is dz/da), its fields, and du0/da.
-    fn arc(&mut self, phi: &[f64], a: f64, u0: f64, mut z: Vec<f64>) -> Result<(Node, Fields, f64), Lost> {
+    /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit
+    /// vector `phi`, u0 free. Passes through folds. Returns the node (its tangent is dz/da), its
+    /// fields, and du0/da.
+    fn arc(
+        &mut self,
+        phi: &[f64],
+        a: f64,
+        u0: f64,
+        mut z: Vec<f64>,
+    ) -> Result<(Node, Fields, f64), Lost> {
         let strongest = self.scale();
         let removed = [phi.to_vec()];
         let shift = a - dot(phi, &z);
@@ -33,7 +42,11 @@ impl Sector {
             let converged = force <= SHARP;
             let slow = force > SLOW * before;
             before = force;
-            let rates = if slow || converged { self.refresh(&at.fields) } else { self.rates(&at.fields) };
+            let rates = if slow || converged {
+                self.refresh(&at.fields)
+            } else {
+                self.rates(&at.fields)
+            };
             if slow || converged {
                 along_u = self.solve(&at.fields, &rates.forces, &removed, 1e-2)?;
             }
@@ -48,14 +61,21 @@ impl Sector {
                 add(&mut tangent, -1.0, &along_a);
                 add(&mut tangent, -rate, &along_u);
                 let slope = rates.stress * rate + dot(&rates.forces, &tangent);
-                let Evaluation { mut state, fields, .. } = at;
+                let Evaluation {
+                    mut state, fields, ..
+                } = at;
                 state.mean_displacement += du;
                 state.energy += du * state.stress;
                 let mut node = Node::bare(state, slope, tangent);
                 self.soften(&mut node, None, &fields, &rates);
                 return Ok((node, fields, rate));
             }
-            let along_g = self.solve(&at.fields, &at.gradient, &removed, (0.3 * SHARP / force).clamp(1e-3, 0.1))?;
+            let along_g = self.solve(
+                &at.fields,
+                &at.gradient,
+                &removed,
+                (0.3 * SHARP / force).clamp(1e-3, 0.1),
+            )?;
             let du = -(dot(phi, &at.gradient) - dot(&image, &along_g)) / border;
             add(&mut at.state.amplitudes, -1.0, &along_g);
             add(&mut at.state.amplitudes, -du, &along_u);
@@ -65,19 +85,20 @@ impl Sector {
         Err(Lost::Gone)
     }
 
-    /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before it. The node returned has the
-    /// null vector as tangent, pointing onwards, and an infinite slope; the fields are those of a state a hair from it.
+    /// The fold ahead of `here` in the direction of growing u0 if `up`; `before` is the node before
+    /// it. The node returned has the null vector as tangent, pointing onwards, and an infinite
+    /// slope; the fields are those of a state a hair from it.
     ///
     /// # Errors
     /// The branch was lost on the way.
-    pub fn fold(&mut self, before: &Node, here: &Node, up: bool) -> Result<(Node, Fields), Lost> {
+    pub fn fold(&mut self, before: &Node, here: &Node, side: Side) -> Result<(Node, Fields), Lost> {
         let range = self.system().law().range;
-        let sign = if up { 1.0 } else { -1.0 };
+        let sign = side.sign();
         let length = norm(&here.tangent);
         let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
         let (mut behind, mut last) = (Arc::of(before, &phi), Arc::of(here, &phi));
         for _ in 0..ROUNDS {
-            let a = Arc::extremum(&behind, &last, up).0;
+            let a = Arc::extremum(&behind, &last, side).0;
             if !a.is_finite() {
                 break;
             }
@@ -85,8 +106,8 @@ impl Sector {
             let (guess, u0) = Arc::between(&behind, &last, a);
             let (mut found, fields, rate) = self.arc(&phi, a, u0, guess)?;
             let arc = Arc::at(&found, a, rate);
-            let top = Arc::extremum(&last, &arc, up);
-            if (top.1 - arc.u0).abs() < LOCATED * range {
+            let top = Arc::extremum(&last, &arc, side);
+            if (top.1 - arc.u0).abs() < PARABOLA * range {
                 found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
                 return Ok((found, fields));
             }
@@ -99,12 +120,16 @@ impl Sector {
     ///
     /// # Errors
     /// It was not found.
-    pub fn refold(&mut self, near: &Node, up: bool) -> Result<(Node, Fields), Lost> {
+    pub fn refold(&mut self, near: &Node, side: Side) -> Result<(Node, Fields), Lost> {
         let range = self.system().law().range;
         let length = norm(&near.tangent);
         let phi: Vec<f64> = near.tangent.iter().map(|t| t / length).collect();
         let mut a = dot(&phi, &near.state.amplitudes);
-        let (mut u0, mut z, mut bend) = (near.state.mean_displacement, near.state.amplitudes.clone(), near.bend);
+        let (mut u0, mut z, mut bend) = (
+            near.state.mean_displacement,
+            near.state.amplitudes.clone(),
+            near.bend,
+        );
         let mut last: Option<Arc> = None;
         for _ in 0..ROUNDS {
             let (mut found, fields, rate) = self.arc(&phi, a, u0, z)?;
@@ -112,12 +137,16 @@ impl Sector {
             if let Some(last) = &last {
                 bend = (arc.rate - last.rate) / (arc.a - last.a);
             }
-            if !(if up { bend < 0.0 } else { bend > 0.0 }) {
+            if !(if side == Side::Upper {
+                bend < 0.0
+            } else {
+                bend > 0.0
+            }) {
                 break;
             }
             let shift = -rate / bend;
             let top = (a + shift, arc.u0 + 0.5 * shift * rate);
-            if (top.1 - arc.u0).abs() < LOCATED * range {
+            if (top.1 - arc.u0).abs() < PARABOLA * range {
                 found.shift_to(&arc, top, bend);
                 return Ok((found, fields));
             }
@@ -161,27 +190,45 @@ struct Arc {
 impl Arc {
     /// A node whose tangent is dz/da.
     fn at(node: &Node, a: f64, rate: f64) -> Self {
-        let State { mean_displacement: u0, amplitudes: z, .. } = node.state.clone();
-        Self { a, u0, rate, z, dz: node.tangent.clone() }
+        let State {
+            mean_displacement: u0,
+            amplitudes: z,
+            ..
+        } = node.state.clone();
+        Self {
+            a,
+            u0,
+            rate,
+            z,
+            dz: node.tangent.clone(),
+        }
     }
 
     fn of(node: &Node, phi: &[f64]) -> Self {
         let rate = 1.0 / dot(phi, &node.tangent);
         let mut dz = node.tangent.clone();
         scale(&mut dz, rate);
-        Self { dz, ..Self::at(node, dot(phi, &node.state.amplitudes), rate) }
+        Self {
+            dz,
+            ..Self::at(node, dot(phi, &node.state.amplitudes), rate)
+        }
     }
 
     /// Where the rate of the cubic through two points vanishes, and u0 there: the maximum if `up`.
-    fn extremum(a: &Self, b: &Self, up: bool) -> (f64, f64) {
+    fn extremum(a: &Self, b: &Self, side: Side) -> (f64, f64) {
         let h = b.a - a.a;
         let slope = (b.u0 - a.u0) / h;
         // u0 = a.u0 + a.rate s + c s^2 + d s^3 with s measured from a.
         let c = (3.0 * slope - 2.0 * a.rate - b.rate) / h;
         let d = (a.rate + b.rate - 2.0 * slope) / (h * h);
         let root = (c * c - 3.0 * d * a.rate).max(0.0).sqrt();
-        // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right sign.
-        let s = if up { -a.rate / (c - root) } else { -a.rate / (c + root) };
+        // Of the two zeros of the rate the one where the second derivative, 2c + 6ds, has the right
+        // sign.
+        let s = if side == Side::Upper {
+            -a.rate / (c - root)
+        } else {
+            -a.rate / (c + root)
+        };
         (a.a + s, a.u0 + s * (a.rate + s * (c + s * d)))
     }
 
@@ -190,11 +237,19 @@ impl Arc {
         let h = b.a - a.a;
         let t = (at - a.a) / h;
         let (t2, t3) = (t * t, t * t * t);
-        let weights = [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * h, 3.0 * t2 - 2.0 * t3, (t3 - t2) * h];
+        let weights = [
+            2.0 * t3 - 3.0 * t2 + 1.0,
+            (t3 - 2.0 * t2 + t) * h,
+            3.0 * t2 - 2.0 * t3,
+            (t3 - t2) * h,
+        ];
         let mut z = vec![0.0; a.z.len()];
         for (w, part) in weights.iter().zip([&a.z, &a.dz, &b.z, &b.dz]) {
             add(&mut z, *w, part);
         }
-        (z, weights[0] * a.u0 + weights[1] * a.rate + weights[2] * b.u0 + weights[3] * b.rate)
+        (
+            z,
+            weights[0] * a.u0 + weights[1] * a.rate + weights[2] * b.u0 + weights[3] * b.rate,
+        )
     }
 }

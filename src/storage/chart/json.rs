@@ -60,9 +60,22 @@ struct PointShort<'a> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_chart_json(path: &Path, given: &str, scene: &Scene, chart: &Chart) -> Result<(), Failure> {
-    let of = |which: fn(&Judged) -> bool| chart.rows.iter().filter(|row| which(row)).map(short).collect();
-    let count = |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
+pub fn write_chart_json(
+    path: &Path,
+    given: &str,
+    scene: &Scene,
+    chart: &Chart,
+) -> Result<(), Failure> {
+    let of = |which: fn(&Judged) -> bool| {
+        chart
+            .rows
+            .iter()
+            .filter(|row| which(row))
+            .map(short)
+            .collect()
+    };
+    let count =
+        |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
     let told = Short {
         tackscope: env!("CARGO_PKG_VERSION"),
         scene: SceneSummary {
@@ -94,9 +107,14 @@ pub fn write_chart_json(path: &Path, given: &str, scene: &Scene, chart: &Chart) 
         pareto_processor_seconds: of(|row| row.pareto_time),
         plan: of(|row| row.plan),
         paper_budget: of(|row| row.paper_budget),
-        skipped: chart.skipped.iter().map(|skipped| skipped.point.to_string()).collect(),
+        skipped: chart
+            .skipped
+            .iter()
+            .map(|skipped| skipped.point.to_string())
+            .collect(),
     };
-    let mut text = serde_json::to_string_pretty(&told).map_err(|error| Failure::write(path, error))?;
+    let mut text =
+        serde_json::to_string_pretty(&told).map_err(|error| Failure::write(path, error))?;
     text.push('\n');
     files::write_whole(path, text.as_bytes())
 }

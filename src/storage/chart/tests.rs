@@ -6,11 +6,22 @@ use crate::solver::methods::MethodKind;
 use crate::study::chart::{Chart, Errors, Judged, Point, Precision, Skipped, Verdict};
 
 fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
-    let point = Point { method, model: Road::WHOLE, line: false, points: 64, precision: Precision::Double, step: 0.02 };
+    let point = Point {
+        method,
+        model: Road::WHOLE,
+        line: false,
+        points: 64,
+        precision: Precision::Double,
+        step: 0.02,
+    };
     Judged {
         point,
         dissipated_energy: 0.1 + error,
-        errors: Errors { dissipated_energy: error, jumps: error, stress: error },
+        errors: Errors {
+            dissipated_energy: error,
+            jumps: error,
+            stress: error,
+        },
         transforms,
         transforms_per_increment: f64::NAN,
         seconds: 1.0,
@@ -24,7 +35,10 @@ fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> J
 }
 
 fn failed(what: &str) -> Verdict {
-    Verdict::Failed { what: what.to_owned(), message: format!("{what}, with \"quotes\"") }
+    Verdict::Failed {
+        what: what.to_owned(),
+        message: format!("{what}, with \"quotes\""),
+    }
 }
 
 pub(in crate::storage) fn invented() -> Chart {
@@ -32,11 +46,25 @@ pub(in crate::storage) fn invented() -> Chart {
         row(MethodKind::NewtonKrylov, 9_000, 1e-5, Verdict::Done),
         row(MethodKind::Fire, 30_000, 1e-4, Verdict::Done),
         row(MethodKind::Gfmd, 160_000, 0.1, failed("not converged")),
-        row(MethodKind::Gfmd, 100, f64::NAN, failed("NaN: time step beyond its limit")),
+        row(
+            MethodKind::Gfmd,
+            100,
+            f64::NAN,
+            failed("NaN: time step beyond its limit"),
+        ),
         row(MethodKind::Lbfgs, 0, f64::NAN, Verdict::Cancelled),
     ];
-    let skipped = vec![Skipped { point: rows[0].point, predicted_seconds: 99.0, allowed_seconds: 7.0, beyond_reference: false }];
-    Chart { rows, skipped, ..Chart::default() }
+    let skipped = vec![Skipped {
+        point: rows[0].point,
+        predicted_seconds: 99.0,
+        allowed_seconds: 7.0,
+        beyond_reference: false,
+    }];
+    Chart {
+        rows,
+        skipped,
+        ..Chart::default()
+    }
 }
 
 #[test]
@@ -48,7 +76,8 @@ fn failures_and_points_left_out_are_rows_with_every_column() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!((lines[0], lines.len()), (CHART_COLUMNS, 7));
     assert!(
-        lines[1].starts_with("newton,whole,64,double,0.02,") && lines[1].contains(",transforms,true,false,done,"),
+        lines[1].starts_with("newton,whole,64,double,0.02,")
+            && lines[1].contains(",transforms,true,false,done,"),
         "{}",
         lines[1]
     );
@@ -57,7 +86,22 @@ fn failures_and_points_left_out_are_rows_with_every_column() {
         "{}",
         lines[4]
     );
-    assert!(lines[6].contains("skipped,\"it would take 99.0 processor seconds, and 7.0 are left for it\""), "{}", lines[6]);
-    let commas = |line: &str| line.split('"').step_by(2).map(|plain| plain.matches(',').count()).sum::<usize>();
-    assert!(lines.iter().all(|line| commas(line) == commas(CHART_COLUMNS)), "{text}");
+    assert!(
+        lines[6]
+            .contains("skipped,\"it would take 99.0 processor seconds, and 7.0 are left for it\""),
+        "{}",
+        lines[6]
+    );
+    let commas = |line: &str| {
+        line.split('"')
+            .step_by(2)
+            .map(|plain| plain.matches(',').count())
+            .sum::<usize>()
+    };
+    assert!(
+        lines
+            .iter()
+            .all(|line| commas(line) == commas(CHART_COLUMNS)),
+        "{text}"
+    );
 }

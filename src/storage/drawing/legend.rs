@@ -1,4 +1,5 @@
-//! The legend: beneath its diagram or, where all diagrams of a page speak of the same, beneath the page. So it covers nothing.
+//! The legend: beneath its diagram or, where all diagrams of a page speak of the same, beneath the
+//! page. So it covers nothing.
 
 use super::svg::{Anchor, GROUND, Place, Sheet, frame, ink, rectangle, set, solid, width};
 use crate::plot::legend::{Look, entries};
@@ -16,7 +17,8 @@ pub(super) struct Legend {
 /// Radii of symbols, and of the marks along a line.
 pub(super) const SYMBOL: f64 = 4.2;
 pub(super) const MARK: f64 = 4.0;
-/// Length of a sample, its distance to the word, the distance to the next sample, the height of a row.
+/// Length of a sample, its distance to the word, the distance to the next sample, the height of a
+/// row.
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 7.0;
 const NEXT: f64 = 20.0;
@@ -26,7 +28,10 @@ const TEXT: f64 = 12.5;
 impl Legend {
     /// The legend of one diagram.
     pub(super) fn of(panel: &Panel, size: f64) -> Self {
-        Self { entries: entries(panel), size }
+        Self {
+            entries: entries(panel),
+            size,
+        }
     }
 
     /// One legend for all diagrams, if it says nothing twice in two ways: no look has two names.
@@ -36,7 +41,10 @@ impl Legend {
             if entries.contains(&entry) {
                 continue;
             }
-            if entries.iter().any(|known| known.1 == entry.1 || known.0 == entry.0) {
+            if entries
+                .iter()
+                .any(|known| known.1 == entry.1 || known.0 == entry.0)
+            {
                 return None;
             }
             entries.push(entry);
@@ -80,7 +88,13 @@ impl Legend {
                         let stroke = stroke(role, colour, GROUND);
                         sheet.line(&[[left, y], [right, y]], scaled(stroke, self.size));
                         if let Some(direction) = direction {
-                            sheet.symbol(pointing(direction), middle, stroke.colour, MARK * self.size, true);
+                            sheet.symbol(
+                                pointing(direction),
+                                middle,
+                                stroke.colour,
+                                MARK * self.size,
+                                true,
+                            );
                         }
                     }
                     Look::Symbol(shape, colour, filled) => {
@@ -96,10 +110,22 @@ impl Legend {
                         sheet.line(&frame(sides), solid(colour.on(GROUND), 0.8 * self.size));
                     }
                     Look::Arrow(colour) => {
-                        arrow(sheet, [middle[0], y + 8.0 * self.size], [middle[0], y - 8.0 * self.size], colour, self.size);
+                        arrow(
+                            sheet,
+                            [middle[0], y + 8.0 * self.size],
+                            [middle[0], y - 8.0 * self.size],
+                            colour,
+                            self.size,
+                        );
                     }
                 }
-                sheet.words([right + self.size * GAP, y], &set(name), self.size * TEXT, ink(), Anchor::Start);
+                sheet.words(
+                    [right + self.size * GAP, y],
+                    &set(name),
+                    self.size * TEXT,
+                    ink(),
+                    Anchor::Start,
+                );
             }
         }
     }
@@ -107,7 +133,11 @@ impl Legend {
 
 /// A stroke in a diagram of this size.
 pub(super) fn scaled(stroke: Stroke, size: f64) -> Stroke {
-    Stroke { width: size * stroke.width, dash: stroke.dash.map(|dash| dash.map(|length| size * length)), ..stroke }
+    Stroke {
+        width: size * stroke.width,
+        dash: stroke.dash.map(|dash| dash.map(|length| size * length)),
+        ..stroke
+    }
 }
 
 /// Draws an arrow.
@@ -127,5 +157,13 @@ fn head(sheet: &mut Sheet, from: Place, tip: Place, colour: Rgb, size: f64) {
     let long = (9.0 * size).min(length.max(4.0 * size));
     let (ux, uy) = (long * dx / length, long * dy / length);
     let (wx, wy) = (-0.4 * uy, 0.4 * ux);
-    sheet.fill(&[tip, [tip[0] - ux + wx, tip[1] - uy + wy], [tip[0] - ux - wx, tip[1] - uy - wy]], colour, 1.0);
+    sheet.fill(
+        &[
+            tip,
+            [tip[0] - ux + wx, tip[1] - uy + wy],
+            [tip[0] - ux - wx, tip[1] - uy - wy],
+        ],
+        colour,
+        1.0,
+    );
 }

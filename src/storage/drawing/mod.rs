@@ -1,4 +1,5 @@
-//! Diagrams and tables as files: pictures as SVG and PNG, the paper's data as CSV. The same value gives the same bytes.
+//! Diagrams and tables as files: pictures as SVG and PNG, the paper's data as CSV. The same value
+//! gives the same bytes.
 //!
 //! Everything is drawn once, onto a sheet that is the SVG; the PNG is that SVG rendered.
 
@@ -11,7 +12,9 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use csv::{FIGURE_COLUMNS, FINDING_COLUMNS, write_figure_csv, write_findings_csv, write_table_csv};
+pub use csv::{
+    FIGURE_COLUMNS, FINDING_COLUMNS, write_figure_csv, write_findings_csv, write_table_csv,
+};
 pub(super) use svg::escaped;
 
 use super::picture::write_png;
@@ -22,7 +25,8 @@ use legend::Legend;
 use std::path::Path;
 use svg::{Anchor, Sheet, ink, set, width};
 
-/// Edge of the sheet, sizes of its title and of the lines beneath, and the distance to the diagrams.
+/// Edge of the sheet, sizes of its title and of the lines beneath, and the distance to the
+/// diagrams.
 const EDGE: f64 = 16.0;
 const TITLE: f64 = 18.0;
 const CAPTION: f64 = 13.0;
@@ -69,7 +73,12 @@ pub fn page_svg(page: &Page<'_>) -> String {
 }
 
 fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
-    write_png(path, &sheet.pixels().map_err(|error| Failure::write(path, error))?)
+    write_png(
+        path,
+        &sheet
+            .pixels()
+            .map_err(|error| Failure::write(path, error))?,
+    )
 }
 
 fn page_sheet(page: &Page<'_>) -> Sheet {
@@ -86,34 +95,68 @@ fn page_sheet(page: &Page<'_>) -> Sheet {
         _ => [500.0, 370.0],
     };
     let across = columns as f64 * wide + (columns - 1) as f64 * BETWEEN;
-    let common = if panels.len() > 1 { Legend::common(panels) } else { None };
-    let own = |panel: &Panel| if common.is_some() { Legend::default() } else { Legend::of(panel, 1.0) };
-    let below = common.as_ref().map_or(0.0, |legend| legend.height(across) + 8.0);
+    let common = if panels.len() > 1 {
+        Legend::common(panels)
+    } else {
+        None
+    };
+    let own = |panel: &Panel| {
+        if common.is_some() {
+            Legend::default()
+        } else {
+            Legend::of(panel, 1.0)
+        }
+    };
+    let below = common
+        .as_ref()
+        .map_or(0.0, |legend| legend.height(across) + 8.0);
     // A long legend makes its whole row taller, and covers nothing.
     let room = |row: usize| {
-        let legends = panels.iter().skip(row * columns).take(columns).map(|panel| own(panel).height(wide - 12.0));
+        let legends = panels
+            .iter()
+            .skip(row * columns)
+            .take(columns)
+            .map(|panel| own(panel).height(wide - 12.0));
         legends.fold(0.0, f64::max)
     };
     let tall = |row: usize| high + room(row);
     let top = EDGE + TITLE + BELOW_TITLE + LINE * page.caption.len() as f64;
-    let height = top + (0..rows).map(tall).sum::<f64>() + rows.saturating_sub(1) as f64 * BETWEEN + below + EDGE;
+    let height = top
+        + (0..rows).map(tall).sum::<f64>()
+        + rows.saturating_sub(1) as f64 * BETWEEN
+        + below
+        + EDGE;
     let mut sheet = Sheet::new(across + 2.0 * EDGE, height.ceil());
-    let lines = std::iter::once((&page.title, TITLE)).chain(page.caption.iter().map(|line| (line, CAPTION)));
+    let lines = std::iter::once((&page.title, TITLE))
+        .chain(page.caption.iter().map(|line| (line, CAPTION)));
     let mut y = EDGE + 0.5 * TITLE;
     for (text, size) in lines {
         let text = set(text);
         let fits = (across / width(&text, size)).min(1.0);
         sheet.words([EDGE, y], &text, size * fits, ink(), Anchor::Start);
-        y += if size == TITLE { 0.5 * (TITLE + LINE) + 4.0 } else { LINE };
+        y += if size == TITLE {
+            0.5 * (TITLE + LINE) + 4.0
+        } else {
+            LINE
+        };
     }
     let mut y = top;
     for row in 0..rows {
         for column in 0..columns {
             let index = row * columns + column;
-            let Some(panel) = panels.get(index) else { break };
+            let Some(panel) = panels.get(index) else {
+                break;
+            };
             let x = EDGE + column as f64 * (wide + BETWEEN);
             let sides = [x, y, x + wide, y + tall(row)];
-            panel::draw(&mut sheet, panel, &panel.heading(index, panels.len() > 1), sides, (&own(panel), room(row)), 1.0);
+            panel::draw(
+                &mut sheet,
+                panel,
+                &panel.heading(index, panels.len() > 1),
+                sides,
+                (&own(panel), room(row)),
+                1.0,
+            );
         }
         y += tall(row) + BETWEEN;
     }

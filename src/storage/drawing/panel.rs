@@ -2,7 +2,9 @@
 
 use super::clip::{self, Sides};
 use super::legend::{self, Legend, MARK, SYMBOL, scaled};
-use super::svg::{Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width};
+use super::svg::{
+    Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width,
+};
 use crate::plot::panel::{Area, Arrow, Axis, Content, Inset, Label, Panel, Role, Series};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{MARKS, marked, pointing, stroke};
@@ -26,34 +28,73 @@ struct Plot<'a> {
     size: f64,
 }
 
-/// Draws a diagram into a place given by left, top, right, bottom, with its `legend` beneath it in a strip `room` high.
-pub(super) fn draw(sheet: &mut Sheet, panel: &Panel, heading: &str, place: Sides, (legend, room): (&Legend, f64), size: f64) {
+/// Draws a diagram into a place given by left, top, right, bottom, with its `legend` beneath it in
+/// a strip `room` high.
+pub(super) fn draw(
+    sheet: &mut Sheet,
+    panel: &Panel,
+    heading: &str,
+    place: Sides,
+    (legend, room): (&Legend, f64),
+    size: f64,
+) {
     let [left, top, right, bottom] = place;
     let [x, y] = scales(panel);
     let labels = ticks(&y).0.into_iter().filter_map(|tick| tick.label);
-    let widest = labels.map(|label| width(&set(&label), TICK * size)).fold(0.0, f64::max);
-    let named = |axis: &Axis| if axis.label.is_empty() { 0.0 } else { (NAME + 8.0) * size };
-    let above = if heading.is_empty() { 8.0 * size } else { (HEADING + 14.0) * size };
+    let widest = labels
+        .map(|label| width(&set(&label), TICK * size))
+        .fold(0.0, f64::max);
+    let named = |axis: &Axis| {
+        if axis.label.is_empty() {
+            0.0
+        } else {
+            (NAME + 8.0) * size
+        }
+    };
+    let above = if heading.is_empty() {
+        8.0 * size
+    } else {
+        (HEADING + 14.0) * size
+    };
     let inside = [
         left + widest + 12.0 * size + named(&panel.y),
         top + above,
         right - 12.0 * size,
         bottom - (TICK + 12.0) * size - named(&panel.x) - room,
     ];
-    let plot = Plot { panel, x, y, sides: inside, size };
+    let plot = Plot {
+        panel,
+        x,
+        y,
+        sides: inside,
+        size,
+    };
     if !heading.is_empty() {
-        sheet.words([inside[0], top + 0.5 * above], &set(heading), HEADING * size, ink(), Anchor::Start);
+        sheet.words(
+            [inside[0], top + 0.5 * above],
+            &set(heading),
+            HEADING * size,
+            ink(),
+            Anchor::Start,
+        );
     }
     plot.axes(sheet, left);
     plot.contents(sheet);
     let beneath = inside[3] + (TICK + 12.0) * size + named(&panel.x);
-    legend.draw(sheet, [left + 6.0 * size, beneath], right - left - 12.0 * size);
+    legend.draw(
+        sheet,
+        [left + 6.0 * size, beneath],
+        right - left - 12.0 * size,
+    );
 }
 
 impl Plot<'_> {
     fn place(&self, [x, y]: Place) -> Option<Place> {
         let [left, top, right, bottom] = self.sides;
-        Some([left + self.x.place(x)? * (right - left), bottom - self.y.place(y)? * (bottom - top)])
+        Some([
+            left + self.x.place(x)? * (right - left),
+            bottom - self.y.place(y)? * (bottom - top),
+        ])
     }
 
     fn axes(&self, sheet: &mut Sheet, outer: f64) {
@@ -64,32 +105,62 @@ impl Plot<'_> {
         let at_x = |share: f64| left + share * (right - left);
         let at_y = |share: f64| bottom - share * (bottom - top);
         for tick in xs.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line(&[[at_x(tick.at), top], [at_x(tick.at), bottom]], solid(GRID, size));
+            sheet.line(
+                &[[at_x(tick.at), top], [at_x(tick.at), bottom]],
+                solid(GRID, size),
+            );
         }
         for tick in ys.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line(&[[left, at_y(tick.at)], [right, at_y(tick.at)]], solid(GRID, size));
+            sheet.line(
+                &[[left, at_y(tick.at)], [right, at_y(tick.at)]],
+                solid(GRID, size),
+            );
         }
         if let Some(zero) = self.y.zero() {
-            sheet.line(&[[left, at_y(zero)], [right, at_y(zero)]], solid(RULE, size));
+            sheet.line(
+                &[[left, at_y(zero)], [right, at_y(zero)]],
+                solid(RULE, size),
+            );
         }
         let stroke = solid(ink(), size);
         for tick in &xs {
             let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line(&[[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]], stroke);
+            sheet.line(
+                &[[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]],
+                stroke,
+            );
             if let Some(label) = &tick.label {
-                sheet.words([at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size], &set(label), TICK * size, ink(), Anchor::Middle);
+                sheet.words(
+                    [at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size],
+                    &set(label),
+                    TICK * size,
+                    ink(),
+                    Anchor::Middle,
+                );
             }
         }
         for tick in &ys {
             let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line(&[[left, at_y(tick.at)], [left + long, at_y(tick.at)]], stroke);
+            sheet.line(
+                &[[left, at_y(tick.at)], [left + long, at_y(tick.at)]],
+                stroke,
+            );
             if let Some(label) = &tick.label {
-                sheet.words([left - 6.0 * size, at_y(tick.at)], &set(label), TICK * size, ink(), Anchor::End);
+                sheet.words(
+                    [left - 6.0 * size, at_y(tick.at)],
+                    &set(label),
+                    TICK * size,
+                    ink(),
+                    Anchor::End,
+                );
             }
         }
         let named = |axis: &Axis, factor: i32| match (axis.label.as_str(), factor) {
             (label, 0) => label.to_owned(),
-            (label, factor) => format!("{label}  (×10^{{{}}})", factor.to_string().replace('-', "\u{2212}")),
+            (label, factor) => format!(
+                "{label}  (×10^{{{}}})",
+                factor.to_string().replace('-', "\u{2212}")
+            ),
         };
         let below = bottom + (12.0 + TICK + 0.5 * NAME) * size;
         let name = |text: &str, room: f64| {
@@ -98,9 +169,20 @@ impl Plot<'_> {
             (runs, NAME * size * fits)
         };
         let (runs, letters) = name(&named(&self.panel.x, x_factor), right - outer);
-        sheet.words([0.5 * (left + right), below], &runs, letters, ink(), Anchor::Middle);
+        sheet.words(
+            [0.5 * (left + right), below],
+            &runs,
+            letters,
+            ink(),
+            Anchor::Middle,
+        );
         let (runs, letters) = name(&named(&self.panel.y, y_factor), 1.1 * (bottom - top));
-        sheet.upright([outer + (0.5 * NAME + 2.0) * size, 0.5 * (top + bottom)], &runs, letters, ink());
+        sheet.upright(
+            [outer + (0.5 * NAME + 2.0) * size, 0.5 * (top + bottom)],
+            &runs,
+            letters,
+            ink(),
+        );
         sheet.line(&frame(self.sides), stroke);
     }
 
@@ -109,15 +191,29 @@ impl Plot<'_> {
             self.area(sheet, area);
         }
         for role in Role::ORDER {
-            for series in self.panel.series.iter().filter(|s| s.role == role && s.symbol.is_none()) {
+            for series in self
+                .panel
+                .series
+                .iter()
+                .filter(|s| s.role == role && s.symbol.is_none())
+            {
                 self.line(sheet, series);
             }
         }
         for series in &self.panel.series {
             if let Some(shape) = series.symbol {
-                let shown = series.points.iter().filter(|p| self.x.shows(p[0]) && self.y.shows(p[1]));
+                let shown = series
+                    .points
+                    .iter()
+                    .filter(|p| self.x.shows(p[0]) && self.y.shows(p[1]));
                 for at in shown.filter_map(|p| self.place(*p)) {
-                    sheet.symbol(shape, at, series.colour.on(GROUND), SYMBOL * self.size, series.filled);
+                    sheet.symbol(
+                        shape,
+                        at,
+                        series.colour.on(GROUND),
+                        SYMBOL * self.size,
+                        series.filled,
+                    );
                 }
             }
         }
@@ -136,15 +232,29 @@ impl Plot<'_> {
         if !(self.x.shows(label.at[0]) && self.y.shows(label.at[1])) {
             return;
         }
-        let Some([x, y]) = self.place(label.at) else { return };
+        let Some([x, y]) = self.place(label.at) else {
+            return;
+        };
         let runs = set(&label.text);
-        let (half, high) = (0.5 * width(&runs, WORD * self.size) + 2.0, 0.62 * WORD * self.size);
+        let (half, high) = (
+            0.5 * width(&runs, WORD * self.size) + 2.0,
+            0.62 * WORD * self.size,
+        );
         let [right, up] = label.side.map(f64::from);
         let gap = 4.0 * self.size;
         let [x, y] = [x + right * (half + gap), y - up * (high + gap)];
-        let clear = clip::polygon(&rectangle([x - half, y - high, x + half, y + high]), self.sides);
+        let clear = clip::polygon(
+            &rectangle([x - half, y - high, x + half, y + high]),
+            self.sides,
+        );
         sheet.fill(&clear, GROUND.colour(), 0.7);
-        sheet.words([x, y], &runs, WORD * self.size, label.colour.on(GROUND), Anchor::Middle);
+        sheet.words(
+            [x, y],
+            &runs,
+            WORD * self.size,
+            label.colour.on(GROUND),
+            Anchor::Middle,
+        );
     }
 
     fn line(&self, sheet: &mut Sheet, series: &Series) {
@@ -155,7 +265,13 @@ impl Plot<'_> {
             if let Some(direction) = series.direction {
                 let every = (self.sides[2] - self.sides[0]) / MARKS;
                 for at in marked(&piece, every) {
-                    sheet.symbol(pointing(direction), at, stroke.colour, MARK * self.size, true);
+                    sheet.symbol(
+                        pointing(direction),
+                        at,
+                        stroke.colour,
+                        MARK * self.size,
+                        true,
+                    );
                 }
             }
         }
@@ -163,7 +279,11 @@ impl Plot<'_> {
 
     fn area(&self, sheet: &mut Sheet, area: &Area) {
         for piece in area.spans.split(|span| !span.iter().all(|v| v.is_finite())) {
-            let edge = |k: usize| piece.iter().filter_map(move |span| self.place([span[0], span[k]]));
+            let edge = |k: usize| {
+                piece
+                    .iter()
+                    .filter_map(move |span| self.place([span[0], span[k]]))
+            };
             let mut outline: Vec<Place> = edge(1).collect();
             let mut upper: Vec<Place> = edge(2).collect();
             upper.reverse();
@@ -178,8 +298,12 @@ impl Plot<'_> {
     }
 
     fn arrow(&self, sheet: &mut Sheet, arrow: &Arrow) {
-        let (Some(tail), Some(tip)) = (self.place(arrow.tail), self.place(arrow.head)) else { return };
-        let Some((a, b)) = clip::segment(tail, tip, self.sides) else { return };
+        let (Some(tail), Some(tip)) = (self.place(arrow.tail), self.place(arrow.head)) else {
+            return;
+        };
+        let Some((a, b)) = clip::segment(tail, tip, self.sides) else {
+            return;
+        };
         if b == tip {
             legend::arrow(sheet, a, b, arrow.colour, self.size);
         } else {
@@ -189,17 +313,25 @@ impl Plot<'_> {
 
     /// One scale of colours for all maps of the diagram, so that they can be compared.
     fn gap_scale(&self) -> picture::Scale {
-        common_scale(self.panel.insets.iter().filter_map(|inset| match &inset.content {
-            Content::Map { gap, .. } => Some(gap),
-            Content::Diagram(_) => None,
-        }))
+        common_scale(
+            self.panel
+                .insets
+                .iter()
+                .filter_map(|inset| match &inset.content {
+                    Content::Map { gap, .. } => Some(gap),
+                    Content::Diagram(_) => None,
+                }),
+        )
     }
 
     fn inset(&self, sheet: &mut Sheet, inset: &Inset) {
         let [left, top, right, bottom] = self.sides;
         let [x, y, w, h] = inset.place;
         let (wide, high) = (w * (right - left), h * (bottom - top));
-        let (left, top) = (left + x * (right - left), bottom - y * (bottom - top) - high);
+        let (left, top) = (
+            left + x * (right - left),
+            bottom - y * (bottom - top) - high,
+        );
         match &inset.content {
             Content::Diagram(panel) => {
                 let sides = [left, top, left + wide, top + high];
@@ -211,19 +343,42 @@ impl Plot<'_> {
             }
             Content::Map { letter, gap } => {
                 let image = gap_pixels(gap, self.gap_scale());
-                let (columns, rows) = (f64::from(image.width().max(1)), f64::from(image.height().max(1)));
+                let (columns, rows) = (
+                    f64::from(image.width().max(1)),
+                    f64::from(image.height().max(1)),
+                );
                 // A square cell is a square; a line cell fills its place.
                 let scale = (wide / columns).min(high / rows);
-                let (wide, high) = if rows == 1.0 { (wide, high) } else { (columns * scale, rows * scale) };
+                let (wide, high) = if rows == 1.0 {
+                    (wide, high)
+                } else {
+                    (columns * scale, rows * scale)
+                };
                 sheet.picture([left, top, wide, high], &image);
-                sheet.line(&frame([left, top, left + wide, top + high]), solid(ink(), self.size));
+                sheet.line(
+                    &frame([left, top, left + wide, top + high]),
+                    solid(ink(), self.size),
+                );
                 let runs = set(letter);
                 let room = width(&runs, WORD * self.size) + 6.0 * self.size;
                 if !letter.is_empty() {
                     let tall = 1.3 * WORD * self.size;
-                    sheet.fill(&rectangle([left, top, left + room, top + tall]), GROUND.colour(), 1.0);
-                    sheet.line(&frame([left, top, left + room, top + tall]), solid(ink(), 0.7 * self.size));
-                    sheet.words([left + 0.5 * room, top + 0.5 * tall], &runs, WORD * self.size, ink(), Anchor::Middle);
+                    sheet.fill(
+                        &rectangle([left, top, left + room, top + tall]),
+                        GROUND.colour(),
+                        1.0,
+                    );
+                    sheet.line(
+                        &frame([left, top, left + room, top + tall]),
+                        solid(ink(), 0.7 * self.size),
+                    );
+                    sheet.words(
+                        [left + 0.5 * room, top + 0.5 * tall],
+                        &runs,
+                        WORD * self.size,
+                        ink(),
+                        Anchor::Middle,
+                    );
                 }
             }
         }

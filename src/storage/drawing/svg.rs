@@ -1,5 +1,5 @@
-//! A sheet that is drawn on: an SVG that grows mark by mark, in units with y downwards. A PNG is this SVG rendered. Numbers have two
-//! decimals, so that the same drawing is the same text.
+//! A sheet that is drawn on: an SVG that grows mark by mark, in units with y downwards. A PNG is
+//! this SVG rendered. Numbers have two decimals, so that the same drawing is the same text.
 
 use crate::plot::panel::{Colour, Symbol};
 use crate::plot::style::{Ground, Rgb, Stroke};
@@ -16,7 +16,10 @@ use std::fmt::Write;
 use std::sync::{Arc, LazyLock};
 
 /// The font of every picture.
-static FONT: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/DejaVuSans.ttf"));
+static FONT: &[u8] = include_bytes!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/assets/DejaVuSans.ttf"
+));
 
 /// Pictures are on paper.
 pub(super) const GROUND: Ground = Ground::Light;
@@ -27,7 +30,8 @@ pub(super) fn ink() -> Rgb {
     Colour::Ink.on(GROUND)
 }
 
-/// Size of a sub- or superscript beside its line, and how far it is moved (in sizes of the line, downwards).
+/// Size of a sub- or superscript beside its line, and how far it is moved (in sizes of the line,
+/// downwards).
 const SMALLER: f64 = 0.72;
 fn drop_of(script: Script) -> f64 {
     match script {
@@ -41,7 +45,11 @@ pub(super) type Place = [f64; 2];
 
 /// A solid line.
 pub(super) const fn solid(colour: Rgb, width: f64) -> Stroke {
-    Stroke { colour, width, dash: None }
+    Stroke {
+        colour,
+        width,
+        dash: None,
+    }
 }
 
 /// Which end of a text is at its place.
@@ -62,11 +70,17 @@ pub(super) struct Sheet {
 
 impl Sheet {
     pub(super) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, marks: String::new() }
+        Self {
+            width,
+            height,
+            marks: String::new(),
+        }
     }
 
     pub(super) fn line(&mut self, points: &[Place], stroke: Stroke) {
-        let dash = stroke.dash.map_or(String::new(), |[on, off]| format!(" stroke-dasharray=\"{} {}\"", number(on), number(off)));
+        let dash = stroke.dash.map_or(String::new(), |[on, off]| {
+            format!(" stroke-dasharray=\"{} {}\"", number(on), number(off))
+        });
         let _ = writeln!(
             self.marks,
             "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{dash}/>",
@@ -78,13 +92,26 @@ impl Sheet {
 
     pub(super) fn fill(&mut self, points: &[Place], colour: Rgb, opacity: f64) {
         let (points, colour, opacity) = (places(points), hex(colour), number(opacity));
-        let _ = writeln!(self.marks, "<polygon points=\"{points}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>");
+        let _ = writeln!(
+            self.marks,
+            "<polygon points=\"{points}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>"
+        );
     }
 
     /// A symbol of about `radius`, filled or hollow.
-    pub(super) fn symbol(&mut self, symbol: Symbol, at: Place, colour: Rgb, radius: f64, filled: bool) {
+    pub(super) fn symbol(
+        &mut self,
+        symbol: Symbol,
+        at: Place,
+        colour: Rgb,
+        radius: f64,
+        filled: bool,
+    ) {
         for stroke in symbol.strokes() {
-            let corners: Vec<Place> = stroke.iter().map(|c| [at[0] + radius * c[0], at[1] - radius * c[1]]).collect();
+            let corners: Vec<Place> = stroke
+                .iter()
+                .map(|c| [at[0] + radius * c[0], at[1] - radius * c[1]])
+                .collect();
             if filled && corners.len() > 2 || symbol == Symbol::Dot {
                 self.fill(&corners, colour, 1.0);
             } else {
@@ -96,7 +123,9 @@ impl Sheet {
     /// The image over a place given by left, top, width, height.
     pub(super) fn picture(&mut self, place: [f64; 4], image: &RgbImage) {
         let [x, y, width, height] = place.map(number);
-        let bytes = encode_png(image).map(|bytes| STANDARD.encode(bytes)).unwrap_or_default();
+        let bytes = encode_png(image)
+            .map(|bytes| STANDARD.encode(bytes))
+            .unwrap_or_default();
         let _ = writeln!(
             self.marks,
             "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
@@ -105,28 +134,56 @@ impl Sheet {
     }
 
     /// Text whose middle height is at `at`.
-    pub(super) fn words(&mut self, at: Place, text: &[Run], size: f64, colour: Rgb, anchor: Anchor) {
+    pub(super) fn words(
+        &mut self,
+        at: Place,
+        text: &[Run],
+        size: f64,
+        colour: Rgb,
+        anchor: Anchor,
+    ) {
         let share = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => 0.5,
             Anchor::End => 1.0,
         };
-        self.text([at[0] - share * width(text, size), at[1] + 0.36 * size], text, size, colour, "");
+        self.text(
+            [at[0] - share * width(text, size), at[1] + 0.36 * size],
+            text,
+            size,
+            colour,
+            "",
+        );
     }
 
     /// Text from the bottom to the top, its middle at `at`.
     pub(super) fn upright(&mut self, at: Place, text: &[Run], size: f64, colour: Rgb) {
         let at = [at[0] + 0.36 * size, at[1] + 0.5 * width(text, size)];
-        let turn = format!(" transform=\"rotate(-90 {} {})\"", number(at[0]), number(at[1]));
+        let turn = format!(
+            " transform=\"rotate(-90 {} {})\"",
+            number(at[0]),
+            number(at[1])
+        );
         self.text(at, text, size, colour, &turn);
     }
 
     /// Text with the left end of its base line at `at`.
     fn text(&mut self, [x, y]: Place, runs: &[Run], size: f64, colour: Rgb, turn: &str) {
         let (x, y, out) = (number(x), number(y), &mut self.marks);
-        let _ = write!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"{turn}>", number(size), hex(colour));
+        let _ = write!(
+            out,
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" fill=\"{}\"{turn}>",
+            number(size),
+            hex(colour)
+        );
         // Simple viewers place the pieces of a line badly; most lines have but one.
-        if let [Run { text, script: Script::Base }] = runs {
+        if let [
+            Run {
+                text,
+                script: Script::Base,
+            },
+        ] = runs
+        {
             let _ = writeln!(out, "{}</text>", escaped(text));
             return;
         }
@@ -134,7 +191,11 @@ impl Sheet {
         for run in runs {
             let now = drop_of(run.script) * size;
             let (dy, small) = (number(now - level), number(size_of(run, size)));
-            let _ = write!(out, "<tspan dy=\"{dy}\" font-size=\"{small}\">{}</tspan>", escaped(&run.text));
+            let _ = write!(
+                out,
+                "<tspan dy=\"{dy}\" font-size=\"{small}\">{}</tspan>",
+                escaped(&run.text)
+            );
             level = now;
         }
         out.push_str("</text>\n");
@@ -165,13 +226,24 @@ impl Sheet {
         });
         let tree = usvg::Tree::from_str(&self.svg(), &OPTIONS)?;
         let scale = (1800.0 / self.width).max(1.5);
-        let (across, down) = ((self.width * scale).round().max(1.0) as u32, (self.height * scale).round().max(1.0) as u32);
+        let (across, down) = (
+            (self.width * scale).round().max(1.0) as u32,
+            (self.height * scale).round().max(1.0) as u32,
+        );
         let mut pixmap = tiny_skia::Pixmap::new(across, down).ok_or(usvg::Error::InvalidSize)?;
-        resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, scale as f32), &mut pixmap.as_mut());
+        resvg::render(
+            &tree,
+            tiny_skia::Transform::from_scale(scale as f32, scale as f32),
+            &mut pixmap.as_mut(),
+        );
         // The sheet covers everything, so that no pixel is transparent.
         Ok(RgbImage::from_fn(across, down, |x, y| {
             let at = 4 * (y as usize * across as usize + x as usize);
-            image::Rgb([pixmap.data()[at], pixmap.data()[at + 1], pixmap.data()[at + 2]])
+            image::Rgb([
+                pixmap.data()[at],
+                pixmap.data()[at + 1],
+                pixmap.data()[at + 2],
+            ])
         }))
     }
 }
@@ -182,23 +254,39 @@ pub(super) fn set(text: &str) -> Vec<Run> {
 }
 
 fn size_of(run: &Run, size: f64) -> f64 {
-    if run.script == Script::Base { size } else { SMALLER * size }
+    if run.script == Script::Base {
+        size
+    } else {
+        SMALLER * size
+    }
 }
 
 /// Width of a line of text.
 pub(super) fn width(runs: &[Run], size: f64) -> f64 {
     // A font that cannot be read draws nothing either.
-    let Ok(font) = FontRef::new(FONT) else { return 0.0 };
-    let (letters, metrics) = (font.charmap(), font.glyph_metrics(Size::new(1000.0), LocationRef::default()));
-    // An accent stands on its letter and takes no room; a sign that the font lacks is drawn as a box.
+    let Ok(font) = FontRef::new(FONT) else {
+        return 0.0;
+    };
+    let (letters, metrics) = (
+        font.charmap(),
+        font.glyph_metrics(Size::new(1000.0), LocationRef::default()),
+    );
+    // An accent stands on its letter and takes no room; a sign that the font lacks is drawn as a
+    // box.
     let wide = |c: char| {
         if ('\u{300}'..='\u{36f}').contains(&c) {
             0.0
         } else {
-            metrics.advance_width(letters.map(c).unwrap_or_default()).unwrap_or(0.0)
+            metrics
+                .advance_width(letters.map(c).unwrap_or_default())
+                .unwrap_or(0.0)
         }
     };
-    runs.iter().map(|run| run.text.chars().map(|c| f64::from(wide(c))).sum::<f64>() * size_of(run, size) / 1000.0).sum()
+    runs.iter()
+        .map(|run| {
+            run.text.chars().map(|c| f64::from(wide(c))).sum::<f64>() * size_of(run, size) / 1000.0
+        })
+        .sum()
 }
 
 /// The corners of a rectangle given by left, top, right, bottom.
@@ -213,7 +301,10 @@ pub(super) fn frame(sides: [f64; 4]) -> [Place; 5] {
 }
 
 fn places(points: &[Place]) -> String {
-    let pairs: Vec<String> = points.iter().map(|[x, y]| format!("{},{}", number(*x), number(*y))).collect();
+    let pairs: Vec<String> = points
+        .iter()
+        .map(|[x, y]| format!("{},{}", number(*x), number(*y)))
+        .collect();
     pairs.join(" ")
 }
 
@@ -221,7 +312,11 @@ fn places(points: &[Place]) -> String {
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
 }
 
 fn hex([red, green, blue]: Rgb) -> String {
@@ -250,21 +345,35 @@ mod tests {
 
     #[test]
     fn text_cannot_break_out_of_its_place() {
-        assert_eq!(escaped("<a href=\"x\">&'\u{7}"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u{7}");
+        assert_eq!(
+            escaped("<a href=\"x\">&'\u{7}"),
+            "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\\u{7}"
+        );
     }
 
     #[test]
     fn words_are_as_wide_as_they_are_drawn() {
-        for text in ["mean displacement u_0/rho", "p\u{303} = 10^{\u{2212}3}", "WWW iii"] {
+        for text in [
+            "mean displacement u_0/rho",
+            "p\u{303} = 10^{\u{2212}3}",
+            "WWW iii",
+        ] {
             let mut sheet = Sheet::new(900.0, 60.0);
             let wide = width(&set(text), 30.0);
             sheet.words([450.0, 30.0], &set(text), 30.0, [0; 3], Anchor::Middle);
             let picture = sheet.pixels().expect("a picture");
-            let columns = picture.enumerate_pixels().filter(|(.., p)| p.0[0] < 128).map(|(x, ..)| f64::from(x) / 2.0);
-            let (left, right) = columns.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+            let columns = picture
+                .enumerate_pixels()
+                .filter(|(.., p)| p.0[0] < 128)
+                .map(|(x, ..)| f64::from(x) / 2.0);
+            let (left, right) =
+                columns.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
             // Letters stand a little inside their widths.
             let (before, after) = (left - (450.0 - 0.5 * wide), 450.0 + 0.5 * wide - right);
-            assert!((-1.0..6.0).contains(&before) && (-1.0..6.0).contains(&after), "{text}: {before} {after}");
+            assert!(
+                (-1.0..6.0).contains(&before) && (-1.0..6.0).contains(&after),
+                "{text}: {before} {after}"
+            );
         }
     }
 }

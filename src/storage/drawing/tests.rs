@@ -13,10 +13,25 @@ use crate::storage::chart::tests::invented;
 use crate::study::chart::Chart;
 use ndarray::Array2;
 
-fn series(name: &str, role: Role, symbol: Option<Symbol>, colour: Colour, curve: impl Fn(f64) -> [f64; 2]) -> Series {
+fn series(
+    name: &str,
+    role: Role,
+    symbol: Option<Symbol>,
+    colour: Colour,
+    curve: impl Fn(f64) -> [f64; 2],
+) -> Series {
     let count = if symbol.is_some() { 12 } else { 200 };
-    let points = (0..=count).map(|i| curve(f64::from(i) / f64::from(count))).collect();
-    Series { name: name.to_owned(), role, symbol, colour, points, ..Series::default() }
+    let points = (0..=count)
+        .map(|i| curve(f64::from(i) / f64::from(count)))
+        .collect();
+    Series {
+        name: name.to_owned(),
+        role,
+        symbol,
+        colour,
+        points,
+        ..Series::default()
+    }
 }
 
 fn bump() -> Array2<f64> {
@@ -31,7 +46,9 @@ fn everything() -> Panel {
     let inner = Panel {
         x: Axis::linear("t"),
         y: Axis::linear("s"),
-        series: vec![series("", Role::Theory, None, Colour::Purple, |t| [t, t * t])],
+        series: vec![series("", Role::Theory, None, Colour::Purple, |t| {
+            [t, t * t]
+        })],
         ..Panel::default()
     };
     Panel {
@@ -41,38 +58,105 @@ fn everything() -> Panel {
         areas: vec![Area {
             name: "lost energy".to_owned(),
             colour: Colour::Gold,
-            spans: (0..=50).map(|i| 1.0 + f64::from(i) / 25.0).map(|x| [x, -0.3 * x, 0.2 * x]).collect(),
+            spans: (0..=50)
+                .map(|i| 1.0 + f64::from(i) / 25.0)
+                .map(|x| [x, -0.3 * x, 0.2 * x])
+                .collect(),
         }],
         series: vec![
-            series("approach", Role::Simulation, None, Colour::Blue, |t| [5.0 * t, -t]),
-            series("retraction", Role::Simulation, None, Colour::Red, |t| [4.0 * t, t * t - 0.5]),
-            series("flat state", Role::Guide, None, Colour::Grey, |t| [4.0 * t, 0.4 * (9.0 * t).sin()]),
+            series("approach", Role::Simulation, None, Colour::Blue, |t| {
+                [5.0 * t, -t]
+            }),
+            series("retraction", Role::Simulation, None, Colour::Red, |t| {
+                [4.0 * t, t * t - 0.5]
+            }),
+            series("flat state", Role::Guide, None, Colour::Grey, |t| {
+                [4.0 * t, 0.4 * (9.0 * t).sin()]
+            }),
         ],
         arrows: vec![
-            Arrow { name: "jump", tail: [1.0, -0.2], head: [1.0, 0.4], colour: Colour::Blue, direction: Direction::Approach },
-            Arrow { name: "jump", tail: [3.0, 0.3], head: [2.6, -0.4], colour: Colour::Red, direction: Direction::Retraction },
+            Arrow {
+                name: "jump",
+                tail: [1.0, -0.2],
+                head: [1.0, 0.4],
+                colour: Colour::Blue,
+                direction: Direction::Approach,
+            },
+            Arrow {
+                name: "jump",
+                tail: [3.0, 0.3],
+                head: [2.6, -0.4],
+                colour: Colour::Red,
+                direction: Direction::Retraction,
+            },
         ],
-        labels: vec![Label { at: [2.0, -0.8], text: "ridge, p~ = -(4/pi)^{1/3} u~^{2/3}".to_owned(), ..Label::default() }],
+        labels: vec![Label {
+            at: [2.0, -0.8],
+            text: "ridge, p~ = -(4/pi)^{1/3} u~^{2/3}".to_owned(),
+            ..Label::default()
+        }],
         insets: vec![
-            Inset { place: [0.02, 0.72, 0.2, 0.25], content: Content::Map { letter: "a".to_owned(), gap: bump() } },
-            Inset { place: [0.62, 0.6, 0.36, 0.38], content: Content::Diagram(Box::new(inner)) },
+            Inset {
+                place: [0.02, 0.72, 0.2, 0.25],
+                content: Content::Map {
+                    letter: "a".to_owned(),
+                    gap: bump(),
+                },
+            },
+            Inset {
+                place: [0.62, 0.6, 0.36, 0.38],
+                content: Content::Diagram(Box::new(inner)),
+            },
         ],
     }
 }
 
 /// Every role and symbol over logarithmic axes, leaving the frame.
 fn power_panel() -> Panel {
-    let symbols = [Symbol::Circle, Symbol::Square, Symbol::Diamond, Symbol::Triangle, Symbol::Cross, Symbol::Dot];
-    let colours = [Colour::Ink, Colour::Green, Colour::Orange, Colour::Purple, Colour::Teal, Colour::Blue];
-    let law = |factor: f64| move |t: f64| [10f64.powf(4.0 * t - 2.0), factor * 10f64.powf(8.0 * t / 3.0 - 6.0)];
+    let symbols = [
+        Symbol::Circle,
+        Symbol::Square,
+        Symbol::Diamond,
+        Symbol::Triangle,
+        Symbol::Cross,
+        Symbol::Dot,
+    ];
+    let colours = [
+        Colour::Ink,
+        Colour::Green,
+        Colour::Orange,
+        Colour::Purple,
+        Colour::Teal,
+        Colour::Blue,
+    ];
+    let law = |factor: f64| {
+        move |t: f64| {
+            [
+                10f64.powf(4.0 * t - 2.0),
+                factor * 10f64.powf(8.0 * t / 3.0 - 6.0),
+            ]
+        }
+    };
     let mut list = vec![
-        series("exact, vhat(alpha)", Role::Theory, None, Colour::Ink, law(1.0)),
+        series(
+            "exact, vhat(alpha)",
+            Role::Theory,
+            None,
+            Colour::Ink,
+            law(1.0),
+        ),
         series("as printed", Role::Printed, None, Colour::Ink, law(3.0)),
         series("slope 2/3", Role::Guide, None, Colour::Grey, law(30.0)),
     ];
     for (i, (symbol, colour)) in symbols.into_iter().zip(colours).enumerate() {
         let name = format!("n = {}", 64 << i);
-        list.push(series(&name, Role::Simulation, Some(symbol), colour, law(0.8 / (i + 1) as f64)));
+        list.push(series(
+            &name,
+            Role::Simulation,
+            Some(symbol),
+            colour,
+            law(0.8 / (i + 1) as f64),
+        ));
     }
     Panel {
         x: Axis::logarithmic("u~"),
@@ -83,12 +167,30 @@ fn power_panel() -> Panel {
 }
 
 fn single() -> Figure {
-    Figure { number: 98, title: "All that can be drawn <&>".to_owned(), panels: vec![everything()], ..Figure::default() }
+    Figure {
+        number: 98,
+        title: "All that can be drawn <&>".to_owned(),
+        panels: vec![everything()],
+        ..Figure::default()
+    }
 }
 
 fn several(count: usize) -> Figure {
-    let panels = (0..count).map(|i| if i % 2 == 0 { everything() } else { power_panel() }).collect();
-    Figure { number: 99, title: "Several diagrams".to_owned(), panels, ..Figure::default() }
+    let panels = (0..count)
+        .map(|i| {
+            if i % 2 == 0 {
+                everything()
+            } else {
+                power_panel()
+            }
+        })
+        .collect();
+    Figure {
+        number: 99,
+        title: "Several diagrams".to_owned(),
+        panels,
+        ..Figure::default()
+    }
 }
 
 #[test]
@@ -98,55 +200,109 @@ fn figures_become_svg_and_png_twice_the_same() {
     let kept = std::env::var_os("TACKSCOPE_LOOK").map(std::path::PathBuf::from);
     let out = kept.as_deref().unwrap_or(folder.path());
     for (name, figure) in [("one", single()), ("two", several(2)), ("five", several(5))] {
-        let (svg, png) = (out.join(format!("{name}.svg")), out.join(format!("{name}.png")));
+        let (svg, png) = (
+            out.join(format!("{name}.svg")),
+            out.join(format!("{name}.png")),
+        );
         write_page_svg(&svg, &figure.page()).expect("an SVG");
         write_page_png(&png, &figure.page()).expect("a PNG");
         let text = std::fs::read_to_string(&svg).expect("text");
         assert_eq!(text, page_svg(&figure.page()));
-        assert!(text.contains("lost energy") && text.contains("data:image/png;base64,") && text.contains("γ"), "{name}");
+        assert!(
+            text.contains("lost energy")
+                && text.contains("data:image/png;base64,")
+                && text.contains("γ"),
+            "{name}"
+        );
         let picture = image::open(&png).expect("a picture").into_rgb8();
         assert!(picture.width() >= 1600, "{:?}", picture.dimensions());
         // The brightest colour of a gap map (viridis), which nothing else has.
-        let map = picture.pixels().filter(|p| p.0[0] > 220 && p.0[1] > 210 && p.0[2] < 80).count();
+        let map = picture
+            .pixels()
+            .filter(|p| p.0[0] > 220 && p.0[1] > 210 && p.0[2] < 80)
+            .count();
         assert!(map > 100, "{name}: {map} pixels of the maps");
-        let red = picture.pixels().filter(|p| p.0[0] > 150 && p.0[2] < 150 && p.0[1] < 150).count();
+        let red = picture
+            .pixels()
+            .filter(|p| p.0[0] > 150 && p.0[2] < 150 && p.0[1] < 150)
+            .count();
         let bytes = std::fs::read(&png).expect("bytes");
         write_page_png(&png, &figure.page()).expect("a PNG");
-        assert!(red > 500 && std::fs::read(&png).expect("bytes") == bytes, "{name}: {red} red pixels");
+        assert!(
+            red > 500 && std::fs::read(&png).expect("bytes") == bytes,
+            "{name}: {red} red pixels"
+        );
     }
 }
 
 #[test]
 fn nothing_is_drawn_outside_the_frame_of_a_diagram() {
-    let mut figure = Figure { number: 1, panels: vec![power_panel()], ..Figure::default() };
+    let mut figure = Figure {
+        number: 1,
+        panels: vec![power_panel()],
+        ..Figure::default()
+    };
     figure.panels[0].series.retain(|s| s.symbol.is_none());
     for s in &mut figure.panels[0].series {
         s.name.clear();
     }
     let svg = page_svg(&figure.page());
-    let attribute = |line: &str, key: &str| Some(line.split(&format!(" {key}=\"")).nth(1)?.split('"').next()?.to_owned());
+    let attribute = |line: &str, key: &str| {
+        Some(
+            line.split(&format!(" {key}=\""))
+                .nth(1)?
+                .split('"')
+                .next()?
+                .to_owned(),
+        )
+    };
     let lines = |width: &str| -> Vec<Vec<[f64; 2]>> {
-        let own = svg.lines().filter(|line| attribute(line, "stroke-width").is_some_and(|found| found == width));
+        let own = svg
+            .lines()
+            .filter(|line| attribute(line, "stroke-width").is_some_and(|found| found == width));
         let number = |text: &str| text.parse::<f64>().expect("a number");
-        let place = |pair: &str| pair.split_once(',').map(|(x, y)| [number(x), number(y)]).expect("a place");
-        own.filter_map(|line| Some(attribute(line, "points")?.split(' ').map(place).collect())).collect()
+        let place = |pair: &str| {
+            pair.split_once(',')
+                .map(|(x, y)| [number(x), number(y)])
+                .expect("a place")
+        };
+        own.filter_map(|line| Some(attribute(line, "points")?.split(' ').map(place).collect()))
+            .collect()
     };
     // The frame is the only closed outline.
     let outlines = lines("1");
-    let frame = outlines.iter().find(|points| points.len() == 5 && points[0] == points[4]).expect("a frame");
+    let frame = outlines
+        .iter()
+        .find(|points| points.len() == 5 && points[0] == points[4])
+        .expect("a frame");
     let (low, high) = (frame[0], frame[2]);
     let curves: Vec<_> = ["1.4", "1.7", "0.9"].into_iter().flat_map(lines).collect();
-    assert!(curves.len() >= 3 && curves.iter().map(Vec::len).sum::<usize>() > 200, "{curves:?}");
+    assert!(
+        curves.len() >= 3 && curves.iter().map(Vec::len).sum::<usize>() > 200,
+        "{curves:?}"
+    );
     for p in curves.iter().flatten() {
-        assert!((0..2).all(|k| p[k] >= low[k] - 0.01 && p[k] <= high[k] + 0.01), "{p:?} outside {low:?} {high:?}");
+        assert!(
+            (0..2).all(|k| p[k] >= low[k] - 0.01 && p[k] <= high[k] + 0.01),
+            "{p:?} outside {low:?} {high:?}"
+        );
     }
 }
 
 #[test]
 fn roles_differ_without_colour() {
-    let text = page_svg(&Figure { panels: vec![power_panel()], ..Figure::default() }.page());
+    let text = page_svg(
+        &Figure {
+            panels: vec![power_panel()],
+            ..Figure::default()
+        }
+        .page(),
+    );
     let of = |what: &str| text.lines().filter(|line| line.contains(what)).count();
-    assert!(of("stroke-dasharray=\"8 4\"") >= 2, "the printed curve and its sample in the legend");
+    assert!(
+        of("stroke-dasharray=\"8 4\"") >= 2,
+        "the printed curve and its sample in the legend"
+    );
     assert!(of("stroke-width=\"1.4\"") >= 2 && of("stroke-width=\"0.9\"") >= 2);
 }
 
@@ -159,13 +315,26 @@ fn broken_numbers_and_empty_figures_are_drawn_too() {
     panel.arrows[0].head = [f64::NAN, 0.0];
     panel.insets.push(Inset {
         place: [0.0, 0.0, 0.1, 0.1],
-        content: Content::Map { letter: String::new(), gap: Array2::from_elem((1, 4), f64::NAN) },
+        content: Content::Map {
+            letter: String::new(),
+            gap: Array2::from_elem((1, 4), f64::NAN),
+        },
     });
     panel.x = Axis::logarithmic("x");
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (i, panels) in [vec![], vec![Panel::default()], vec![panel]].into_iter().enumerate() {
-        let figure = Figure { panels, title: "bell \u{7}".to_owned(), ..Figure::default() };
-        assert!(!page_svg(&figure.page()).contains(['\u{7}']) && !page_svg(&figure.page()).contains("NaN"));
+    for (i, panels) in [vec![], vec![Panel::default()], vec![panel]]
+        .into_iter()
+        .enumerate()
+    {
+        let figure = Figure {
+            panels,
+            title: "bell \u{7}".to_owned(),
+            ..Figure::default()
+        };
+        assert!(
+            !page_svg(&figure.page()).contains(['\u{7}'])
+                && !page_svg(&figure.page()).contains("NaN")
+        );
         write_page_png(&folder.path().join(format!("{i}.png")), &figure.page()).expect("a picture");
     }
 }
@@ -178,16 +347,29 @@ fn the_csv_has_a_row_for_every_point_and_a_matrix_for_every_map() {
     let text = std::fs::read_to_string(&path).expect("text");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "# Fig. 98: All that can be drawn <&>");
-    assert_eq!(lines[1], "# panel a: x = mean displacement u0/rho, y = pressure p/sigma_max: a loop: gamma_hys");
+    assert_eq!(
+        lines[1],
+        "# panel a: x = mean displacement u0/rho, y = pressure p/sigma_max: a loop: gamma_hys"
+    );
     assert_eq!(lines[3], FIGURE_COLUMNS);
     let count = |part: &str| lines.iter().filter(|line| line.starts_with(part)).count();
     assert_eq!(
-        ["a,approach,simulation,", "a,flat state,guide,", "a,lost energy,area,", "a inset 1,"].map(count),
+        [
+            "a,approach,simulation,",
+            "a,flat state,guide,",
+            "a,lost energy,area,",
+            "a inset 1,"
+        ]
+        .map(count),
         [201, 201, 51, 201]
     );
     assert!(lines.contains(&"a,retraction,arrow,3.0,0.3,2.6,-0.4"));
-    let matrix = std::fs::read_to_string(folder.path().join("figure-98-a-map-a.csv")).expect("a matrix");
-    let rows: Vec<Vec<f64>> = matrix.lines().map(|l| l.split(',').map(|c| c.parse().expect("a number")).collect()).collect();
+    let matrix =
+        std::fs::read_to_string(folder.path().join("figure-98-a-map-a.csv")).expect("a matrix");
+    let rows: Vec<Vec<f64>> = matrix
+        .lines()
+        .map(|l| l.split(',').map(|c| c.parse().expect("a number")).collect())
+        .collect();
     assert_eq!((rows.len(), rows[3][5]), (24, bump()[[3, 5]]));
 }
 
@@ -205,62 +387,125 @@ fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
     };
     write_table_csv(&out("t.csv"), &table).expect("a CSV");
     let csv = std::fs::read_to_string(out("t.csv")).expect("text");
-    assert_eq!(csv, "# Table 1: values of mu_rho\nauthor,mu_rho\n\"Hillerborg, 1976\",0.5\nHui,1.09\n");
+    assert_eq!(
+        csv,
+        "# Table 1: values of mu_rho\nauthor,mu_rho\n\"Hillerborg, 1976\",0.5\nHui,1.09\n"
+    );
     write_table_svg(&out("t.svg"), &table).expect("an SVG");
-    assert!(std::fs::read_to_string(out("t.svg")).expect("text").contains("Hillerborg, 1976"));
+    assert!(
+        std::fs::read_to_string(out("t.svg"))
+            .expect("text")
+            .contains("Hillerborg, 1976")
+    );
     write_table_png(&out("t.png"), &table).expect("a PNG");
     assert!(image::open(out("t.png")).expect("a picture").width() >= 1600);
-    let finding =
-        |found, tolerance| Finding { quantity: "p".to_owned(), found, expected: 1.0, source: "Eq. 8".to_owned(), tolerance };
-    let findings = [finding(1.25, Some(0.5)), finding(3.0, Some(0.5)), finding(2.0, None)];
-    write_findings_csv(&out("f.csv"), findings.iter().map(|f| ("Fig. 4".to_owned(), f))).expect("a CSV");
+    let finding = |found, tolerance| Finding {
+        quantity: "p".to_owned(),
+        found,
+        expected: 1.0,
+        source: "Eq. 8".to_owned(),
+        tolerance,
+    };
+    let findings = [
+        finding(1.25, Some(0.5)),
+        finding(3.0, Some(0.5)),
+        finding(2.0, None),
+    ];
+    write_findings_csv(
+        &out("f.csv"),
+        findings.iter().map(|f| ("Fig. 4".to_owned(), f)),
+    )
+    .expect("a CSV");
     let csv = std::fs::read_to_string(out("f.csv")).expect("text");
     assert_eq!(
         csv.lines().skip(1).collect::<Vec<_>>(),
-        ["Fig. 4,p,1.25,1.0,Eq. 8,0.25,0.5,yes", "Fig. 4,p,3.0,1.0,Eq. 8,2.0,0.5,no", "Fig. 4,p,2.0,1.0,Eq. 8,1.0,,stated"]
+        [
+            "Fig. 4,p,1.25,1.0,Eq. 8,0.25,0.5,yes",
+            "Fig. 4,p,3.0,1.0,Eq. 8,2.0,0.5,no",
+            "Fig. 4,p,2.0,1.0,Eq. 8,1.0,,stated"
+        ]
     );
 }
 
 fn flat_model() -> Model {
-    Model { law: law(), ..scenes::flat("", 256.0, crate::scene::Points::Square(64), 4.2, 0.2, 0.02).model().expect("a model") }
+    Model {
+        law: law(),
+        ..scenes::flat("", 256.0, crate::scene::Points::Square(64), 4.2, 0.2, 0.02)
+            .model()
+            .expect("a model")
+    }
 }
 
 #[test]
 fn a_loop_becomes_an_svg_and_a_png() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let (svg, png) = (folder.path().join("loop.svg"), folder.path().join("loop.png"));
-    let page = loop_panel::page(&invented_loop(), &flat_model(), "Fig. 2: four patterns <&>", Some(0.01));
+    let (svg, png) = (
+        folder.path().join("loop.svg"),
+        folder.path().join("loop.png"),
+    );
+    let page = loop_panel::page(
+        &invented_loop(),
+        &flat_model(),
+        "Fig. 2: four patterns <&>",
+        Some(0.01),
+    );
     write_page_svg(&svg, &page).expect("an SVG");
     write_page_png(&png, &page).expect("a PNG");
     let text = std::fs::read_to_string(&svg).expect("text");
-    for words in ["Dissipated energy", "&lt;&amp;&gt;", "retraction", "bulge", "unstable", "lost energy"] {
+    for words in [
+        "Dissipated energy",
+        "&lt;&amp;&gt;",
+        "retraction",
+        "bulge",
+        "unstable",
+        "lost energy",
+    ] {
         assert!(text.contains(words), "{words}");
     }
     let picture = image::open(&png).expect("a picture").into_rgb8();
     assert!(picture.width() >= 1600);
     let of = |colour: Colour| {
         let [red, green, blue] = colour.on(crate::plot::style::Ground::Light);
-        picture.pixels().filter(|p| p.0 == [red, green, blue]).count()
+        picture
+            .pixels()
+            .filter(|p| p.0 == [red, green, blue])
+            .count()
     };
-    let [approach, retraction] = [Direction::Approach, Direction::Retraction].map(|direction| of(Colour::of(direction)));
-    assert!(approach > 2000 && retraction > 2000, "approach {approach} and retraction {retraction} pixels");
+    let [approach, retraction] =
+        [Direction::Approach, Direction::Retraction].map(|direction| of(Colour::of(direction)));
+    assert!(
+        approach > 2000 && retraction > 2000,
+        "approach {approach} and retraction {retraction} pixels"
+    );
 }
 
 #[test]
 fn the_ticks_of_a_narrow_drive_are_told_apart() {
-    for (middle, width) in [(3.1, 1e-6), (0.0, 1e-9), (2e6, 1.0), (0.004, 1e-3), (3.0, 4.0)] {
+    for (middle, width) in [
+        (3.1, 1e-6),
+        (0.0, 1e-9),
+        (2e6, 1.0),
+        (0.004, 1e-3),
+        (3.0, 4.0),
+    ] {
         let mut record = LoopRecord::default();
         let template = &invented_loop().states[30];
         record.states.extend((0..=20).map(|i| {
             let mean_displacement = middle + width * (0.5 - f64::from(i) / 20.0);
-            crate::follow::record::StateRecord { mean_displacement, ..template.clone() }
+            crate::follow::record::StateRecord {
+                mean_displacement,
+                ..template.clone()
+            }
         }));
         let panel = loop_panel::loop_panel(&record, &flat_model());
         let (ticks, _) = crate::plot::ticks::ticks(&crate::plot::scale::scales(&panel)[0]);
         let mut numbers: Vec<String> = ticks.into_iter().filter_map(|tick| tick.label).collect();
         let all = numbers.len();
         numbers.dedup();
-        assert!(all >= 4 && numbers.len() == all, "{middle} +- {width}: {numbers:?}");
+        assert!(
+            all >= 4 && numbers.len() == all,
+            "{middle} +- {width}: {numbers:?}"
+        );
     }
 }
 
@@ -273,14 +518,22 @@ fn loops_of_nothing_and_of_broken_numbers_are_drawn_too() {
     broken.states[9].mean_displacement = f64::INFINITY;
     broken.jumps[0].stress_after = f64::NAN;
     for record in [LoopRecord::default(), one, broken] {
-        let text = page_svg(&loop_panel::page(&record, &flat_model(), "bell \u{7}", Some(0.01)));
+        let text = page_svg(&loop_panel::page(
+            &record,
+            &flat_model(),
+            "bell \u{7}",
+            Some(0.01),
+        ));
         assert!(!text.contains(['\u{7}']) && !text.contains("NaN") && !text.contains("inf"));
     }
 }
 
 #[test]
 fn a_chart_is_drawn_with_its_failures_named_and_without_anything_too() {
-    let text = page_svg(&chart_panel::page(&invented(), "Fig. 2 <&> \u{1b}[31m\u{fffe}"));
+    let text = page_svg(&chart_panel::page(
+        &invented(),
+        "Fig. 2 <&> \u{1b}[31m\u{fffe}",
+    ));
     for word in [
         "&lt;&amp;&gt; \\u{1b}[31m\\u{fffe}",
         "not converged",

@@ -1,7 +1,7 @@
 //! The scene inside a PNG, so that a picture opens again as what it shows.
 //!
-//! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more, uncompressed text (iTXt) under a
-//! keyword of its own, right after the header.
+//! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more,
+//! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
 use crate::scene::Scene;
 use crate::storage::{Failure, files, scene_file};
@@ -55,11 +55,22 @@ pub(in crate::storage) fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, F
     });
     match text {
         Some(text) if text.len() as u64 > scene_file::BYTES_MAX => {
-            let reason = format!("the scene in this picture is longer than {} bytes", scene_file::BYTES_MAX);
-            Err(refused(path, &reason, "open a picture that this program has written"))
+            let reason = format!(
+                "the scene in this picture is longer than {} bytes",
+                scene_file::BYTES_MAX
+            );
+            Err(refused(
+                path,
+                &reason,
+                "open a picture that this program has written",
+            ))
         }
         Some(text) => scene_file::parse(text, &name),
-        None => Err(refused(path, "there is no scene in this picture", "open a picture that this program has written")),
+        None => Err(refused(
+            path,
+            "there is no scene in this picture",
+            "open a picture that this program has written",
+        )),
     }
 }
 
@@ -68,11 +79,19 @@ fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     if is_png(&bytes) && bytes.len() > HEADER {
         return Ok(bytes);
     }
-    Err(refused(path, "not a PNG", "check that this is the picture you mean"))
+    Err(refused(
+        path,
+        "not a PNG",
+        "check that this is the picture you mean",
+    ))
 }
 
 fn refused(path: &Path, reason: &str, remedy: &str) -> Failure {
-    Failure::Read { file: path.display().to_string(), reason: reason.to_owned(), remedy: remedy.to_owned() }
+    Failure::Read {
+        file: path.display().to_string(),
+        reason: reason.to_owned(),
+        remedy: remedy.to_owned(),
+    }
 }
 
 /// Name and data of every whole chunk.
@@ -98,7 +117,13 @@ fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
 /// The checksum of PNG chunks (CRC-32 of ISO 3309), bit by bit.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 })
+        (0..8).fold(crc ^ u32::from(*byte), |c, _| {
+            if c & 1 == 1 {
+                0xedb8_8320 ^ (c >> 1)
+            } else {
+                c >> 1
+            }
+        })
     })
 }
 
@@ -121,9 +146,18 @@ mod tests {
         let path = folder.path().join("gap.png");
         let preset = presets::find("fig2").unwrap();
         let scene = scene_file::parse(preset.text, preset.name).unwrap();
-        write_gap_png(&path, &Array2::from_shape_fn((8, 8), |(j, i)| 1.0 + (i * j) as f64)).unwrap();
+        write_gap_png(
+            &path,
+            &Array2::from_shape_fn((8, 8), |(j, i)| 1.0 + (i * j) as f64),
+        )
+        .unwrap();
         let before = image::open(&path).unwrap().into_rgb8();
-        assert!(load_scene(&path).unwrap_err().to_string().contains("no scene"));
+        assert!(
+            load_scene(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("no scene")
+        );
         attach_scene(&path, &scene).unwrap();
         assert_eq!(load_scene(&path).unwrap(), scene);
         assert_eq!(image::open(&path).unwrap().into_rgb8(), before);
@@ -133,7 +167,11 @@ mod tests {
     fn what_is_no_picture_or_is_cut_short_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.png");
-        for bytes in [&b"hello"[..], b"\x89PNG\r\n\x1a\n", &[SIGNATURE, &[0xff; 40][..]].concat()] {
+        for bytes in [
+            &b"hello"[..],
+            b"\x89PNG\r\n\x1a\n",
+            &[SIGNATURE, &[0xff; 40][..]].concat(),
+        ] {
             files::write_whole(&path, bytes).unwrap();
             assert!(load_scene(&path).is_err(), "{bytes:?}");
         }

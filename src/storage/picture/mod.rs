@@ -15,7 +15,10 @@ use std::path::Path;
 
 /// Encodes as PNG and writes the file whole.
 pub(super) fn write_png(path: &Path, image: &RgbImage) -> Result<(), Failure> {
-    files::write_whole(path, &encode_png(image).map_err(|error| Failure::write(path, error))?)
+    files::write_whole(
+        path,
+        &encode_png(image).map_err(|error| Failure::write(path, error))?,
+    )
 }
 
 /// The bytes of a PNG.

@@ -1,6 +1,7 @@
 //! The scene file (`format = 1`): TOML in, [`Scene`] out, and back.
 //!
-//! Read by hand over the parsed table, so that every refusal names the file, the key, its value and what is allowed.
+//! Read by hand over the parsed table, so that every refusal names the file, the key, its value and
+//! what is allowed.
 
 mod read;
 mod section;
@@ -33,7 +34,14 @@ pub fn load(path: &Path) -> Result<Scene, Failure> {
 /// # Errors
 /// What is too long, or no allowed scene.
 pub fn pasted(text: &str) -> Result<Scene, Failure> {
-    scene_of(Path::new("clipboard"), text.as_bytes().iter().take(BYTES_MAX as usize + 1).copied().collect())
+    scene_of(
+        Path::new("clipboard"),
+        text.as_bytes()
+            .iter()
+            .take(BYTES_MAX as usize + 1)
+            .copied()
+            .collect(),
+    )
 }
 
 /// The scene of a file that has been read.
@@ -41,13 +49,17 @@ pub fn pasted(text: &str) -> Result<Scene, Failure> {
 /// # Errors
 /// What is too long, not UTF-8, or no allowed scene.
 pub(super) fn scene_of(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
-    let refused =
-        |reason: String, remedy: &str| Failure::Read { file: path.display().to_string(), reason, remedy: remedy.to_owned() };
+    let refused = |reason: String, remedy: &str| Failure::Read {
+        file: path.display().to_string(),
+        reason,
+        remedy: remedy.to_owned(),
+    };
     if bytes.len() as u64 > BYTES_MAX {
         let remedy = "a scene file is a page of text; check that this is one";
         return Err(refused(format!("longer than {BYTES_MAX} bytes"), remedy));
     }
-    let text = String::from_utf8(bytes).map_err(|_| refused("not UTF-8".to_owned(), "save it as UTF-8 text"))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| refused("not UTF-8".to_owned(), "save it as UTF-8 text"))?;
     parse(&text, &path.display().to_string())
 }
 
@@ -63,5 +75,10 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), Failure> {
 
 /// The refusal of a value by the scene itself, with the file it came from.
 pub fn refused(file: &str, error: Refusal) -> Failure {
-    Failure::Value { file: file.to_owned(), key: error.key, value: error.value, allowed: error.allowed }
+    Failure::Value {
+        file: file.to_owned(),
+        key: error.key,
+        value: error.value,
+        allowed: error.allowed,
+    }
 }

@@ -13,23 +13,36 @@ use toml::{Table, Value};
 /// Reads a scene from the text of a scene file; `file_name` is only used in messages.
 ///
 /// # Errors
-/// Anything that is not an allowed scene: syntax, unknown or missing keys, wrong types, values out of range.
+/// Anything that is not an allowed scene: syntax, unknown or missing keys, wrong types, values out
+/// of range.
 pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
-    let table: Table = text.parse().map_err(|error| syntax(text, file_name, &error))?;
+    let table: Table = text
+        .parse()
+        .map_err(|error| syntax(text, file_name, &error))?;
     let root = Section::root(file_name, &table);
     format_version(&root)?;
-    root.only(&["format", "title", "source", "cell", "law", "indenter", "drive", "accuracy", "noise"])?;
+    root.only(&[
+        "format", "title", "source", "cell", "law", "indenter", "drive", "accuracy", "noise",
+    ])?;
     let scene = Scene {
         title: root.text_or("title", "untitled")?,
         source: root.text_or("source", "")?,
         cell: cell(&root.required("cell", "length and points")?)?,
         law: law(&root.required("law", "kind, surface_energy, and range or mu_rho")?)?,
-        indenter: root.inside("indenter")?.map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
+        indenter: root
+            .inside("indenter")?
+            .map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
         drive: drive(&root.required("drive", "start, turn and step")?)?,
-        accuracy: accuracy(&root.inside("accuracy")?.unwrap_or_else(|| root.empty("accuracy")))?,
+        accuracy: accuracy(
+            &root
+                .inside("accuracy")?
+                .unwrap_or_else(|| root.empty("accuracy")),
+        )?,
         seed: noise(&root.inside("noise")?.unwrap_or_else(|| root.empty("noise")))?,
     };
-    scene.validate().map_err(|error| refused(file_name, error))?;
+    scene
+        .validate()
+        .map_err(|error| refused(file_name, error))?;
     Ok(scene)
 }
 
@@ -41,7 +54,11 @@ fn syntax(text: &str, file_name: &str, error: &toml::de::Error) -> Failure {
         file: file_name.to_owned(),
         line: before.matches('\n').count() + 1,
         column: before[line_start..].chars().count() + 1,
-        message: error.message().split_whitespace().collect::<Vec<_>>().join(" "),
+        message: error
+            .message()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" "),
     }
 }
 
@@ -50,19 +67,31 @@ fn format_version(root: &Section<'_>) -> Result<(), Failure> {
     if value.as_integer() == Some(FORMAT) {
         return Ok(());
     }
-    Err(root.refuse("format", value, "allowed is 1, the only version that this program reads"))
+    Err(root.refuse(
+        "format",
+        value,
+        "allowed is 1, the only version that this program reads",
+    ))
 }
 
 fn cell(section: &Section<'_>) -> Result<Cell, Failure> {
     section.only(&["length", "points"])?;
-    Ok(Cell { length: section.number(&parameter::LENGTH)?, points: points(section)? })
+    Ok(Cell {
+        length: section.number(&parameter::LENGTH)?,
+        points: points(section)?,
+    })
 }
 
 fn points(section: &Section<'_>) -> Result<Points, Failure> {
     let value = section.given(&parameter::POINTS)?;
     let parsed = match value {
         Value::String(word) if word == "auto" => Some(Points::Auto),
-        Value::Array(sides) => match sides.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
+        Value::Array(sides) => match sides
+            .iter()
+            .map(whole)
+            .collect::<Option<Vec<_>>>()
+            .as_deref()
+        {
             Some([n, 1]) => Some(Points::Line(*n)),
             Some([n, m]) if n == m => Some(Points::Square(*n)),
             _ => None,
@@ -75,28 +104,58 @@ fn points(section: &Section<'_>) -> Result<Points, Failure> {
 fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
     let kinds = Shape::all();
     let shape = kinds[kind(section, &kinds.iter().map(Shape::word).collect::<Vec<_>>())?];
-    let values = own(section, &["kind", "surface_energy", "range", "mu_rho"], shape.parameters(), &shape.values())?;
+    let values = own(
+        section,
+        &["kind", "surface_energy", "range", "mu_rho"],
+        shape.parameters(),
+        &shape.values(),
+    )?;
     let surface_energy = section.number(&parameter::SURFACE_ENERGY)?;
-    Ok(LawChoice { shape: shape.with(&values), surface_energy, range: range(section)? })
+    Ok(LawChoice {
+        shape: shape.with(&values),
+        surface_energy,
+        range: range(section)?,
+    })
 }
 
 fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
     let kinds = Indenter::all();
-    let ground = kinds[kind(section, &kinds.iter().map(Indenter::word).collect::<Vec<_>>())?];
-    Ok(ground.with(&own(section, &["kind"], ground.parameters(), &ground.values())?))
+    let ground = kinds[kind(
+        section,
+        &kinds.iter().map(Indenter::word).collect::<Vec<_>>(),
+    )?];
+    Ok(ground.with(&own(
+        section,
+        &["kind"],
+        ground.parameters(),
+        &ground.values(),
+    )?))
 }
 
 /// Which of the `words` the section's kind is.
 fn kind(section: &Section<'_>, words: &[&str]) -> Result<usize, Failure> {
     let kind = section.text("kind", &format!("one of \"{}\"", words.join("\", \"")))?;
-    words.iter().position(|word| *word == kind).ok_or_else(|| section.refuse_word("kind", kind, words))
+    words
+        .iter()
+        .position(|word| *word == kind)
+        .ok_or_else(|| section.refuse_word("kind", kind, words))
 }
 
-/// The values of a kind's own parameters, `like` those of its default; beside them the section may have only the `common` keys.
-fn own(section: &Section<'_>, common: &[&str], parameters: &[Parameter], like: &[Own]) -> Result<Vec<Own>, Failure> {
+/// The values of a kind's own parameters, `like` those of its default; beside them the section may
+/// have only the `common` keys.
+fn own(
+    section: &Section<'_>,
+    common: &[&str],
+    parameters: &[Parameter],
+    like: &[Own],
+) -> Result<Vec<Own>, Failure> {
     let names: Vec<&str> = parameters.iter().map(Parameter::name).collect();
     section.only(&[common, &names].concat())?;
-    parameters.iter().zip(like).map(|(parameter, like)| value(section, parameter, like)).collect()
+    parameters
+        .iter()
+        .zip(like)
+        .map(|(parameter, like)| value(section, parameter, like))
+        .collect()
 }
 
 /// The value of a parameter, of the same kind as `like`.
@@ -105,7 +164,9 @@ fn value(section: &Section<'_>, parameter: &Parameter, like: &Own) -> Result<Own
         Own::Number(_) => Own::Number(section.number(parameter)?),
         Own::Whole(_) => Own::Whole(seed(section, parameter)?),
         Own::Counts(_) => Own::Counts(counts(section, parameter)?),
-        Own::Flag(_) => Own::Flag(section.flag_or(parameter.name(), parameter.default == Some(1.0))?),
+        Own::Flag(_) => {
+            Own::Flag(section.flag_or(parameter.name(), parameter.default == Some(1.0))?)
+        }
     })
 }
 
@@ -113,10 +174,17 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
     match (section.has("range"), section.has("mu_rho")) {
         (true, false) => Ok(Range::Length(section.number(&parameter::RANGE)?)),
         (false, true) => Ok(Range::MuRho(section.number(&parameter::MU_RHO)?)),
-        (false, false) => Err(section.missing("range", &format!("{}, or mu_rho in its place", parameter::RANGE.allowed()))),
+        (false, false) => Err(section.missing(
+            "range",
+            &format!("{}, or mu_rho in its place", parameter::RANGE.allowed()),
+        )),
         (true, true) => {
             let value = section.given(&parameter::MU_RHO)?;
-            Err(section.refuse("mu_rho", value, "not together with law.range; remove one of the two"))
+            Err(section.refuse(
+                "mu_rho",
+                value,
+                "not together with law.range; remove one of the two",
+            ))
         }
     }
 }
@@ -125,7 +193,12 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
 fn counts(section: &Section<'_>, parameter: &Parameter) -> Result<[usize; 2], Failure> {
     let value = section.given(parameter)?;
     let parsed = match value {
-        Value::Array(both) => match both.iter().map(whole).collect::<Option<Vec<_>>>().as_deref() {
+        Value::Array(both) => match both
+            .iter()
+            .map(whole)
+            .collect::<Option<Vec<_>>>()
+            .as_deref()
+        {
             Some([x, y]) => Some([*x, *y]),
             _ => None,
         },
@@ -139,9 +212,15 @@ fn drive(section: &Section<'_>) -> Result<Drive, Failure> {
     let start = section.number(&parameter::START)?;
     let turn = match section.given(&parameter::TURN)? {
         Value::String(word) if word == "zero_load" => Turn::ZeroLoad,
-        value => Turn::At(finite(value).ok_or_else(|| section.refuse_number(&parameter::TURN, value))?),
+        value => {
+            Turn::At(finite(value).ok_or_else(|| section.refuse_number(&parameter::TURN, value))?)
+        }
     };
-    Ok(Drive { start, turn, step: section.number(&parameter::STEP)? })
+    Ok(Drive {
+        start,
+        turn,
+        step: section.number(&parameter::STEP)?,
+    })
 }
 
 fn accuracy(section: &Section<'_>) -> Result<f64, Failure> {
@@ -161,7 +240,10 @@ fn seed(section: &Section<'_>, parameter: &Parameter) -> Result<u64, Failure> {
         (false, Some(default)) => default,
         _ => section.given(parameter)?,
     };
-    value.as_integer().and_then(|seed| u64::try_from(seed).ok()).ok_or_else(|| section.refuse_number(parameter, value))
+    value
+        .as_integer()
+        .and_then(|seed| u64::try_from(seed).ok())
+        .ok_or_else(|| section.refuse_number(parameter, value))
 }
 
 /// A count.

@@ -16,14 +16,22 @@ pub(super) struct Section<'a> {
 impl<'a> Section<'a> {
     /// The file's own, outermost table.
     pub(super) fn root(file: &'a str, table: &'a Table) -> Self {
-        Self { file, name: "", table }
+        Self {
+            file,
+            name: "",
+            table,
+        }
     }
 
     /// The table `[name]` inside this one, or `None` if it is not there.
     pub(super) fn inside(&self, name: &'static str) -> Result<Option<Section<'a>>, Failure> {
         match self.table.get(name) {
             None => Ok(None),
-            Some(Value::Table(table)) => Ok(Some(Section { file: self.file, name, table })),
+            Some(Value::Table(table)) => Ok(Some(Section {
+                file: self.file,
+                name,
+                table,
+            })),
             Some(other) => Err(self.refuse(name, other, &format!("allowed is a table, [{name}]"))),
         }
     }
@@ -31,7 +39,11 @@ impl<'a> Section<'a> {
     /// A table `[name]` that is not there: everything in it has its default.
     pub(super) fn empty(&self, name: &'static str) -> Section<'a> {
         static NOTHING: LazyLock<Table> = LazyLock::new(Table::new);
-        Section { file: self.file, name, table: &NOTHING }
+        Section {
+            file: self.file,
+            name,
+            table: &NOTHING,
+        }
     }
 
     /// The table `[name]`, which must be there.
@@ -45,13 +57,21 @@ impl<'a> Section<'a> {
 
     /// Refuses every key that is not in `allowed`.
     pub(super) fn only(&self, allowed: &[&str]) -> Result<(), Failure> {
-        match self.table.keys().find(|key| !allowed.contains(&key.as_str())) {
+        match self
+            .table
+            .keys()
+            .find(|key| !allowed.contains(&key.as_str()))
+        {
             None => Ok(()),
             Some(key) => Err(Failure::UnknownKey {
                 file: self.file.to_owned(),
                 key: self.dotted(&quote(key)),
                 near: near(key, allowed.iter().copied()),
-                place: if self.name.is_empty() { "its top level".to_owned() } else { format!("[{}]", self.name) },
+                place: if self.name.is_empty() {
+                    "its top level".to_owned()
+                } else {
+                    format!("[{}]", self.name)
+                },
                 allowed: allowed.join(", "),
             }),
         }
@@ -64,10 +84,13 @@ impl<'a> Section<'a> {
 
     /// The raw value, which must be there.
     pub(super) fn value(&self, key: &str, allowed: &str) -> Result<&'a Value, Failure> {
-        self.table.get(key).ok_or_else(|| self.missing(key, allowed))
+        self.table
+            .get(key)
+            .ok_or_else(|| self.missing(key, allowed))
     }
 
-    /// The number of a parameter (an integer will do), or its default if it has one and is not there; the scene checks its range.
+    /// The number of a parameter (an integer will do), or its default if it has one and is not
+    /// there; the scene checks its range.
     pub(super) fn number(&self, parameter: &Parameter) -> Result<f64, Failure> {
         let key = parameter.name();
         match (self.table.get(key), parameter.default) {
@@ -84,25 +107,37 @@ impl<'a> Section<'a> {
 
     /// The refusal of what a parameter cannot be.
     pub(super) fn refuse_number(&self, parameter: &Parameter, value: &Value) -> Failure {
-        self.refuse(parameter.name(), value, &format!("allowed is {}", parameter.allowed()))
+        self.refuse(
+            parameter.name(),
+            value,
+            &format!("allowed is {}", parameter.allowed()),
+        )
     }
 
     /// A text.
     pub(super) fn text(&self, key: &str, allowed: &str) -> Result<&'a str, Failure> {
         let value = self.value(key, allowed)?;
-        value.as_str().ok_or_else(|| self.refuse(key, value, &format!("allowed is {allowed}")))
+        value
+            .as_str()
+            .ok_or_else(|| self.refuse(key, value, &format!("allowed is {allowed}")))
     }
 
     /// A text, or `default` if it is not there.
     pub(super) fn text_or(&self, key: &str, default: &str) -> Result<String, Failure> {
-        if self.has(key) { self.text(key, "a text in quotes").map(str::to_owned) } else { Ok(default.to_owned()) }
+        if self.has(key) {
+            self.text(key, "a text in quotes").map(str::to_owned)
+        } else {
+            Ok(default.to_owned())
+        }
     }
 
     /// true or false, or `default` if it is not there.
     pub(super) fn flag_or(&self, key: &str, default: bool) -> Result<bool, Failure> {
         match self.table.get(key) {
             None => Ok(default),
-            Some(value) => value.as_bool().ok_or_else(|| self.refuse(key, value, "allowed is true or false")),
+            Some(value) => value
+                .as_bool()
+                .ok_or_else(|| self.refuse(key, value, "allowed is true or false")),
         }
     }
 
@@ -119,17 +154,29 @@ impl<'a> Section<'a> {
     /// The refusal of a word that is none of `words`.
     pub(super) fn refuse_word(&self, key: &str, word: &str, words: &[&str]) -> Failure {
         let listed: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-        let allowed = format!("allowed are {}{}", listed.join(", "), near(word, words.iter().copied()));
+        let allowed = format!(
+            "allowed are {}{}",
+            listed.join(", "),
+            near(word, words.iter().copied())
+        );
         self.refuse(key, &Value::String(word.to_owned()), &allowed)
     }
 
     /// The complaint that a key is not there.
     pub(super) fn missing(&self, key: &str, allowed: &str) -> Failure {
-        Failure::Missing { file: self.file.to_owned(), key: self.dotted(key), allowed: format!("allowed is {allowed}") }
+        Failure::Missing {
+            file: self.file.to_owned(),
+            key: self.dotted(key),
+            allowed: format!("allowed is {allowed}"),
+        }
     }
 
     fn dotted(&self, key: &str) -> String {
-        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+        if self.name.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.name)
+        }
     }
 }
 

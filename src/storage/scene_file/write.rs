@@ -64,7 +64,11 @@ fn own(parameters: &'static [Parameter], values: &[Own]) -> Keys {
         Own::Counts([x, y]) => Value::Array(vec![whole(x), whole(y)]),
         Own::Flag(flag) => flag.into(),
     };
-    parameters.iter().map(Parameter::name).zip(values.iter().map(value)).collect()
+    parameters
+        .iter()
+        .map(Parameter::name)
+        .zip(values.iter().map(value))
+        .collect()
 }
 
 fn drive(scene: &Scene) -> Keys {
@@ -72,7 +76,11 @@ fn drive(scene: &Scene) -> Keys {
         Turn::At(turn) => turn.into(),
         Turn::ZeroLoad => "zero_load".into(),
     };
-    vec![("start", scene.drive.start.into()), ("turn", turn), ("step", scene.drive.step.into())]
+    vec![
+        ("start", scene.drive.start.into()),
+        ("turn", turn),
+        ("step", scene.drive.step.into()),
+    ]
 }
 
 /// A count; TOML has no integers beyond 2^63 - 1, and no allowed scene has such a count.

@@ -9,7 +9,8 @@ use crate::scene::part::Part;
 use crate::scene::{Model, Scene, Turn};
 use crate::solver::Stop;
 
-/// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged, and says why.
+/// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged,
+/// and says why.
 pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
     let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
@@ -22,24 +23,53 @@ pub(super) fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     let mut run = LoopRun::empty();
     match cycle {
         Ok(cycle) => {
-            run.record.states = cycle.legs.iter().flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model)).collect();
+            run.record.states = cycle
+                .legs
+                .iter()
+                .flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model))
+                .collect();
             run.record.jumps = cycle.jumps;
         }
-        Err(reason) => run.outcome = Outcome::NotConverged { mean_displacement: start, reason: Stuck::Unmapped(reason) },
+        Err(reason) => {
+            run.outcome = Outcome::NotConverged {
+                mean_displacement: start,
+                reason: Stuck::Unmapped(reason),
+            }
+        }
     }
     run.counts.transforms = atlas.transforms().iter().sum();
-    run.counts.patterned_increments = run.record.states.iter().filter(|s| s.pattern != Pattern::Flat).count();
+    run.counts.patterned_increments = run
+        .record
+        .states
+        .iter()
+        .filter(|s| s.pattern != Pattern::Flat)
+        .count();
     run
 }
 
 /// States along a leg: its ends, and the points start - k x step between them.
 fn states(atlas: &Atlas, leg: &Leg, start: f64, step: f64, model: &Model) -> Vec<StateRecord> {
     let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
-    let (first, last) = (((start - high) / step).floor() as i64, ((start - low) / step).ceil() as i64);
-    let mut places: Vec<f64> = (first..=last).map(|k| start - k as f64 * step).filter(|u| *u > low && *u < high).collect();
+    let (first, last) = (
+        ((start - high) / step).floor() as i64,
+        ((start - low) / step).ceil() as i64,
+    );
+    let mut places: Vec<f64> = (first..=last)
+        .map(|k| start - k as f64 * step)
+        .filter(|u| *u > low && *u < high)
+        .collect();
     places.extend([leg.from, leg.to]);
-    places.sort_by(|a, b| if leg.from < leg.to { a.total_cmp(b) } else { b.total_cmp(a) });
-    places.iter().map(|&u0| state(atlas, leg, u0, model)).collect()
+    places.sort_by(|a, b| {
+        if leg.from < leg.to {
+            a.total_cmp(b)
+        } else {
+            b.total_cmp(a)
+        }
+    });
+    places
+        .iter()
+        .map(|&u0| state(atlas, leg, u0, model))
+        .collect()
 }
 
 fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
@@ -48,7 +78,14 @@ fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
         Place::Flat => (Pattern::Flat, Part::Flat),
         Place::On(i) => {
             let branch = &atlas.branches()[i];
-            (branch.pattern, if branch.is_ridge { Part::Ridge } else { Part::Quarter })
+            (
+                branch.pattern,
+                if branch.is_ridge {
+                    Part::Ridge
+                } else {
+                    Part::Quarter
+                },
+            )
         }
     };
     StateRecord {

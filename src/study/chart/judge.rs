@@ -19,7 +19,8 @@ pub struct Errors {
     pub dissipated_energy: f64,
     /// Of the worst matched jump's u0, in ranges.
     pub jumps: f64,
-    /// Root mean square of the mean stress where both are on the same pattern and away from jumps, over sigma_max.
+    /// Root mean square of the mean stress where both are on the same pattern and away from jumps,
+    /// over sigma_max.
     pub stress: f64,
 }
 
@@ -91,7 +92,12 @@ pub struct Judged {
 }
 
 impl Judged {
-    pub(super) fn new(measured: &Measured, comparison: Comparison, plan: bool, paper_budget: bool) -> Self {
+    pub(super) fn new(
+        measured: &Measured,
+        comparison: Comparison,
+        plan: bool,
+        paper_budget: bool,
+    ) -> Self {
         let counts = measured.counts;
         Self {
             point: measured.point,
@@ -123,24 +129,48 @@ pub(super) struct Comparison {
 /// Compares a loop with `truth`.
 pub(super) fn compare(measured: &Measured, truth: &Measured) -> Comparison {
     let (loss, expected) = (measured.dissipated_energy(), truth.dissipated_energy());
-    let scale = if expected.abs() > LOSS_MIN { expected.abs() } else { 1.0 };
+    let scale = if expected.abs() > LOSS_MIN {
+        expected.abs()
+    } else {
+        1.0
+    };
     let matched = matched(&measured.record.jumps, &truth.record.jumps);
-    let late = matched.iter().map(|(a, b)| (a.mean_displacement - b.mean_displacement).abs() / truth.law.range);
+    let late = matched
+        .iter()
+        .map(|(a, b)| (a.mean_displacement - b.mean_displacement).abs() / truth.law.range);
     let complete = measured.is_complete() && truth.is_complete();
-    let jumps = if complete { late.fold(0.0, f64::max) } else { f64::NAN };
-    let errors = Errors { dissipated_energy: (loss - expected).abs() / scale, jumps, stress: stress_error(measured, truth) };
-    let faults = if complete { jump_faults(measured, truth, matched.len()) } else { Vec::new() };
+    let jumps = if complete {
+        late.fold(0.0, f64::max)
+    } else {
+        f64::NAN
+    };
+    let errors = Errors {
+        dissipated_energy: (loss - expected).abs() / scale,
+        jumps,
+        stress: stress_error(measured, truth),
+    };
+    let faults = if complete {
+        jump_faults(measured, truth, matched.len())
+    } else {
+        Vec::new()
+    };
     Comparison { errors, faults }
 }
 
 /// The longest common sequence of jumps (branch, pattern before and after), in order.
 fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord, &'a JumpRecord)> {
-    let same = |i: usize, j: usize| (a[i].direction, a[i].from, a[i].to) == (b[j].direction, b[j].from, b[j].to);
+    let same = |i: usize, j: usize| {
+        (a[i].direction, a[i].from, a[i].to) == (b[j].direction, b[j].from, b[j].to)
+    };
     let mut length = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in (0..a.len()).rev() {
         for j in (0..b.len()).rev() {
             let skip = length[i + 1][j].max(length[i][j + 1]);
-            length[i][j] = if same(i, j) { skip.max(1 + length[i + 1][j + 1]) } else { skip };
+            length[i][j] = if same(i, j) {
+                skip.max(1 + length[i + 1][j + 1])
+            } else {
+                skip
+            };
         }
     }
     let (mut i, mut j, mut pairs) = (0, 0, Vec::new());
@@ -162,20 +192,42 @@ fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<(St
     let (ours, theirs) = (&measured.record, &truth.record);
     let mut faults = Vec::new();
     for branch in [Direction::Approach, Direction::Retraction] {
-        let reached = |record: &LoopRecord, p: Pattern| record.jumps.iter().any(|j| j.direction == branch && j.to == p);
-        for pattern in [Pattern::Bulge, Pattern::Ridge, Pattern::Dimple, Pattern::Contact, Pattern::Other, Pattern::Flat] {
+        let reached = |record: &LoopRecord, p: Pattern| {
+            record
+                .jumps
+                .iter()
+                .any(|j| j.direction == branch && j.to == p)
+        };
+        for pattern in [
+            Pattern::Bulge,
+            Pattern::Ridge,
+            Pattern::Dimple,
+            Pattern::Contact,
+            Pattern::Other,
+            Pattern::Flat,
+        ] {
             if reached(theirs, pattern) && !reached(ours, pattern) {
-                faults.push((format!("{pattern} skipped"), format!("{pattern} skipped on {branch}")));
+                faults.push((
+                    format!("{pattern} skipped"),
+                    format!("{pattern} skipped on {branch}"),
+                ));
             }
         }
     }
     let missing = theirs.jumps.len() - matched;
     if missing > 0 && faults.is_empty() {
-        faults.push(("jumps missing".to_owned(), format!("{missing} jumps missing")));
+        faults.push((
+            "jumps missing".to_owned(),
+            format!("{missing} jumps missing"),
+        ));
     }
     let extra = ours.jumps.len() - matched;
     if extra > 0 {
-        let whose = if measured.mu_rho > mesh_rule::SAFE { "jumps of the mesh" } else { "extra jumps" };
+        let whose = if measured.mu_rho > mesh_rule::SAFE {
+            "jumps of the mesh"
+        } else {
+            "extra jumps"
+        };
         faults.push((whose.to_owned(), format!("{extra} {whose}")));
     }
     faults
@@ -186,57 +238,94 @@ fn verdict(measured: &Measured, jumps: Vec<(String, String)>) -> Verdict {
     let failed = |what: String, message: String| Verdict::Failed { what, message };
     match &measured.outcome {
         Outcome::Cancelled if measured.out_of_time => {
-            return failed("out of time".to_owned(), "took longer than predicted".to_owned());
+            return failed(
+                "out of time".to_owned(),
+                "took longer than predicted".to_owned(),
+            );
         }
         Outcome::Cancelled => return Verdict::Cancelled,
-        Outcome::NotConverged { mean_displacement, reason } => {
-            return failed(reason.what(), format!("{reason}; last state at u0 = {mean_displacement}"));
+        Outcome::NotConverged {
+            mean_displacement,
+            reason,
+        } => {
+            return failed(
+                reason.what(),
+                format!("{reason}; last state at u0 = {mean_displacement}"),
+            );
         }
         Outcome::Completed => {}
     }
     if let Some(open) = measured.ledger().and_then(|ledger| ledger.open) {
-        return failed("loop not closed".to_owned(), format!("loop not closed: {}; {}", open.reason, open.remedy));
+        return failed(
+            "loop not closed".to_owned(),
+            format!("loop not closed: {}; {}", open.reason, open.remedy),
+        );
     }
     let states = &measured.record.states;
     let with = |stop: Stop| states.iter().filter(|s| s.stop == stop).count();
     let mut faults = Vec::new();
     if with(Stop::Unstable) > 0 {
-        faults
-            .push(("unstable state kept".to_owned(), format!("{} of {} states are unstable", with(Stop::Unstable), states.len())));
+        faults.push((
+            "unstable state kept".to_owned(),
+            format!(
+                "{} of {} states are unstable",
+                with(Stop::Unstable),
+                states.len()
+            ),
+        ));
     }
     faults.extend(jumps);
     if with(Stop::NotConverged) > 0 {
         let worst = max_abs(&states.iter().map(|s| s.residual).collect::<Vec<_>>());
-        let message =
-            format!("{} of {} states above the tolerance, residual up to {worst:.1e}", with(Stop::NotConverged), states.len());
+        let message = format!(
+            "{} of {} states above the tolerance, residual up to {worst:.1e}",
+            with(Stop::NotConverged),
+            states.len()
+        );
         faults.push(("not converged".to_owned(), message));
     }
     match faults.first() {
         None => Verdict::Done,
-        Some((what, _)) => failed(what.clone(), faults.iter().map(|(_, message)| message.as_str()).collect::<Vec<_>>().join("; ")),
+        Some((what, _)) => failed(
+            what.clone(),
+            faults
+                .iter()
+                .map(|(_, message)| message.as_str())
+                .collect::<Vec<_>>()
+                .join("; "),
+        ),
     }
 }
 
-/// Root mean square difference of the stress over the states of `measured` that are on the same pattern as `truth` and away from
-/// the jumps of both, over sigma_max.
+/// Root mean square difference of the stress over the states of `measured` that are on the same
+/// pattern as `truth` and away from the jumps of both, over sigma_max.
 fn stress_error(measured: &Measured, truth: &Measured) -> f64 {
     let away = (2.0 * measured.point.step).max(0.1 * truth.law.range);
     let (mut sum, mut count) = (0.0, 0);
-    let mut curve = [Direction::Approach, Direction::Retraction].map(|branch| Curve::new(&truth.record.states, branch));
+    let mut curve = [Direction::Approach, Direction::Retraction]
+        .map(|branch| Curve::new(&truth.record.states, branch));
     for state in &measured.record.states {
         let u = state.mean_displacement;
         let jumps = measured.record.jumps.iter().chain(&truth.record.jumps);
-        if jumps.filter(|j| j.direction == state.direction).any(|j| (j.mean_displacement - u).abs() < away) {
+        if jumps
+            .filter(|j| j.direction == state.direction)
+            .any(|j| (j.mean_displacement - u).abs() < away)
+        {
             continue;
         }
-        if let Some((stress, pattern)) = curve[usize::from(state.direction == Direction::Retraction)].at(u)
+        if let Some((stress, pattern)) =
+            curve[usize::from(state.direction == Direction::Retraction)].at(u)
             && pattern == state.pattern
         {
             sum += (state.stress - stress).powi(2);
             count += 1;
         }
     }
-    if count == 0 { f64::NAN } else { (sum / f64::from(count)).sqrt() / truth.law.traction_max() }
+    if count == 0 {
+        f64::NAN
+    } else {
+        (sum / f64::from(count)).sqrt() / truth.law.traction_max()
+    }
 }
 
 /// Stress and pattern of a branch by linear interpolation, exact where the states coincide.

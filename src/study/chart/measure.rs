@@ -45,12 +45,15 @@ impl Measured {
 
     /// The loss over gamma; NaN unless the loop is closed.
     pub fn dissipated_energy(&self) -> f64 {
-        self.ledger().and_then(|ledger| ledger.dissipated_energy()).unwrap_or(f64::NAN)
+        self.ledger()
+            .and_then(|ledger| ledger.dissipated_energy())
+            .unwrap_or(f64::NAN)
     }
 
     /// The ledger, if the drive was completed.
     pub fn ledger(&self) -> Option<Ledger> {
-        self.is_complete().then(|| self.record.ledger(self.law.surface_energy))
+        self.is_complete()
+            .then(|| self.record.ledger(self.law.surface_energy))
     }
 
     /// Loop integral of stress du0 over gamma.
@@ -59,7 +62,8 @@ impl Measured {
     }
 }
 
-/// Computes the loop of `scene` (its range given as a length) as `point` says, stopping after `allowed` processor seconds.
+/// Computes the loop of `scene` (its range given as a length) as `point` says, stopping after
+/// `allowed` processor seconds.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.
@@ -72,13 +76,27 @@ pub fn measure(
 ) -> Result<Measured, Refusal> {
     let mut scene = scene.clone();
     scene.drive.step = point.step;
-    scene.cell.points = if point.line { Points::Line(point.points) } else { Points::Square(point.points) };
+    scene.cell.points = if point.line {
+        Points::Line(point.points)
+    } else {
+        Points::Square(point.points)
+    };
     let model = scene.model()?;
     let part = cancel.part();
     let (wall, processor) = (Instant::now(), ProcessTime::now());
     let mut out_of_time = false;
-    let options = |part| WalkOptions { method: point.method, part, precision: point.precision, trapped_within: None };
-    let LoopRun { record, outcome, counts, .. } = match point.model {
+    let options = |part| WalkOptions {
+        method: point.method,
+        part,
+        precision: point.precision,
+        trapped_within: None,
+    };
+    let LoopRun {
+        record,
+        outcome,
+        counts,
+        ..
+    } = match point.model {
         Road::Atlas => atlas::read_off(&scene, &model),
         Road::Walk(walked) => run_loop(&scene, options(walked), &part, &mut |report| {
             if processor.elapsed().as_secs_f64() > allowed {

@@ -2,6 +2,7 @@
 
 use super::Measured;
 use crate::numerics::precision::Precision;
+use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule::{SAFE, mu_rho};
@@ -18,7 +19,8 @@ use std::fmt;
 pub(super) const REFERENCE: f64 = 0.6;
 /// The share of the budget that one loop may take.
 pub(super) const SHARE: f64 = 0.3;
-/// Processor seconds of one transform of N points with all that belongs to it, over N log2 N; learnt anew from every loop.
+/// Processor seconds of one transform of N points with all that belongs to it, over N log2 N;
+/// learnt anew from every loop.
 const SECONDS: f64 = 1e-9;
 
 /// One way to compute the loop.
@@ -26,7 +28,8 @@ const SECONDS: f64 = 1e-9;
 pub struct Point {
     /// The relaxation method.
     pub method: MethodKind,
-    /// How the loop is computed; where it is read off an atlas (flat ground, square cells) the step is that of the states read off.
+    /// How the loop is computed; where it is read off an atlas (flat ground, square cells) the step
+    /// is that of the states read off.
     pub model: Road,
     /// True for a line cell.
     pub line: bool,
@@ -41,7 +44,11 @@ pub struct Point {
 impl Point {
     /// The name of its road on the screen: its method, or the atlas.
     pub fn road(&self) -> &'static str {
-        if self.model == Road::Atlas { "atlas of branches" } else { self.method.title() }
+        if self.model == Road::Atlas {
+            "atlas of branches"
+        } else {
+            self.method.title()
+        }
     }
 
     /// The word of tables for what is solved.
@@ -67,7 +74,8 @@ impl fmt::Display for Point {
     }
 }
 
-/// The longer step of the reference's third loop over that of the first: no small ratio, so that it meets the jumps from elsewhere.
+/// The longer step of the reference's third loop over that of the first: no small ratio, so that it
+/// meets the jumps from elsewhere.
 pub(super) const LONGER: f64 = 1.7;
 
 /// How much trouble to take.
@@ -95,81 +103,194 @@ impl Effort {
 /// The scene with its range as a length: it must not change with the mesh.
 pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, Refusal> {
     let model = scene.model()?;
-    let points = if model.grid.is_line() { Points::Line(model.grid.nx) } else { Points::Square(model.grid.nx) };
-    let law = LawChoice { range: Range::Length(model.law.range), ..scene.law };
-    Ok(Scene { cell: Cell { points, ..scene.cell }, law, ..scene.clone() })
+    let points = if model.grid.is_line() {
+        Points::Line(model.grid.nx)
+    } else {
+        Points::Square(model.grid.nx)
+    };
+    let law = LawChoice {
+        range: Range::Length(model.law.range),
+        ..scene.law
+    };
+    Ok(Scene {
+        cell: Cell {
+            points,
+            ..scene.cell
+        },
+        law,
+        ..scene.clone()
+    })
 }
 
-/// The points of a chart, cheapest first, and the loops of its reference: with a finer mesh and half the step of any point; the same
-/// on the finest mesh of the points; and with a longer step.
+/// The points of a chart, cheapest first, and the loops of its reference: with a finer mesh and
+/// half the step of any point; the same on the finest mesh of the points; and with a longer step.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.
 pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]), Refusal> {
     let predictor = Predictor::new(scene)?;
     let grid = scene.model()?.grid;
-    let mesh = |share: f64| if share < 1.0 { next_fast((share * grid.nx as f64).ceil().max(16.0) as usize) } else { grid.nx };
-    let line = grid.is_line();
-    let point = |method, points, step| Point { method, model: Road::WHOLE, line, points, precision: Precision::Double, step };
-    let finest = |most: usize, step: f64| {
-        let finer = next_fast((1.2 * most as f64 + 1.0).ceil() as usize);
-        [(finer, step / 2.0), (most, step / 2.0), (finer, LONGER * step / 2.0)]
-            .map(|(n, step)| point(MethodKind::NewtonKrylov, n, step))
+    let (meshes, step) = affordable(scene, effort, &grid, &predictor);
+    let most = most(&meshes, &grid);
+    let mut list = Vec::new();
+    for method in MethodKind::ALL {
+        // The paper's method costs ten times as much and gains nothing from a finer mesh.
+        let from = if method == MethodKind::Gfmd {
+            meshes.len().saturating_sub(2)
+        } else {
+            0
+        };
+        list.extend(
+            meshes[from..]
+                .iter()
+                .map(|&n| double(&grid, method, n, step)),
+        );
+        if matches!(effort, Effort::Full { .. }) {
+            list.extend([2.0, 4.0, 8.0].map(|longer| double(&grid, method, most, longer * step)));
+        }
+    }
+    list.extend(other_numbers(&grid, &meshes, step));
+    let quarters = quarters(scene, &list);
+    list.extend(quarters);
+    list.extend(atlases(scene, &grid, &meshes, step));
+    list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
+    Ok((list, finest(&grid, most, step)))
+}
+
+/// A point of double precision on the whole cell.
+fn double(grid: &Grid, method: MethodKind, points: usize, step: f64) -> Point {
+    Point {
+        method,
+        model: Road::WHOLE,
+        line: grid.is_line(),
+        points,
+        precision: Precision::Double,
+        step,
+    }
+}
+
+/// The loops of the reference of points on up to `most` points a side, with steps of `step`.
+fn finest(grid: &Grid, most: usize, step: f64) -> [Point; 3] {
+    let finer = next_fast((1.2 * most as f64 + 1.0).ceil() as usize);
+    [
+        (finer, step / 2.0),
+        (most, step / 2.0),
+        (finer, LONGER * step / 2.0),
+    ]
+    .map(|(n, step)| double(grid, MethodKind::NewtonKrylov, n, step))
+}
+
+/// Points along a side of the finest mesh.
+fn most(meshes: &[usize], grid: &Grid) -> usize {
+    meshes.last().copied().unwrap_or(grid.nx)
+}
+
+/// The meshes by growing points, and the step, whose reference is within the budget.
+fn affordable(
+    scene: &Scene,
+    effort: Effort,
+    grid: &Grid,
+    predictor: &Predictor,
+) -> (Vec<usize>, f64) {
+    let mesh = |share: f64| {
+        if share < 1.0 {
+            next_fast((share * grid.nx as f64).ceil().max(16.0) as usize)
+        } else {
+            grid.nx
+        }
     };
     let (mut meshes, mut step) = match effort {
-        Effort::Full { .. } => (vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)], scene.drive.step),
+        Effort::Full { .. } => (
+            vec![mesh(0.375), mesh(0.5), mesh(0.75), mesh(1.0)],
+            scene.drive.step,
+        ),
         Effort::Quick => (vec![mesh(0.75), mesh(1.0)], 4.0 * scene.drive.step),
     };
     meshes.dedup();
-    let most = |meshes: &[usize]| meshes.last().copied().unwrap_or(grid.nx);
-    // Where even the reference is beyond the means the finest mesh goes, unless the next one traps patterns; then steps get longer.
+    // Where even the reference is beyond the means the finest mesh goes, unless the next one traps
+    // patterns; then steps get longer.
     let safe = |n: usize| predictor.mu_rho(n) <= SAFE;
-    while finest(most(&meshes), step).iter().map(|p| predictor.seconds(p)).sum::<f64>() > REFERENCE / 1.5 * effort.seconds() {
+    while finest(grid, most(&meshes, grid), step)
+        .iter()
+        .map(|p| predictor.seconds(p))
+        .sum::<f64>()
+        > REFERENCE / 1.5 * effort.seconds()
+    {
         match meshes.len() {
-            2.. if safe(meshes[meshes.len() - 2]) || step > 8.0 * scene.drive.step => drop(meshes.pop()),
+            2.. if safe(meshes[meshes.len() - 2]) || step > 8.0 * scene.drive.step => {
+                meshes.pop();
+            }
             _ if step <= 8.0 * scene.drive.step => step *= 2.0,
             _ => break,
         }
     }
-    let finest = finest(most(&meshes), step);
-    let mut list = Vec::new();
-    for method in MethodKind::ALL {
-        // The paper's method costs ten times as much and gains nothing from a finer mesh.
-        let from = if method == MethodKind::Gfmd { meshes.len().saturating_sub(2) } else { 0 };
-        list.extend(meshes[from..].iter().map(|&n| point(method, n, step)));
-        if matches!(effort, Effort::Full { .. }) {
-            list.extend([2.0, 4.0, 8.0].map(|longer| point(method, most(&meshes), longer * step)));
-        }
-    }
-    // Other numbers, for the quickest method on the finer meshes.
-    for precision in [Precision::Mixed, Precision::Single] {
-        let finer = &meshes[meshes.len().saturating_sub(2)..];
-        list.extend(finer.iter().map(|&n| Point { precision, ..point(MethodKind::NewtonKrylov, n, step) }));
-    }
-    // The same on a quarter of the cell, for the methods that gain most from it.
+    (meshes, step)
+}
+
+/// Points of other numbers, for the quickest method on the finer meshes.
+fn other_numbers(grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point> {
+    let finer = &meshes[meshes.len().saturating_sub(2)..];
+    let of = |precision| {
+        finer.iter().map(move |&n| Point {
+            precision,
+            ..double(grid, MethodKind::NewtonKrylov, n, step)
+        })
+    };
+    [Precision::Mixed, Precision::Single]
+        .into_iter()
+        .flat_map(of)
+        .collect()
+}
+
+/// The same on a quarter of the cell, for the methods that gain most from it.
+fn quarters(scene: &Scene, list: &[Point]) -> Vec<Point> {
     let reducible = |p: &&Point| {
         scene.indenter.ground().is_even()
             && p.precision == Precision::Double
             && p.points.is_multiple_of(4)
             && matches!(p.method, MethodKind::NewtonKrylov | MethodKind::Lbfgs)
     };
-    let quarters: Vec<_> = list.iter().filter(reducible).map(|p| Point { model: Road::QUARTER, ..*p }).collect();
-    list.extend(quarters);
-    if !line && scene.indenter == Indenter::Flat && matches!(scene.drive.turn, Turn::At(_)) {
-        let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
-        list.extend(meshes.map(|&n| Point { model: Road::Atlas, ..point(MethodKind::NewtonKrylov, n, step) }));
+    list.iter()
+        .filter(reducible)
+        .map(|p| Point {
+            model: Road::QUARTER,
+            ..*p
+        })
+        .collect()
+}
+
+/// The same read off an atlas, where there is one.
+fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point> {
+    let flat = scene.indenter == Indenter::Flat;
+    if grid.is_line() || !flat || !matches!(scene.drive.turn, Turn::At(_)) {
+        return Vec::new();
     }
-    list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
-    Ok((list, finest))
+    let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
+    meshes
+        .map(|&n| Point {
+            model: Road::Atlas,
+            ..double(grid, MethodKind::NewtonKrylov, n, step)
+        })
+        .collect()
 }
 
 /// The points that `tackscope run` and the paper would choose.
 pub(super) fn own(scene: &Scene) -> Result<[Point; 2], Refusal> {
     let decided = scene.model()?;
     let (line, points, step) = (decided.grid.is_line(), decided.grid.nx, scene.drive.step);
-    let own = |method, model| Point { method, model, line, points, precision: Precision::Double, step };
+    let own = |method, model| Point {
+        method,
+        model,
+        line,
+        points,
+        precision: Precision::Double,
+        step,
+    };
     let planned = plan(scene, &decided, None).road;
-    Ok([own(MethodKind::default(), planned), own(MethodKind::Gfmd, Road::WHOLE)])
+    Ok([
+        own(MethodKind::default(), planned),
+        own(MethodKind::Gfmd, Road::WHOLE),
+    ])
 }
 
 /// What `tackscope run` would do.
@@ -187,7 +308,8 @@ fn key(point: &Point) -> (MethodKind, Road, Precision) {
     (point.method, point.model, point.precision)
 }
 
-/// Predicts processor time: typical transforms per increment, corrected by what the method needed last.
+/// Predicts processor time: typical transforms per increment, corrected by what the method needed
+/// last.
 #[derive(Clone, Debug)]
 pub(super) struct Predictor {
     /// Length of the loop in u0.
@@ -206,7 +328,12 @@ impl Predictor {
             // A tip is drawn in by about as much as it is lifted.
             Turn::ZeroLoad => 1.5 * scene.drive.start.abs(),
         };
-        Ok(Self { way: 2.0 * depth, law: model.law, length: model.grid.length, correction: HashMap::new() })
+        Ok(Self {
+            way: 2.0 * depth,
+            law: model.law,
+            length: model.grid.length,
+            correction: HashMap::new(),
+        })
     }
 
     fn mu_rho(&self, points: usize) -> f64 {
@@ -221,7 +348,8 @@ impl Predictor {
     pub(super) fn learn(&mut self, measured: &Measured) {
         let ratio = measured.processor_seconds / self.typical(&measured.point);
         if ratio.is_finite() && ratio > 0.0 && measured.is_complete() {
-            // The cheapest so far: a coarse mesh that traps patterns says nothing about a finer one.
+            // The cheapest so far: a coarse mesh that traps patterns says nothing about a finer
+            // one.
             let known = self.correction.entry(key(&measured.point)).or_insert(ratio);
             *known = known.min(ratio);
         }
@@ -239,7 +367,11 @@ impl Predictor {
             Road::Atlas => (all / 4.0, 40.0 * point.step),
         };
         // Many small jumps, each a release.
-        let trapped = if self.mu_rho(point.points) > SAFE && point.method.build(0).locates() { 8.0 } else { 1.0 };
+        let trapped = if self.mu_rho(point.points) > SAFE && point.method.build(0).locates() {
+            8.0
+        } else {
+            1.0
+        };
         SECONDS * trapped * per_increment * (way / point.step) * all * all.log2()
     }
 }

@@ -1,4 +1,5 @@
-//! What everything is compared with: the same loop on a finer mesh with half the step, and how far it can be trusted.
+//! What everything is compared with: the same loop on a finer mesh with half the step, and how far
+//! it can be trusted.
 
 use super::judge::{Comparison, Errors, Judged, compare};
 use super::points::LONGER;
@@ -13,17 +14,25 @@ pub struct Reference {
     pub dissipated_energy: f64,
     /// Loop integral over gamma, extrapolated in the step (Richardson, second order).
     pub integral: f64,
-    /// What a coarser mesh, or a longer step, changes: upper bounds of its own errors. NaN if it failed.
+    /// What a coarser mesh, or a longer step, changes: upper bounds of its own errors. NaN if it
+    /// failed.
     pub errors: Errors,
 }
 
 impl Reference {
     /// From three loops: the finest, one on a coarser mesh, one with a longer step.
     pub fn new([finest, coarser, longer]: [Measured; 3]) -> Self {
-        let errors = compare(&coarser, &finest).errors.larger(compare(&longer, &finest).errors);
+        let errors = compare(&coarser, &finest)
+            .errors
+            .larger(compare(&longer, &finest).errors);
         let longer = longer.integral();
         let integral = finest.integral() + (finest.integral() - longer) / (LONGER * LONGER - 1.0);
-        Self { dissipated_energy: finest.dissipated_energy(), integral, errors, finest }
+        Self {
+            dissipated_energy: finest.dissipated_energy(),
+            integral,
+            errors,
+            finest,
+        }
     }
 
     /// The row of a measured loop; `plan`, `paper_budget`: how it is marked.
@@ -34,7 +43,15 @@ impl Reference {
 
     /// Its own row, whose errors are its own estimates.
     pub fn judged(&self) -> Judged {
-        Judged::new(&self.finest, Comparison { errors: self.errors, faults: Vec::new() }, false, false)
+        Judged::new(
+            &self.finest,
+            Comparison {
+                errors: self.errors,
+                faults: Vec::new(),
+            },
+            false,
+            false,
+        )
     }
 
     /// Its own settings.

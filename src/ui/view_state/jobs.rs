@@ -1,4 +1,5 @@
-//! What is computed in the background: the time-step map, the chart, the pages of the paper; and what follows from them.
+//! What is computed in the background: the time-step map, the chart, the pages of the paper; and
+//! what follows from them.
 
 use super::ViewState;
 use crate::paper::overlay::ZeroRange;
@@ -35,7 +36,9 @@ pub struct PaperState {
 impl Default for PaperState {
     fn default() -> Self {
         Self {
-            page: GALLERY.first().map_or(Page::Errata, |entry| Page::Figure(entry.number)),
+            page: GALLERY
+                .first()
+                .map_or(Page::Errata, |entry| Page::Figure(entry.number)),
             known: HashMap::new(),
             job: None,
             missing: None,
@@ -48,7 +51,9 @@ impl Default for PaperState {
 impl PaperState {
     /// The gallery's entry of the page, if it is a figure.
     pub fn entry(&self) -> Option<&'static Entry> {
-        GALLERY.iter().find(|entry| Page::Figure(entry.number) == self.page)
+        GALLERY
+            .iter()
+            .find(|entry| Page::Figure(entry.number) == self.page)
     }
 
     /// Theory for the live plot, if it is there and wanted.
@@ -81,7 +86,9 @@ impl PaperState {
 
     /// Takes in what has come of the page that is being computed.
     fn poll(&mut self) {
-        let Some((page, job)) = &mut self.job else { return };
+        let Some((page, job)) = &mut self.job else {
+            return;
+        };
         let Some(end) = job.poll() else { return };
         let (page, content) = (*page, job.so_far.take());
         self.job = None;
@@ -97,20 +104,31 @@ impl ViewState {
     pub fn poll_jobs(&mut self) {
         let time_steps = self.run.time_steps.as_mut().and_then(Job::poll);
         let chart = self.chart.as_mut().and_then(Job::poll);
-        for why in [time_steps, chart].into_iter().flatten().filter_map(Result::err) {
+        for why in [time_steps, chart]
+            .into_iter()
+            .flatten()
+            .filter_map(Result::err)
+        {
             let message = format!("The measurement ended early: {why}.");
-            self.messages.failure = Some(Failure { message, remedy: "What was measured stands.".to_owned() });
+            self.messages.failure = Some(Failure {
+                message,
+                remedy: "What was measured stands.".to_owned(),
+            });
         }
         self.paper.poll();
     }
 
-    /// Begins to compute the page that is looked at, or the theory, if it is not there; drops a page that nobody looks at any more.
+    /// Begins to compute the page that is looked at, or the theory, if it is not there; drops a
+    /// page that nobody looks at any more.
     pub fn begin_page(&mut self, solver: &dyn SolverHandle) {
         let paper = &self.paper;
         let seen = self.view.tab == Tab::Paper || paper.large;
         let page = (seen && paper.missing.is_none()).then_some(paper.page);
         let theory = paper.overlay.then_some(Page::Theory);
-        let wanted = theory.into_iter().chain(page).find(|page| !paper.known.contains_key(page));
+        let wanted = theory
+            .into_iter()
+            .chain(page)
+            .find(|page| !paper.known.contains_key(page));
         if wanted != paper.job.as_ref().map(|(page, _)| *page) {
             self.paper.job = wanted.map(|page| (page, solver.page(page)));
         }
@@ -121,9 +139,13 @@ impl ViewState {
         self.stop_measuring();
         let scene = self.scene.clone();
         match what {
-            Measurement::TimeSteps => self.run.time_steps = Some(solver.time_steps(scene, self.limits.0)),
+            Measurement::TimeSteps => {
+                self.run.time_steps = Some(solver.time_steps(scene, self.limits.0));
+            }
             Measurement::QuickChart => self.chart = Some(solver.chart(scene, Effort::Quick)),
-            Measurement::FullChart => self.chart = Some(solver.chart(scene, Effort::Full { seconds: FULL })),
+            Measurement::FullChart => {
+                self.chart = Some(solver.chart(scene, Effort::Full { seconds: FULL }));
+            }
         }
     }
 
@@ -133,15 +155,22 @@ impl ViewState {
         self.chart.iter_mut().for_each(Job::stop);
     }
 
-    /// Makes the settings of a row of the chart the scene's: method, mesh, step. The chart stays: it is of the same loop.
+    /// Makes the settings of a row of the chart the scene's: method, mesh, step. The chart stays:
+    /// it is of the same loop.
     pub fn use_chart_row(&mut self, index: usize) {
         let mut chart = self.chart.take();
-        let row = chart.as_ref().and_then(|job| job.so_far.as_ref()?.rows.get(index));
+        let row = chart
+            .as_ref()
+            .and_then(|job| job.so_far.as_ref()?.rows.get(index));
         if let Some(point) = row.map(|row| row.point) {
             chart.iter_mut().for_each(Job::stop);
             let mut scene = (*self.scene).clone();
             scene.law.range = Range::Length(self.model.law.range);
-            scene.cell.points = if point.line { Points::Line(point.points) } else { Points::Square(point.points) };
+            scene.cell.points = if point.line {
+                Points::Line(point.points)
+            } else {
+                Points::Square(point.points)
+            };
             scene.drive.step = point.step;
             self.edit_scene(scene);
             self.set_method(point.method);
@@ -149,7 +178,9 @@ impl ViewState {
             self.messages.notice = Some(match point.model {
                 Road::Walk(_) => format!("the scene now runs as {point}"),
                 Road::Atlas => {
-                    format!("the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead")
+                    format!(
+                        "the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead"
+                    )
                 }
             });
         }

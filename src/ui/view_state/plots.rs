@@ -1,4 +1,5 @@
-//! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the one that is kept, theory.
+//! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the
+//! one that is kept, theory.
 
 use super::ViewState;
 use crate::follow::record::{Direction, LoopRecord};
@@ -35,11 +36,19 @@ pub struct Plots {
 impl Plots {
     /// Nothing but the flat state.
     pub(super) fn new(flat_state: Vec<Series>) -> Self {
-        Self { live: None, ghosts: VecDeque::new(), kept: None, flat_state, fit: None, well_scale: 0.01 }
+        Self {
+            live: None,
+            ghosts: VecDeque::new(),
+            kept: None,
+            flat_state,
+            fit: None,
+            well_scale: 0.01,
+        }
     }
 }
 
-/// The loop that stays on the plot, to compare others with: another law, another mesh, another cell.
+/// The loop that stays on the plot, to compare others with: another law, another mesh, another
+/// cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// Title of its scene.
@@ -67,12 +76,34 @@ impl LiveView {
         let (mut pieces, mut jumps) = (Vec::new(), Vec::new());
         if let Ok(found) = &state.found {
             let (rho, top) = (found.law.range, found.law.traction_max());
-            let scaled = |points: Vec<[f64; 2]>| points.into_iter().map(|p| [p[0] / rho, p[1] / top]).collect();
-            pieces = found.legs.iter().map(|leg| (leg.direction, scaled(found.points_of(leg)))).collect();
-            jumps =
-                found.jumps.iter().map(|j| (j.mean_displacement / rho, [j.stress_before / top, j.stress_after / top])).collect();
+            let scaled = |points: Vec<[f64; 2]>| {
+                points
+                    .into_iter()
+                    .map(|p| [p[0] / rho, p[1] / top])
+                    .collect()
+            };
+            pieces = found
+                .legs
+                .iter()
+                .map(|leg| (leg.direction, scaled(found.points_of(leg))))
+                .collect();
+            jumps = found
+                .jumps
+                .iter()
+                .map(|j| {
+                    (
+                        j.mean_displacement / rho,
+                        [j.stress_before / top, j.stress_after / top],
+                    )
+                })
+                .collect();
         }
-        Self { run, state, pieces, jumps }
+        Self {
+            run,
+            state,
+            pieces,
+            jumps,
+        }
     }
 
     /// The loop in words: what it dissipates, how long it took, which model; or why there is none.
@@ -90,9 +121,18 @@ impl LiveView {
 impl ViewState {
     /// Fits the plot's axes to the data, or back to the scene.
     pub fn fit_axes(&mut self, to_data: bool) {
-        let kept = self.plots.kept.iter().flat_map(|kept| kept.lines.iter().flatten().copied());
-        let points: Vec<[f64; 2]> =
-            self.run.curve.points().chain(self.plots.ghosts.iter().flat_map(Curve::points)).chain(kept).collect();
+        let kept = self
+            .plots
+            .kept
+            .iter()
+            .flat_map(|kept| kept.lines.iter().flatten().copied());
+        let points: Vec<[f64; 2]> = self
+            .run
+            .curve
+            .points()
+            .chain(self.plots.ghosts.iter().flat_map(Curve::points))
+            .chain(kept)
+            .collect();
         let Some(&first) = points.first().filter(|_| to_data) else {
             self.plots.fit = None;
             return;
@@ -127,57 +167,110 @@ impl ViewState {
     pub fn data_leave_view(&self) -> bool {
         let (low, high) = self.axes();
         let out = |p: [f64; 2]| (0..2).any(|k| p[k] < low[k] || p[k] > high[k]);
-        self.run.curve.pieces.last().and_then(|piece| piece.points.last()).is_some_and(|&p| out(p))
-            || self.run.curve.pieces.iter().any(|piece| piece.points.first().is_some_and(|&p| out(p)))
+        self.run
+            .curve
+            .pieces
+            .last()
+            .and_then(|piece| piece.points.last())
+            .is_some_and(|&p| out(p))
+            || self
+                .run
+                .curve
+                .pieces
+                .iter()
+                .any(|piece| piece.points.first().is_some_and(|&p| out(p)))
     }
 
-    /// Keeps the live loop, or else the walked curve, whatever the scene becomes; or lets go of what is kept.
+    /// Keeps the live loop, or else the walked curve, whatever the scene becomes; or lets go of
+    /// what is kept.
     pub fn toggle_kept(&mut self) {
         if self.plots.kept.take().is_some() {
             return;
         }
-        let live = self.plots.live.iter().flat_map(|live| live.pieces.iter().map(|(_, points)| points));
+        let live = self
+            .plots
+            .live
+            .iter()
+            .flat_map(|live| live.pieces.iter().map(|(_, points)| points));
         let mut lines: Vec<_> = live.cloned().collect();
         if lines.is_empty() {
-            lines = self.run.curve.pieces.iter().map(|piece| piece.points.clone()).collect();
+            lines = self
+                .run
+                .curve
+                .pieces
+                .iter()
+                .map(|piece| piece.points.clone())
+                .collect();
         }
         self.messages.notice = Some(if lines.is_empty() {
             "no loop to keep yet: play one first".to_owned()
         } else {
-            self.plots.kept = Some(Kept { title: self.scene.title.clone(), lines });
+            self.plots.kept = Some(Kept {
+                title: self.scene.title.clone(),
+                lines,
+            });
             "this loop stays on the plot (L lets go of it)".to_owned()
         });
     }
 
     /// Theory in the units of the live plot: name, and (u0/rho, stress/sigma_max).
     pub fn overlay(&self) -> Vec<(&'static str, Vec<[f64; 2]>)> {
-        let Some(theory) = self.paper.theory() else { return Vec::new() };
+        let Some(theory) = self.paper.theory() else {
+            return Vec::new();
+        };
         let (rho, top) = (self.rho(), self.model.law.traction_max());
-        let scaled = |points: Vec<[f64; 2]>| points.into_iter().map(|[u0, stress]| [u0 / rho, stress / top]).collect();
-        theory.lines(&self.model, self.limits.0, self.limits.1).into_iter().map(|line| (line.name, scaled(line.points))).collect()
+        let scaled = |points: Vec<[f64; 2]>| {
+            points
+                .into_iter()
+                .map(|[u0, stress]| [u0 / rho, stress / top])
+                .collect()
+        };
+        theory
+            .lines(&self.model, self.limits.0, self.limits.1)
+            .into_iter()
+            .map(|line| (line.name, scaled(line.points)))
+            .collect()
     }
 
     /// While a parameter is dragged every loop is late by a few frames; it is drawn all the same.
     pub(super) fn take_live(&mut self, run: RunId, live: Arc<LiveState>) {
-        if self.plots.live.as_ref().is_none_or(|shown| run >= shown.run) {
+        if self
+            .plots
+            .live
+            .as_ref()
+            .is_none_or(|shown| run >= shown.run)
+        {
             self.plots.live = Some(LiveView::new(run, live));
         }
     }
 
     /// Where the surface will stand at the target, read off the live loop of this very scene.
     pub fn foreseen(&self) -> Option<(Pattern, Sample)> {
-        let live = self.plots.live.as_ref().filter(|live| live.run == self.run.id)?;
+        let live = self
+            .plots
+            .live
+            .as_ref()
+            .filter(|live| live.run == self.run.id)?;
         if self.target == self.run.actual {
             return None;
         }
-        live.state.found.as_ref().ok()?.reading(self.run.state.as_ref()?, self.target)
+        live.state
+            .found
+            .as_ref()
+            .ok()?
+            .reading(self.run.state.as_ref()?, self.target)
     }
 
     /// Its picture is rescaled only where it leaves the frame or shrinks to a few pixels.
     pub(super) fn take_well(&mut self, well: Arc<EnergyWell>) {
         let gamma = self.model.law.surface_energy;
         let lowest = well.energies.iter().fold(0.0f64, |a, e| a.min(*e));
-        let top = well.energies.iter().fold(0.0f64, |a, e| a.max(*e)).max(-2.0 * lowest) / gamma;
+        let top = well
+            .energies
+            .iter()
+            .fold(0.0f64, |a, e| a.max(*e))
+            .max(-2.0 * lowest)
+            / gamma;
         if top > 0.0 && !(top / self.plots.well_scale > 0.12 && top <= self.plots.well_scale) {
             self.plots.well_scale = extent::nice(1.2 * top);
         }

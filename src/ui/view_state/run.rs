@@ -1,4 +1,5 @@
-//! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and which of its states is looked at.
+//! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
+//! which of its states is looked at.
 
 use super::ViewState;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
@@ -10,7 +11,8 @@ use crate::worker::job::Job;
 use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
 use std::sync::Arc;
 
-/// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a ten-thousandth.
+/// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a
+/// ten-thousandth.
 const AT_JUMP: f64 = 2e-4;
 
 /// One run; another scene, model or method begins another one.
@@ -99,7 +101,11 @@ impl RunView {
 
     /// The sweep under way.
     pub fn sweep(&self) -> Option<Sweep> {
-        if let Play::Sweep(sweep) = self.play { Some(sweep) } else { None }
+        if let Play::Sweep(sweep) = self.play {
+            Some(sweep)
+        } else {
+            None
+        }
     }
 
     /// Asks for another motion; the solver is told at the end of the frame.
@@ -119,7 +125,11 @@ impl ViewState {
             return;
         }
         if u0 != self.run.actual {
-            self.run.direction = if u0 < self.run.actual { Direction::Approach } else { Direction::Retraction };
+            self.run.direction = if u0 < self.run.actual {
+                Direction::Approach
+            } else {
+                Direction::Retraction
+            };
         }
         self.target = u0;
         self.run.set(Play::ToTarget);
@@ -148,14 +158,19 @@ impl ViewState {
         self.run.set(Play::Rest);
     }
 
-    /// Moves the target by so many increments; further key presses add up although the solver is still on its way.
+    /// Moves the target by so many increments; further key presses add up although the solver is
+    /// still on its way.
     pub fn step(&mut self, increments: f64) {
         self.set_target(self.target + increments * self.scene.drive.step);
     }
 
     /// One increment in the present direction.
     pub fn increment(&mut self) {
-        self.step(if self.run.direction == Direction::Approach { -1.0 } else { 1.0 });
+        self.step(if self.run.direction == Direction::Approach {
+            -1.0
+        } else {
+            1.0
+        });
     }
 
     /// Turns round.
@@ -173,28 +188,58 @@ impl ViewState {
 
 /// Which stored state is looked at.
 impl ViewState {
-    /// Selects the recorded state nearest to (u0/rho, stress/sigma_max), if one is within `reach` along each axis; else none.
+    /// Selects the recorded state nearest to (u0/rho, stress/sigma_max), if one is within `reach`
+    /// along each axis; else none.
     pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2]) {
         let rho = self.rho();
-        let distance =
-            |s: &StateRecord| ((s.mean_displacement / rho - at[0]) / reach[0]).hypot((s.stress_over_max - at[1]) / reach[1]);
-        let nearest = self.run.record.states.iter().map(|s| (distance(s), s)).filter(|(d, _)| *d <= 1.0);
-        let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, state)| state.clone());
-        self.run.selection = nearest.map(|state| Selection { jump: self.jump_at(&state), state });
+        let distance = |s: &StateRecord| {
+            ((s.mean_displacement / rho - at[0]) / reach[0])
+                .hypot((s.stress_over_max - at[1]) / reach[1])
+        };
+        let nearest = self
+            .run
+            .record
+            .states
+            .iter()
+            .map(|s| (distance(s), s))
+            .filter(|(d, _)| *d <= 1.0);
+        let nearest = nearest
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, state)| state.clone());
+        self.run.selection = nearest.map(|state| Selection {
+            jump: self.jump_at(&state),
+            state,
+        });
     }
 
     /// Selects the state after a jump.
     pub fn select_jump(&mut self, index: usize) {
-        let Some(jump) = self.run.record.jumps.get(index) else { return };
-        let landed = |s: &&StateRecord| s.direction == jump.direction && s.mean_displacement == jump.mean_displacement;
-        self.run.selection =
-            self.run.record.states.iter().rfind(landed).map(|state| Selection { state: state.clone(), jump: Some(index) });
+        let Some(jump) = self.run.record.jumps.get(index) else {
+            return;
+        };
+        let landed = |s: &&StateRecord| {
+            s.direction == jump.direction && s.mean_displacement == jump.mean_displacement
+        };
+        self.run.selection = self
+            .run
+            .record
+            .states
+            .iter()
+            .rfind(landed)
+            .map(|state| Selection {
+                state: state.clone(),
+                jump: Some(index),
+            });
     }
 
     /// Selects the next (or an earlier) jump; from nowhere the last, or the first.
     pub fn step_jump(&mut self, forward: bool) {
         let last = self.run.record.jumps.len().saturating_sub(1);
-        let present = self.run.selection.as_ref().and_then(|selection| selection.jump);
+        let present = self
+            .run
+            .selection
+            .as_ref()
+            .and_then(|selection| selection.jump);
         self.select_jump(match (present, forward) {
             (None, true) => 0,
             (None, false) => last,
@@ -205,7 +250,9 @@ impl ViewState {
 
     fn jump_at(&self, state: &StateRecord) -> Option<usize> {
         let off = |jump: &JumpRecord| (jump.mean_displacement - state.mean_displacement).abs();
-        let near = |jump: &JumpRecord| jump.direction == state.direction && off(jump) <= AT_JUMP * self.rho();
+        let near = |jump: &JumpRecord| {
+            jump.direction == state.direction && off(jump) <= AT_JUMP * self.rho()
+        };
         self.run.record.jumps.iter().rposition(near)
     }
 }
