@@ -3,8 +3,8 @@
 //!
 //! Prints one row a loop, then the table of the README: `cargo run --release --no-default-features
 //! --example coverage`. Arguments: `COUNT` (200) and `FIRST` seed (1). Every smooth law, squares
-//! and lines, every road, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump or
-//! has one too many counts as outside.
+//! and lines, every strategy, targets from 0.1 to 1e-5. A loop that does not complete, loses a jump
+//! or has one too many counts as outside.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -18,7 +18,7 @@ use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::flat;
 use tackscope::scene::mesh::next_fast;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::error_bar::{measured_error, read_off};
@@ -27,7 +27,7 @@ use tackscope::study::planned::run_planned;
 
 /// What came of one scene.
 struct Trial {
-    road: &'static str,
+    strategy: &'static str,
     target: f64,
     predicted: f64,
     /// Relative error of the loss or of a jump's u0, whichever is larger; 1 where the jumps are not
@@ -37,7 +37,7 @@ struct Trial {
 
 /// A loop from beyond every jump to below the lowest limit of the flat state, and how it is to be
 /// computed.
-fn random(seed: u64) -> (Scene, Option<Road>) {
+fn random(seed: u64) -> (Scene, Option<Strategy>) {
     let rng = &mut Pcg64::seed_from_u64(seed);
     let shape = match rng.random_range(0..3) {
         0 => Shape::Morse(Morse),
@@ -86,7 +86,7 @@ fn random(seed: u64) -> (Scene, Option<Road>) {
     if !line {
         return (
             scene,
-            *[None, None, Some(Road::QUARTER), Some(Road::WHOLE)]
+            *[None, None, Some(Strategy::QUARTER), Some(Strategy::WHOLE)]
                 .choose(rng)
                 .expect("not empty"),
         );
@@ -105,10 +105,10 @@ fn random(seed: u64) -> (Scene, Option<Road>) {
 }
 
 fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
-    let road = match plan.road {
-        Road::Walk(_) if model.grid.is_line() => "line",
-        Road::Walk(reduction) => reduction.word(),
-        Road::Atlas => "atlas",
+    let strategy = match plan.strategy {
+        Strategy::Walk(_) if model.grid.is_line() => "line",
+        Strategy::Walk(reduction) => reduction.word(),
+        Strategy::Atlas => "atlas",
     };
     let cancel = Cancel::default();
     let mut finer = scene.clone();
@@ -152,7 +152,7 @@ fn trial(scene: &Scene, model: &Model, plan: &Plan) -> Trial {
     };
     let predicted = run.error_bar.unwrap_or(plan.predicted_error);
     Trial {
-        road,
+        strategy,
         target: scene.accuracy,
         predicted,
         measured,
@@ -181,13 +181,13 @@ fn main() {
             let trial = trial(&scene, &model, &plan);
             let periods = model.grid.length / flat::critical_length(&model.law);
             let Trial {
-                road,
+                strategy,
                 target,
                 predicted,
                 measured,
             } = trial;
             println!(
-                "{seed},{road},{target:.1e},{:?},{periods:.3},{},{:.4},{predicted:.2e},{measured:.2e}",
+                "{seed},{strategy},{target:.1e},{:?},{periods:.3},{},{:.4},{predicted:.2e},{measured:.2e}",
                 model.law.shape, model.grid.nx, model.mu_rho
             );
             trials.lock().expect("no other thread panicked").push(trial);
@@ -201,16 +201,19 @@ fn main() {
     println!(
         "\n| road | loops | inside | nothing promised | met the target | median predicted / measured |\n|---|---|---|---|---|---|"
     );
-    for road in ["atlas", "quarter", "whole", "line"] {
+    for strategy in ["atlas", "quarter", "whole", "line"] {
         row(
-            road,
-            trials.iter().filter(|trial| trial.road == road).collect(),
+            strategy,
+            trials
+                .iter()
+                .filter(|trial| trial.strategy == strategy)
+                .collect(),
         );
     }
     row("all", trials.iter().collect());
 }
 
-fn row(road: &str, trials: Vec<&Trial>) {
+fn row(strategy: &str, trials: Vec<&Trial>) {
     // A bar of 1 says that a finer mesh has other jumps.
     let refused = trials.iter().filter(|t| t.predicted >= 1.0).count();
     let inside = trials
@@ -226,7 +229,7 @@ fn row(road: &str, trials: Vec<&Trial>) {
     ratios.sort_by(f64::total_cmp);
     let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
     println!(
-        "| {road} | {} | {inside} | {refused} | {met} | {median:.1} |",
+        "| {strategy} | {} | {inside} | {refused} | {met} | {median:.1} |",
         trials.len()
     );
 }

@@ -10,7 +10,7 @@ use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
@@ -37,7 +37,7 @@ fn set_scene(run: u64, scene: Scene) -> Envelope<Command> {
     wished(run, scene, None)
 }
 
-fn wished(run: u64, scene: Scene, asked: Option<Road>) -> Envelope<Command> {
+fn wished(run: u64, scene: Scene, asked: Option<Strategy>) -> Envelope<Command> {
     of(
         run,
         Command::SetScene {
@@ -534,17 +534,17 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
             "ridge on half a line",
         ),
         (
-            wished(1, fig2(64), Some(Road::WHOLE)),
+            wished(1, fig2(64), Some(Strategy::WHOLE)),
             Part::Whole,
             "asked for",
         ),
         (
-            wished(1, fig2(64), Some(Road::QUARTER)),
+            wished(1, fig2(64), Some(Strategy::QUARTER)),
             Part::Quarter,
             "asked for",
         ),
         (
-            wished(1, fig2(62), Some(Road::QUARTER)),
+            wished(1, fig2(62), Some(Strategy::QUARTER)),
             Part::Whole,
             "asked for",
         ),
@@ -617,7 +617,7 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
         });
         (jumps, energy.expect("a loop was closed"))
     };
-    let (quarter, whole) = (walked(None), walked(Some(Road::WHOLE)));
+    let (quarter, whole) = (walked(None), walked(Some(Strategy::WHOLE)));
     assert_eq!(quarter.0, whole.0);
     assert!(
         (quarter.1 / whole.1 - 1.0).abs() < 2e-3,
@@ -634,7 +634,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
         (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
-    for asked in [Some(Road::QUARTER), Some(Road::WHOLE)] {
+    for asked in [Some(Strategy::QUARTER), Some(Strategy::WHOLE)] {
         let commands = vec![wished(1, scene.clone(), asked), sweep(1, 1, Sweep::Loop)];
         let out = drain(&mut Session::default(), commands);
         let mut path = Vec::new();
@@ -679,7 +679,7 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     (scene.drive.start, scene.drive.turn, scene.drive.step) =
         (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
     let commands = vec![
-        wished(1, scene.clone(), Some(Road::QUARTER)),
+        wished(1, scene.clone(), Some(Strategy::QUARTER)),
         sweep(1, 1, Sweep::Loop),
     ];
     let out = drain(&mut Session::default(), commands);

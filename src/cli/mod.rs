@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::numerics::cancel::Cancel;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::{Failure, files, process};
 use crate::worker::signals;
@@ -172,28 +172,30 @@ struct RunArguments {
     verify: bool,
 }
 
-/// The road that is asked for; `None` leaves it to the plan.
+/// The strategy that is asked for; `None` leaves it to the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Asked(Option<Road>);
+struct Asked(Option<Strategy>);
 
 impl ValueEnum for Asked {
     fn value_variants<'a>() -> &'a [Self] {
         &[
             Asked(None),
-            Asked(Some(Road::Atlas)),
-            Asked(Some(Road::QUARTER)),
-            Asked(Some(Road::WHOLE)),
+            Asked(Some(Strategy::Atlas)),
+            Asked(Some(Strategy::QUARTER)),
+            Asked(Some(Strategy::WHOLE)),
         ]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let help = match self.0 {
             None => "the cheapest model that is good enough",
-            Some(Road::Atlas) => "branches of flat, ridge and square patterns",
-            Some(Road::Walk(part)) if part.is_even() => "the walk on the even quarter of the cell",
-            Some(Road::Walk(_)) => "the walk on the whole cell",
+            Some(Strategy::Atlas) => "branches of flat, ridge and square patterns",
+            Some(Strategy::Walk(part)) if part.is_even() => {
+                "the walk on the even quarter of the cell"
+            }
+            Some(Strategy::Walk(_)) => "the walk on the whole cell",
         };
-        Some(PossibleValue::new(self.0.map_or("plan", Road::word)).help(help))
+        Some(PossibleValue::new(self.0.map_or("plan", Strategy::word)).help(help))
     }
 }
 

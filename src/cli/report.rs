@@ -5,7 +5,7 @@ use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop};
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
@@ -187,11 +187,10 @@ fn nan_max(a: f64, b: f64) -> f64 {
 
 fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
     PlanSummary {
-        road: match plan.road {
-            _ if deviation.is_some() => "whole",
-            Road::Atlas => "atlas",
-            Road::Walk(reduction) => reduction.word(),
-        },
+        strategy: deviation
+            .as_ref()
+            .map_or(plan.strategy, |_| Strategy::WHOLE)
+            .word(),
         words: deviation.map_or_else(
             || plan.words.clone(),
             |why| format!("{}; {why}", plan.words),

@@ -9,7 +9,7 @@ use super::{
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Model, Points, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         return Err(Failure::Value {
             file: place.clone(),
             key: "--model".to_owned(),
-            value: Road::Atlas.word().to_owned(),
+            value: Strategy::Atlas.word().to_owned(),
             allowed: format!(
                 "this scene has no atlas, since {reason}; leave --model out, or take whole"
             ),
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let asked = if newton {
         arguments.model.0
     } else {
-        arguments.model.0.or(Some(Road::WHOLE))
+        arguments.model.0.or(Some(Strategy::WHOLE))
     };
     let plan = plan_of(&scene, &model, asked);
 
@@ -113,7 +113,7 @@ fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
         let allowed = "the yardstick is gfmd itself; leave one of the two out";
         return refuse("--yardstick", "with --method gfmd".to_owned(), allowed);
     }
-    if arguments.model.0 == Some(Road::Atlas) && arguments.method != MethodKind::NewtonKrylov {
+    if arguments.model.0 == Some(Strategy::Atlas) && arguments.method != MethodKind::NewtonKrylov {
         let value = format!("atlas with --method {}", arguments.method.word());
         return refuse(
             "--model",
@@ -136,7 +136,7 @@ fn compare(
 ) -> Result<u8, Refusal> {
     let mut code = DONE;
     if arguments.yardstick {
-        let whole = plan_of(scene, model, Some(Road::WHOLE));
+        let whole = plan_of(scene, model, Some(Strategy::WHOLE));
         let other = timed(arguments, scene, model, &whole, MethodKind::Gfmd, cancel)?;
         told.yardstick = Some(report::yardstick(model, main, &other));
         if other.run.outcome == Outcome::Cancelled {
@@ -147,7 +147,7 @@ fn compare(
     if arguments.verify {
         let finer = reference(scene, model);
         let finer_model = finer.model()?;
-        let whole = plan_of(&finer, &finer_model, Some(Road::WHOLE));
+        let whole = plan_of(&finer, &finer_model, Some(Strategy::WHOLE));
         let better = timed(
             arguments,
             &finer,

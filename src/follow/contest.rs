@@ -16,7 +16,8 @@ pub const MIXTURES: usize = 7;
 /// all mixtures turn into the same: of two laws that were contested with a tenth of a range none is
 /// with this.
 pub const FLAT_KICK: f64 = 0.03;
-/// The same at the end of any other branch, along the mode that gives way: far enough from the saddle next to it.
+/// The same at the end of any other branch, along the mode that gives way: far enough from the
+/// saddle next to it.
 pub const KICK: f64 = 0.1;
 
 /// A pattern and the share of the mixtures that lead to it, 0 to 1.

@@ -3,7 +3,7 @@
 //!
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment,
 //! or a slice of a release) and hands out what happened. It works on any scene and is the reference
-//! for every faster road.
+//! for everything faster.
 
 mod advance;
 mod landing;

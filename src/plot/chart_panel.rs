@@ -3,7 +3,7 @@
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, letter};
 use super::ticks::digits;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{self, Chart, Judged, Point, Verdict};
 
@@ -54,7 +54,7 @@ const MARKS: [(Colour, Symbol); MethodKind::ALL.len()] = [
 
 /// Colour and symbol of a way to compute the loop: one for each method, and one for the atlas.
 pub fn mark(point: &Point) -> (Colour, Symbol) {
-    if point.model == Road::Atlas {
+    if point.model == Strategy::Atlas {
         (Colour::Teal, Symbol::Plus)
     } else {
         MARKS[point.method.index()]
@@ -156,11 +156,11 @@ impl<'a> ChartPanel<'a> {
         let mut series: Vec<Series> = Vec::new();
         for first in ways(self.rows) {
             let (colour, symbol) = mark(&first);
-            let quarter = |row: &Judged| row.point.model == Road::QUARTER;
-            let own = |row: &Judged| row.point.road() == first.road();
+            let quarter = |row: &Judged| row.point.model == Strategy::QUARTER;
+            let own = |row: &Judged| row.point.strategy() == first.strategy();
             let done = |row: &Judged| own(row) && row.verdict == Verdict::Done;
             let points = self.places(|row| done(row) && !quarter(row));
-            series.push(Series::symbols(first.road(), symbol, colour, points).filled());
+            series.push(Series::symbols(first.strategy(), symbol, colour, points).filled());
             series.push(Series::symbols(
                 "",
                 symbol,
@@ -198,7 +198,11 @@ impl<'a> ChartPanel<'a> {
                 Vec::new(),
             ));
         }
-        if self.rows.iter().any(|row| row.point.model == Road::QUARTER) {
+        if self
+            .rows
+            .iter()
+            .any(|row| row.point.model == Strategy::QUARTER)
+        {
             series.push(Series::symbols(
                 "hollow: quarter cell",
                 Symbol::Circle,
@@ -284,11 +288,14 @@ impl<'a> ChartPanel<'a> {
 pub fn ways(rows: &[Judged]) -> Vec<Point> {
     let mut ways: Vec<Point> = Vec::new();
     for row in rows {
-        if !ways.iter().any(|known| known.road() == row.point.road()) {
+        if !ways
+            .iter()
+            .any(|known| known.strategy() == row.point.strategy())
+        {
             ways.push(row.point);
         }
     }
-    ways.sort_by_key(|point| (point.model != Road::Atlas, point.method.index()));
+    ways.sort_by_key(|point| (point.model != Strategy::Atlas, point.method.index()));
     ways
 }
 
@@ -386,7 +393,7 @@ mod tests {
     fn every_method_has_a_mark_of_its_own() {
         let base = Point {
             method: MethodKind::NewtonKrylov,
-            model: Road::WHOLE,
+            model: Strategy::WHOLE,
             line: false,
             points: 64,
             precision: chart::Precision::Double,
@@ -402,7 +409,7 @@ mod tests {
             })
             .collect();
         marks.push(mark(&Point {
-            model: Road::Atlas,
+            model: Strategy::Atlas,
             ..base
         }));
         for (i, a) in marks.iter().enumerate() {

@@ -26,7 +26,7 @@ pub fn flat_error(law: &Law, length: f64, mu_rho: f64) -> f64 {
     }
 }
 
-/// Relative accuracy to which jumps and energies are located on any mesh, by either road.
+/// Relative accuracy to which jumps and energies are located on any mesh, by either strategy.
 const ANY_MESH: f64 = 5e-5;
 
 /// The fewest points along a side, a multiple of 8 with small factors, that keep [`mesh_error`]

@@ -73,24 +73,24 @@ impl fmt::Display for Part {
 
 /// How a loop is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Road {
+pub enum Strategy {
     /// Read off the branches of an atlas, every state solved on the part that its pattern needs.
     Atlas,
     /// By the walk on a part of the cell.
     Walk(Part),
 }
 
-impl Road {
+impl Strategy {
     /// The walk on the whole cell: the reference of all.
-    pub const WHOLE: Self = Road::Walk(Part::Whole);
+    pub const WHOLE: Self = Strategy::Walk(Part::Whole);
     /// The walk on the even quarter.
-    pub const QUARTER: Self = Road::Walk(Part::Quarter);
+    pub const QUARTER: Self = Strategy::Walk(Part::Quarter);
 
     /// The word of the command line and of tables.
     pub fn word(self) -> &'static str {
         match self {
-            Road::Atlas => "atlas",
-            Road::Walk(part) => part.word(),
+            Strategy::Atlas => "atlas",
+            Strategy::Walk(part) => part.word(),
         }
     }
 }

@@ -111,7 +111,8 @@ pub struct SceneSummary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlanSummary {
     /// "atlas", or the part of the cell that was walked: "quarter", "whole".
-    pub road: &'static str,
+    #[serde(rename = "road")]
+    pub strategy: &'static str,
     /// Which models on which meshes, and why.
     pub words: String,
     /// Seconds expected, to a factor of two or three.

@@ -5,14 +5,14 @@ use crate::follow::atlas::Meshes;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::scene::mesh::flat_error;
-use crate::scene::part::{Part, Road, no_quarter};
+use crate::scene::part::{Part, Strategy, no_quarter};
 use crate::scene::{Model, Scene, Turn};
 
 /// The decision, with its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// What is done.
-    pub road: Road,
+    pub strategy: Strategy,
     /// In one sentence: which models, on which meshes, and why.
     pub words: String,
     /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger;
@@ -28,7 +28,7 @@ const EVEN_TIP: f64 = 0.9;
 
 /// Decides how to compute the loop of `scene`, whose open choices are made in `model`; what is
 /// `asked` overrules the plan.
-pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
+pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
     let n = model.grid.nx;
     let flat = model.indenter == Indenter::Flat;
     let whole = if model.grid.is_line() {
@@ -56,17 +56,17 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
             (whole.clone(), 45.0 * transform(points))
         };
         Plan {
-            road: Road::Walk(part),
+            strategy: Strategy::Walk(part),
             words: format!("{place}: {why}; {}", promise(Some(mesh))),
             predicted_error: mesh,
             predicted_seconds: increments * seconds,
         }
     };
     match (asked, obstacle) {
-        (Some(Road::Walk(part)), _) if part.is_even() && !model.indenter.ground().is_even() => {
+        (Some(Strategy::Walk(part)), _) if part.is_even() && !model.indenter.ground().is_even() => {
             by_walk(Part::Whole, "rough ground has no mirror symmetry")
         }
-        (Some(Road::Walk(part)), _) => by_walk(part, "asked for"),
+        (Some(Strategy::Walk(part)), _) => by_walk(part, "asked for"),
         (None, Some(why)) if one_crest && model.mu_rho <= EVEN_TIP && n.is_multiple_of(4) => {
             by_walk(
                 Part::Quarter,
@@ -75,14 +75,14 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Road>) -> Plan {
         }
         (None, Some(why)) => by_walk(Part::Whole, &why),
         // What is asked overrules the plan, not the scene.
-        (Some(Road::Atlas), _) if no_atlas.is_some() => {
+        (Some(Strategy::Atlas), _) if no_atlas.is_some() => {
             by_walk(Part::Whole, &no_atlas.unwrap_or_default())
         }
-        (Some(Road::Atlas), _) | (None, None) => {
+        (Some(Strategy::Atlas), _) | (None, None) => {
             let meshes = Meshes::new(&model.law, model.grid.length, n);
             let side = meshes.square;
             Plan {
-                road: Road::Atlas,
+                strategy: Strategy::Atlas,
                 words: format!(
                     "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
                      f64; {}",
@@ -107,9 +107,9 @@ pub fn promise(error: Option<f64>) -> String {
     format!("expected error {percent:.digits$} %")
 }
 
-/// Why the road that is asked for cannot hold the scene; `None` if it can.
-pub fn refusal(scene: &Scene, model: &Model, asked: Option<Road>) -> Option<String> {
-    no_atlas(scene, model).filter(|_| asked == Some(Road::Atlas))
+/// Why the strategy that is asked for cannot hold the scene; `None` if it can.
+pub fn refusal(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Option<String> {
+    no_atlas(scene, model).filter(|_| asked == Some(Strategy::Atlas))
 }
 
 /// Why the scene has no atlas; `None` if it can have one, wise or not.

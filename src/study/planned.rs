@@ -1,4 +1,4 @@
-//! A loop on the road of its plan, with its error bar and the loops of other landings.
+//! A loop on the strategy of its plan, with its error bar and the loops of other landings.
 
 use super::error_bar::error_bar;
 use super::plan::Plan;
@@ -8,12 +8,12 @@ use crate::follow::run::{LoopRun, Report, RivalLoop, run_loop, walked_after_all}
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene, Turn};
 use crate::solver::methods::MethodKind;
 
-/// Runs the closed loop on the road of `plan`, with its error bar and the loops of other landings;
-/// where an atlas finds that it does not hold this scene, on the whole cell.
+/// Runs the closed loop on the strategy of `plan`, with its error bar and the loops of other
+/// landings; where an atlas finds that it does not hold this scene, on the whole cell.
 ///
 /// # Errors
 /// As [`run_loop`].
@@ -25,7 +25,7 @@ pub fn run_planned(
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, Refusal> {
     let (mut run, model) = (
-        run_on_road(scene, method, plan, cancel, observe)?,
+        run_as_planned(scene, method, plan, cancel, observe)?,
         scene.model()?,
     );
     run.error_bar = error_bar(scene, &model, &run, cancel);
@@ -71,14 +71,14 @@ pub(super) fn rivals(
         .collect()
 }
 
-fn run_on_road(
+fn run_as_planned(
     scene: &Scene,
     method: MethodKind,
     plan: &Plan,
     cancel: &Cancel,
     observe: &mut dyn FnMut(Report<'_>),
 ) -> Result<LoopRun, Refusal> {
-    if let Road::Walk(part) = plan.road {
+    if let Strategy::Walk(part) = plan.strategy {
         return run_loop(
             scene,
             WalkOptions {

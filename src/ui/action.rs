@@ -3,7 +3,7 @@
 use crate::plot::chart_panel::Cost;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::worker::protocol::{Page, Speed, Sweep};
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub enum Action {
     /// Choose the method.
     SetMethod(MethodKind),
     /// Let the plan decide on the model, or overrule it.
-    SetRoad(Option<Road>),
+    SetStrategy(Option<Strategy>),
     /// Choose what follows mu_rho.
     SetFollows(Follows),
     /// Load the preset of this index.

@@ -226,7 +226,7 @@ impl App {
             Action::Reset => state.reset(),
             Action::EditScene(scene) => state.edit_scene(*scene),
             Action::SetMethod(method) => state.set_method(method),
-            Action::SetRoad(asked) => state.set_road(asked),
+            Action::SetStrategy(asked) => state.set_strategy(asked),
             Action::SetFollows(follows) => state.follows = follows,
             Action::LoadPreset(index) => self.load_preset(index),
             Action::Undo => state.travel(true),

@@ -9,7 +9,7 @@ use super::view_state::ViewState;
 use crate::paper::GALLERY;
 use crate::physics::law::Shape;
 use crate::scene::edit;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::presets;
 use crate::worker::protocol::{Page, Sweep};
@@ -196,11 +196,11 @@ fn choices(state: &ViewState) -> Vec<Command> {
     }));
     let models = [
         (None, "as planned"),
-        (Some(Road::WHOLE), "whole cell"),
-        (Some(Road::QUARTER), "quarter"),
+        (Some(Strategy::WHOLE), "whole cell"),
+        (Some(Strategy::QUARTER), "quarter"),
     ];
     list.extend(
-        models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetRoad(asked))),
+        models.map(|(asked, word)| one(&format!("Model: {word}"), "", Action::SetStrategy(asked))),
     );
     list.extend(MethodKind::ALL.map(|method| {
         one(

@@ -10,7 +10,7 @@ use super::view_state::ViewState;
 use crate::follow::record::Direction;
 use crate::scene::edit::{self, Follows};
 use crate::scene::parameter;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Points, Scene, Turn};
 use crate::solver::methods::MethodKind;
 use egui::{ComboBox, Response, RichText, Ui};
@@ -310,9 +310,9 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             "plan",
             "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry",
         ),
-        (Some(Road::WHOLE), "whole cell", "nothing is left out"),
+        (Some(Strategy::WHOLE), "whole cell", "nothing is left out"),
         (
-            Some(Road::QUARTER),
+            Some(Strategy::QUARTER),
             "quarter",
             "even patterns only; modes of other symmetry are watched on the whole cell",
         ),
@@ -326,7 +326,7 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &name)
             });
             if radio.clicked() {
-                actions.push(Action::SetRoad(asked));
+                actions.push(Action::SetStrategy(asked));
             }
         }
     });

@@ -6,7 +6,7 @@ use super::theme;
 use super::view_state::ViewState;
 use crate::follow::record::StateRecord;
 use crate::physics::grid::Grid;
-use crate::scene::part::{Part, Road};
+use crate::scene::part::{Part, Strategy};
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
@@ -135,7 +135,7 @@ fn model_sentence(ready: &Ready) -> String {
     let mut words = format!("Plan: {}.", plan.words);
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
-    } else if matches!(plan.road, Road::Atlas) && *part == Part::Quarter {
+    } else if matches!(plan.strategy, Strategy::Atlas) && *part == Part::Quarter {
         words += " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
     }
     format!("{words} Mesh: {}.", ready.model.reason)

@@ -16,7 +16,7 @@ use crate::plot::curve::eigenvalue_scale;
 use crate::plot::extent;
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
@@ -40,7 +40,7 @@ pub struct ViewState {
     /// The method.
     pub method: MethodKind,
     /// Whether the plan decides on the model.
-    pub asked: Option<Road>,
+    pub asked: Option<Strategy>,
     /// What follows mu_rho.
     pub follows: Follows,
     /// Ends of the u0 slider (lower, upper).
@@ -235,7 +235,7 @@ impl ViewState {
     }
 
     /// Lets the plan decide on the model, or overrules it, which begins a new run.
-    pub fn set_road(&mut self, asked: Option<Road>) {
+    pub fn set_strategy(&mut self, asked: Option<Strategy>) {
         if asked != self.asked {
             self.asked = asked;
             self.restart();

@@ -7,7 +7,7 @@ use crate::follow::walk::EnergyWell;
 use crate::paper::Figure;
 use crate::paper::errata::Erratum;
 use crate::paper::overlay::ZeroRange;
-use crate::scene::part::{Part, Road};
+use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{Effort, Judged};
@@ -132,7 +132,7 @@ pub enum Command {
         /// The method.
         method: MethodKind,
         /// Whether the plan decides on the model.
-        asked: Option<Road>,
+        asked: Option<Strategy>,
     },
     /// Walk towards this mean displacement (latest wins; the path already gone is kept).
     SetTarget {

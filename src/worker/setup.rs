@@ -6,7 +6,7 @@ use crate::follow::record::StateRecord;
 use crate::follow::walk::{Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::scene::part::{Part, Road};
+use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
@@ -31,15 +31,15 @@ impl Setup {
     pub fn new(
         scene: Arc<Scene>,
         method: MethodKind,
-        asked: Option<Road>,
+        asked: Option<Strategy>,
     ) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let plan = plan(&scene, &model, asked);
-        let wanted = match plan.road {
+        let wanted = match plan.strategy {
             // A hand may go anywhere, so that the walk solves what is shown; the atlas only says
             // what is ahead.
-            Road::Atlas => Part::Quarter,
-            Road::Walk(part) => part,
+            Strategy::Atlas => Part::Quarter,
+            Strategy::Walk(part) => part,
         };
         let because = (wanted == Part::Quarter)
             .then(|| objection(&model, method, asked))
@@ -93,7 +93,7 @@ impl Setup {
 }
 
 /// Why a part of the cell will not do; `None` if it will.
-fn objection(model: &Model, method: MethodKind, asked: Option<Road>) -> Option<String> {
+fn objection(model: &Model, method: MethodKind, asked: Option<Strategy>) -> Option<String> {
     if !model.grid.nx.is_multiple_of(4) {
         return Some(format!(
             "{} points a side are no multiple of 4",
@@ -101,6 +101,6 @@ fn objection(model: &Model, method: MethodKind, asked: Option<Road>) -> Option<S
         ));
     }
     // The yardstick stays as it was published, unless somebody asks.
-    (method == MethodKind::Gfmd && asked != Some(Road::QUARTER))
+    (method == MethodKind::Gfmd && asked != Some(Strategy::QUARTER))
         .then(|| "the paper's method runs as it was published".to_owned())
 }

@@ -8,7 +8,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::theory::flat;
 use tackscope::scene::mesh::{mesh_error, next_fast};
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
@@ -43,7 +43,7 @@ fn walked(scene: &Scene) -> LoopRun {
 
 fn planned(scene: &Scene) -> LoopRun {
     let plan = plan(scene, &scene.model().unwrap(), None);
-    assert!(matches!(plan.road, Road::Atlas), "{}", plan.words);
+    assert!(matches!(plan.strategy, Strategy::Atlas), "{}", plan.words);
     let run = run_planned(
         scene,
         MethodKind::NewtonKrylov,
@@ -87,7 +87,7 @@ fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
     assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
 }
 
-/// The curves themselves: at every u0 both roads stopped at, the stress, the pattern and the
+/// The curves themselves: at every u0 both strategies stopped at, the stress, the pattern and the
 /// energy.
 #[test]
 fn atlas_and_walk_agree_on_the_states_between_the_jumps() {

@@ -1,4 +1,4 @@
-//! Where a surface lands when its branch ends: the same place for every seed, on every road, or
+//! Where a surface lands when its branch ends: the same place for every seed, on every strategy, or
 //! several that are said.
 
 use tackscope::follow::record::Cause;

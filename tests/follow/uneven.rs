@@ -8,7 +8,7 @@ use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::measured_law::MeasuredLaw;
 use tackscope::physics::indenter::{Indenter, Wave};
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
@@ -220,7 +220,7 @@ fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
     });
     scene.drive.step = 0.05;
     let model = scene.model().unwrap();
-    assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
+    assert_eq!(plan(&scene, &model, None).strategy, Strategy::QUARTER);
     let walked = |reduction| {
         let run = run_loop(
             &scene,
@@ -245,14 +245,14 @@ fn rough_ground_and_several_crests_are_left_to_the_whole_cell() {
     for name in ["wavy", "rough"] {
         let scene = preset(name);
         assert_eq!(
-            plan(&scene, &scene.model().unwrap(), None).road,
-            Road::WHOLE,
+            plan(&scene, &scene.model().unwrap(), None).strategy,
+            Strategy::WHOLE,
             "{name}"
         );
     }
     let scene = preset("rough");
-    let asked = plan(&scene, &scene.model().unwrap(), Some(Road::QUARTER));
-    assert_eq!(asked.road, Road::WHOLE);
+    let asked = plan(&scene, &scene.model().unwrap(), Some(Strategy::QUARTER));
+    assert_eq!(asked.strategy, Strategy::WHOLE);
     assert!(
         asked.words.contains("no mirror symmetry"),
         "{}",

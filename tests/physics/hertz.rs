@@ -8,7 +8,7 @@ use tackscope::paper::{scenes, tips};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
@@ -288,7 +288,7 @@ fn deep_compression_stays_finite_and_follows_periodic_jkr() {
 fn a_tip_is_planned_on_its_quarter_and_the_preset_runs() {
     let scene = presets::resolve("hertz").unwrap();
     let planned = plan(&scene, &scene.model().unwrap(), None);
-    assert_eq!(planned.road, Road::QUARTER);
+    assert_eq!(planned.strategy, Strategy::QUARTER);
     let run = run(&scene, Part::Quarter);
     assert_sound(&run);
     assert_eq!(run.record.jumps.len(), 2);

@@ -220,8 +220,8 @@ fn a_field_seen_through_a_transposed_or_reversed_view_is_read_right() {
     );
 }
 
-/// The pattern by another road: a search in the plane that the torus unrolls into. From a starting
-/// point, every copy of it that can be reached is a winding vector.
+/// The pattern by another strategy: a search in the plane that the torus unrolls into. From a
+/// starting point, every copy of it that can be reached is a winding vector.
 fn searched(contact: &Array2<bool>) -> Pattern {
     let (ny, nx) = contact.dim();
     let (ny, nx) = (ny as i64, nx as i64);

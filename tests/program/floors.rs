@@ -445,8 +445,8 @@ fn no_source_file_breaks_a_wall() {
     );
 }
 
-/// The inside of every pair of brackets that follows `word`, a name and anything up to `open`: the fields of structs, the arguments of
-/// functions.
+/// The inside of every pair of brackets that follows `word`, a name and anything up to `open`: the
+/// fields of structs, the arguments of functions.
 fn insides(code: &str, word: &str, open: char, close: char) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(word) {

@@ -1,12 +1,13 @@
 //! The chart of speed against accuracy: what it measures, how it judges, and what it writes.
 
 use proptest::prelude::*;
+use proptest::strategy::Strategy as _;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::scene::part::Road;
+use tackscope::scene::part::Strategy;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::chart::CHART_COLUMNS;
@@ -36,7 +37,7 @@ fn quick() -> &'static Chart {
 fn whole(method: MethodKind, points: usize, step: f64) -> Point {
     Point {
         method,
-        model: Road::WHOLE,
+        model: Strategy::WHOLE,
         line: false,
         points,
         precision: Precision::Double,

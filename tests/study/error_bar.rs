@@ -11,7 +11,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Cell, Points, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::error_bar::measured_error;
@@ -28,8 +28,12 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
     for (shape, (asked, points, finer)) in laws.iter().flat_map(|shape| {
         let square = (Points::Square(24), Points::Square(48));
         let line = (Points::Line(32), Points::Line(64));
-        [(None, square), (Some(Road::QUARTER), square), (None, line)]
-            .map(|(asked, (points, finer))| (*shape, (asked, points, finer)))
+        [
+            (None, square),
+            (Some(Strategy::QUARTER), square),
+            (None, line),
+        ]
+        .map(|(asked, (points, finer))| (*shape, (asked, points, finer)))
     }) {
         let scene = scene(shape, 1.9, points);
         let plan = plan(&scene, &scene.model().unwrap(), asked);

@@ -9,7 +9,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::scene::mesh::next_fast;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
@@ -57,7 +57,7 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
             shape.word(),
             plan.predicted_error
         );
-        if plan.road != Road::Atlas {
+        if plan.strategy != Strategy::Atlas {
             // Nothing is promised where the stiffness jumps.
             assert!(
                 plan.predicted_error >= 1.0 && !model.law.is_smooth(),
@@ -149,20 +149,20 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
 
 #[test]
 fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
-    let roads = [
+    let strategies = [
         ("fig2", "atlas", "ridge on half a line"),
         ("fig3", "atlas", "quarter of 256 x 256"),
         ("coarse-mesh", "whole", "the mesh makes jumps of its own"),
         ("ridge-line", "whole", "a line cell is small enough"),
     ];
-    for (name, road, words) in roads {
+    for (name, strategy, words) in strategies {
         let scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
         let plan = plan(&scene, &scene.model().unwrap(), None);
-        let word = match plan.road {
-            Road::Atlas => "atlas",
-            Road::Walk(reduction) => reduction.word(),
+        let word = match plan.strategy {
+            Strategy::Atlas => "atlas",
+            Strategy::Walk(reduction) => reduction.word(),
         };
-        assert_eq!(word, road, "{name}: {}", plan.words);
+        assert_eq!(word, strategy, "{name}: {}", plan.words);
         assert!(plan.words.contains(words), "{name}: {}", plan.words);
         assert!(plan.predicted_seconds > 0.0);
     }
@@ -173,8 +173,11 @@ fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
     let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
     scene.indenter = Indenter::Hertz(Hertz { radius: 256.0 });
     let model = scene.model().unwrap();
-    assert_eq!(plan(&scene, &model, None).road, Road::QUARTER);
-    assert_eq!(plan(&scene, &model, Some(Road::WHOLE)).road, Road::WHOLE);
+    assert_eq!(plan(&scene, &model, None).strategy, Strategy::QUARTER);
+    assert_eq!(
+        plan(&scene, &model, Some(Strategy::WHOLE)).strategy,
+        Strategy::WHOLE
+    );
 }
 
 #[test]
@@ -248,15 +251,18 @@ fn a_wish_overrules_the_plan_but_not_the_scene() {
     for scene in [tip, line, small] {
         let model = scene.model().unwrap();
         assert!(
-            refusal(&scene, &model, Some(Road::Atlas)).is_some()
+            refusal(&scene, &model, Some(Strategy::Atlas)).is_some()
                 && refusal(&scene, &model, None).is_none()
         );
-        assert_eq!(plan(&scene, &model, Some(Road::Atlas)).road, Road::WHOLE);
+        assert_eq!(
+            plan(&scene, &model, Some(Strategy::Atlas)).strategy,
+            Strategy::WHOLE
+        );
     }
     let coarse =
         scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
     assert_eq!(
-        refusal(&coarse, &coarse.model().unwrap(), Some(Road::Atlas)),
+        refusal(&coarse, &coarse.model().unwrap(), Some(Strategy::Atlas)),
         None,
         "unwise, but possible"
     );

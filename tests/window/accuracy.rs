@@ -4,7 +4,7 @@ use super::bench::Bench;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
 use tackscope::scene::Points;
-use tackscope::scene::part::Road;
+use tackscope::scene::part::Strategy;
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
 use tackscope::worker::protocol::{ChartSoFar, Command};
@@ -13,7 +13,7 @@ fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged
     Judged {
         point: Point {
             method,
-            model: Road::WHOLE,
+            model: Strategy::WHOLE,
             line: false,
             points: 48,
             precision: Precision::Double,

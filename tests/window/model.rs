@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use egui_kittest::kittest::Queryable;
-use tackscope::scene::part::{Part, Road};
+use tackscope::scene::part::{Part, Strategy};
 use tackscope::worker::protocol::{Command, Event};
 
 #[test]
@@ -38,8 +38,8 @@ fn the_plan_is_overruled_by_hand_which_begins_a_new_run() {
     bench.heard();
     bench.click("Advanced");
     for (label, asked) in [
-        ("Model: whole cell", Some(Road::WHOLE)),
-        ("Model: quarter", Some(Road::QUARTER)),
+        ("Model: whole cell", Some(Strategy::WHOLE)),
+        ("Model: quarter", Some(Strategy::QUARTER)),
         ("Model: plan", None),
     ] {
         bench.window.get_by_label(label).scroll_to_me();

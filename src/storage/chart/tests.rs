@@ -1,14 +1,14 @@
 //! Charts of invented rows: written, and looked into.
 
 use super::{CHART_COLUMNS, write_chart_csv};
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::study::chart::{Chart, Errors, Judged, Point, Precision, Skipped, Verdict};
 
 fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
     let point = Point {
         method,
-        model: Road::WHOLE,
+        model: Strategy::WHOLE,
         line: false,
         points: 64,
         precision: Precision::Double,

@@ -9,7 +9,7 @@ use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Points, Scene};
 use cpu_time::ProcessTime;
 use std::time::Instant;
@@ -97,8 +97,8 @@ pub fn measure(
         counts,
         ..
     } = match point.model {
-        Road::Atlas => atlas::read_off(&scene, &model),
-        Road::Walk(walked) => run_loop(&scene, options(walked), &part, &mut |report| {
+        Strategy::Atlas => atlas::read_off(&scene, &model),
+        Strategy::Walk(walked) => run_loop(&scene, options(walked), &part, &mut |report| {
             if processor.elapsed().as_secs_f64() > allowed {
                 out_of_time = true;
                 part.request();

@@ -8,7 +8,7 @@ use crate::physics::law::Law;
 use crate::physics::mesh_rule::{SAFE, mu_rho};
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Cell, LawChoice, Points, Range, Scene, Turn};
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
@@ -30,7 +30,7 @@ pub struct Point {
     pub method: MethodKind,
     /// How the loop is computed; where it is read off an atlas (flat ground, square cells) the step
     /// is that of the states read off.
-    pub model: Road,
+    pub model: Strategy,
     /// True for a line cell.
     pub line: bool,
     /// Points along a side.
@@ -42,9 +42,9 @@ pub struct Point {
 }
 
 impl Point {
-    /// The name of its road on the screen: its method, or the atlas.
-    pub fn road(&self) -> &'static str {
-        if self.model == Road::Atlas {
+    /// The name of its strategy on the screen: its method, or the atlas.
+    pub fn strategy(&self) -> &'static str {
+        if self.model == Strategy::Atlas {
             "atlas of branches"
         } else {
             self.method.title()
@@ -54,7 +54,7 @@ impl Point {
     /// The word of tables for what is solved.
     pub fn model_word(&self) -> &'static str {
         match self.model {
-            Road::Walk(part) if self.line => part.of_line().word(),
+            Strategy::Walk(part) if self.line => part.of_line().word(),
             model => model.word(),
         }
     }
@@ -161,7 +161,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
 fn double(grid: &Grid, method: MethodKind, points: usize, step: f64) -> Point {
     Point {
         method,
-        model: Road::WHOLE,
+        model: Strategy::WHOLE,
         line: grid.is_line(),
         points,
         precision: Precision::Double,
@@ -253,7 +253,7 @@ fn quarters(scene: &Scene, list: &[Point]) -> Vec<Point> {
     list.iter()
         .filter(reducible)
         .map(|p| Point {
-            model: Road::QUARTER,
+            model: Strategy::QUARTER,
             ..*p
         })
         .collect()
@@ -268,7 +268,7 @@ fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point
     let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
     meshes
         .map(|&n| Point {
-            model: Road::Atlas,
+            model: Strategy::Atlas,
             ..double(grid, MethodKind::NewtonKrylov, n, step)
         })
         .collect()
@@ -286,10 +286,10 @@ pub(super) fn own(scene: &Scene) -> Result<[Point; 2], Refusal> {
         precision: Precision::Double,
         step,
     };
-    let planned = plan(scene, &decided, None).road;
+    let planned = plan(scene, &decided, None).strategy;
     Ok([
         own(MethodKind::default(), planned),
-        own(MethodKind::Gfmd, Road::WHOLE),
+        own(MethodKind::Gfmd, Strategy::WHOLE),
     ])
 }
 
@@ -304,7 +304,7 @@ pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Refu
 }
 
 /// What the correction of a prediction depends on.
-fn key(point: &Point) -> (MethodKind, Road, Precision) {
+fn key(point: &Point) -> (MethodKind, Strategy, Precision) {
     (point.method, point.model, point.precision)
 }
 
@@ -317,7 +317,7 @@ pub(super) struct Predictor {
     law: Law,
     length: f64,
     /// Measured over predicted, by what it depends on but the mesh and the step.
-    correction: HashMap<(MethodKind, Road, Precision), f64>,
+    correction: HashMap<(MethodKind, Strategy, Precision), f64>,
 }
 
 impl Predictor {
@@ -361,10 +361,10 @@ impl Predictor {
         let all = if point.line { n } else { n * n };
         let (all, way) = match point.model {
             // A quarter of the points; what watches over the rest costs about as much again.
-            Road::Walk(part) if part.is_even() => (all / 2.0, self.way),
-            Road::Walk(_) => (all, self.way),
+            Strategy::Walk(part) if part.is_even() => (all / 2.0, self.way),
+            Strategy::Walk(_) => (all, self.way),
             // As many equilibria whatever the step.
-            Road::Atlas => (all / 4.0, 40.0 * point.step),
+            Strategy::Atlas => (all / 4.0, 40.0 * point.step),
         };
         // Many small jumps, each a release.
         let trapped = if self.mu_rho(point.points) > SAFE && point.method.build(0).locates() {

@@ -4,7 +4,7 @@
 use super::ViewState;
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, GALLERY};
-use crate::scene::part::Road;
+use crate::scene::part::Strategy;
 use crate::scene::{Points, Range};
 use crate::study::chart::Effort;
 use crate::ui::action::{Measurement, Tab};
@@ -174,10 +174,10 @@ impl ViewState {
             scene.drive.step = point.step;
             self.edit_scene(scene);
             self.set_method(point.method);
-            self.set_road(Some(point.model).filter(|road| *road != Road::Atlas));
+            self.set_strategy(Some(point.model).filter(|strategy| *strategy != Strategy::Atlas));
             self.messages.notice = Some(match point.model {
-                Road::Walk(_) => format!("the scene now runs as {point}"),
-                Road::Atlas => {
+                Strategy::Walk(_) => format!("the scene now runs as {point}"),
+                Strategy::Atlas => {
                     format!(
                         "the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead"
                     )
