@@ -111,7 +111,7 @@ impl Preconditioner {
 
     /// Assembles and factorises the block of a surface with these `fields`. One transform.
     ///
-    /// Pivots are kept above [`FLOOR`], and negative ones turned positive: along a sliding or an
+    /// Pivots are kept above a floor, and negative ones turned positive: along a sliding or an
     /// unstable mode the inverse is bounded, and stays positive. The longest waves come last, so
     /// that only they are touched.
     pub fn refresh(&mut self, system: &System, fields: &Fields, ws: &mut Workspace) {
