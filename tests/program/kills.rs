@@ -125,8 +125,7 @@ fn told_standing(
     if standing == Standing::Finished {
         assert!(
             counts[1] > 0 && pictures > 5,
-            "{counts:?}, {} pictures",
-            pictures
+            "{counts:?}, {pictures} pictures",
         );
     }
     standing
