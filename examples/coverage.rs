@@ -22,8 +22,8 @@ use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Cell, Drive, LawChoice, Model, Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::error_bar::{measured_error, read_off};
+use tackscope::study::plan::run_planned;
 use tackscope::study::plan::{Plan, plan};
-use tackscope::study::planned::run_planned;
 
 /// What came of one scene.
 struct Trial {

@@ -7,24 +7,22 @@
 
 mod chart;
 mod figure;
-mod output;
-mod presets;
 mod progress;
 mod report;
 mod run;
 mod window;
 
-use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
-use std::process::ExitCode;
-
 use crate::numerics::cancel::Cancel;
+use crate::physics::grid::Grid;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::storage::{Failure, files, process};
+use crate::storage::{Failure, files, line, presets, process, scene_file};
 use crate::worker::signals;
-use output::{say, tell, warn};
+use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::io::{ErrorKind, Write, stderr, stdout};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 /// Done.
 const DONE: u8 = 0;
@@ -233,7 +231,7 @@ pub fn main() -> ExitCode {
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),
-            Some(Command::Presets) => code(presets::list()),
+            Some(Command::Presets) => code(list()),
             None => window_or_default_scene(),
         },
         Err(words) => code(explain(&words)),
@@ -312,6 +310,64 @@ fn cancel_on_signal() -> Cancel {
         files::at_rest,
         i32::from(INTERRUPTED),
     )
+}
+
+/// Prints a line to standard output; a reader that has gone away (`| head`) is no error.
+///
+/// # Errors
+/// A standard output that cannot be written, as on a full disk.
+fn say(text: &str) -> Result<(), Failure> {
+    let mut out = stdout().lock();
+    match writeln!(out, "{}", line(text)).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let remedy = "make room where it goes, or send it elsewhere";
+            Err(Failure::refused(
+                Path::new("standard output"),
+                &error.to_string(),
+                remedy,
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line to standard error; nobody listening is no error.
+fn tell(text: &str) {
+    let _ = writeln!(stderr(), "{}", line(text));
+}
+
+/// Tells what went wrong, or what must be known.
+fn warn(text: impl std::fmt::Display) {
+    tell(&format!("tackscope: {text}"));
+}
+
+/// Prints name, title, mesh and mu_rho of every preset, and what to look for.
+fn list() -> Result<u8, Failure> {
+    for preset in presets::all() {
+        for line in entry(preset)? {
+            say(&line)?;
+        }
+    }
+    Ok(DONE)
+}
+
+fn entry(preset: &presets::Preset) -> Result<[String; 4], Failure> {
+    let scene = preset.scene()?;
+    let model = scene
+        .model()
+        .map_err(|error| scene_file::refused(preset.name, error))?;
+    let Grid { length, nx, ny } = model.grid;
+    let facts = format!(
+        "L = {length}, {nx} x {ny} points; mu_rho = {:.3}",
+        model.mu_rho
+    );
+    let below = |text: &str| format!("{:16}{text}", "");
+    Ok([
+        format!("{:<14}  {}", preset.name, scene.title),
+        below(&facts),
+        below(&preset.hint()),
+        String::new(),
+    ])
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, presets, scene_file};
 use crate::study::error_bar::{measured_error, reference};
+use crate::study::plan::run_planned;
 use crate::study::plan::{Plan, plan as plan_of, promise, refusal};
-use crate::study::planned::run_planned;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 

@@ -7,7 +7,6 @@
 pub mod atlas;
 pub mod contest;
 pub mod flat_branch;
-pub mod itinerary;
 pub mod ledger;
 pub mod record;
 pub mod run;

@@ -2,8 +2,8 @@
 //! whole or mirror-symmetric.
 
 use super::cosine::{Cosine, CosineScratch};
+use super::fourier::Real;
 use super::fourier::{Fourier, Scratch};
-use super::real::Real;
 use super::threads::{each, piece};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;

@@ -6,8 +6,8 @@
 //! By J. Makhoul (IEEE Trans. ASSP 28, 27 (1980)) it is the Fourier transform of the field in
 //! another order, even points first and odd points backwards, followed by a rotation.
 
+use super::fourier::Real;
 use super::fourier::{Fourier, Scratch};
-use super::real::Real;
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};

@@ -1,15 +1,14 @@
 //! Two-dimensional transform of real fields: realfft along rows, rustfft along columns, plans made
-//! once, scratch owned by the caller.
+//! once, scratch owned by the caller; and the numbers it may be made of.
 //!
 //! Large fields are shared among threads, by rows and by columns; each row is transformed by the
 //! same plan as without, so that the result does not depend on it by a single bit.
 
-use super::real::Real;
 use super::threads::{each, lanes};
 use ndarray::Array2;
-use realfft::{ComplexToReal, RealToComplex};
-use rustfft::Fft;
+use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
 /// Lines that are gathered and transformed together: 8 complex numbers side by side fill whole
@@ -228,5 +227,64 @@ fn gather<T: Copy>(from: &[T], width: usize, first: usize, to: &mut [T], length:
                 to[line * length + r] = from[r * width + first + line];
             }
         }
+    }
+}
+
+/// Plans along one axis, forward and inverse.
+pub type Pair<F, I> = (Arc<F>, Arc<I>);
+
+/// A floating-point number: `f64` or `f32`.
+pub trait Real: FftNum + Default {
+    /// The nearest number to `x`.
+    fn rounded(x: f64) -> Self;
+
+    /// The same value with 64 bits.
+    fn widened(self) -> f64;
+
+    /// Plans for rows of `n` numbers. Not generic, so that the transforms are compiled once, here,
+    /// and not for every crate that asks.
+    fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>>;
+
+    /// Plans for columns of `n` complex numbers.
+    fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>>;
+}
+
+impl Real for f64 {
+    fn rounded(x: f64) -> Self {
+        x
+    }
+
+    fn widened(self) -> f64 {
+        self
+    }
+
+    fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>> {
+        let mut planner = RealFftPlanner::new();
+        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
+    }
+
+    fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>> {
+        let mut planner = FftPlanner::new();
+        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
+    }
+}
+
+impl Real for f32 {
+    fn rounded(x: f64) -> Self {
+        x as f32
+    }
+
+    fn widened(self) -> f64 {
+        f64::from(self)
+    }
+
+    fn row_plans(n: usize) -> Pair<dyn RealToComplex<Self>, dyn ComplexToReal<Self>> {
+        let mut planner = RealFftPlanner::new();
+        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
+    }
+
+    fn column_plans(n: usize) -> Pair<dyn Fft<Self>, dyn Fft<Self>> {
+        let mut planner = FftPlanner::new();
+        (planner.plan_fft_forward(n), planner.plan_fft_inverse(n))
     }
 }

@@ -17,7 +17,6 @@ pub mod krylov;
 pub mod lanczos;
 pub mod memory;
 pub mod precision;
-pub mod real;
 pub mod spherical_bessel;
 pub mod threads;
 pub mod vector;

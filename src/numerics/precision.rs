@@ -1,8 +1,8 @@
 //! Of how many bits the numbers of a transform are: doubles, singles, or both where each does best.
 
 use super::basis::{Basis, BasisScratch};
+use super::fourier::Real;
 use super::memory::keep_freed;
-use super::real::Real;
 use super::threads::{each, piece};
 use ndarray::Array2;
 

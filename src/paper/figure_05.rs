@@ -1,7 +1,7 @@
 //! Fig. 5: the elastic energy of a ridge at zero range.
 
+use super::boundary_elements::{Sample, ridge_energies, ridge_slopes};
 use super::figure::{Figure, Finding};
-use super::ridge_elements::{self, Sample};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{
@@ -23,10 +23,9 @@ pub(super) const ENTRY: Entry = Entry {
 const POINTS: usize = 512;
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
-    let energies = ridge_elements::energies(task.choose(15, 25), &mut task.part(0.0, 0.4))?;
+    let energies = ridge_energies(task.choose(15, 25), &mut task.part(0.0, 0.4))?;
     let step = task.choose(6, 4);
-    let slopes =
-        ridge_elements::slopes(POINTS, (448..=484).step_by(step), &mut task.part(0.4, 1.0))?;
+    let slopes = ridge_slopes(POINTS, (448..=484).step_by(step), &mut task.part(0.4, 1.0))?;
     let panel = Panel {
         x: Axis::logarithmic("1 − α (share of the cell in contact)").from_to(0.01, 1.0),
         y: Axis::logarithmic("elastic energy v̂ (E* u₀²/L)").from_to(0.15, 300.0),

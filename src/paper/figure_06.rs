@@ -1,7 +1,7 @@
 //! Fig. 6: the width of a ridge at zero range against displacement.
 
+use super::boundary_elements::ridge_slopes;
 use super::figure::{Figure, Finding};
-use super::ridge_elements;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
@@ -23,7 +23,7 @@ const POINTS: usize = 256;
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let step = task.choose(16, 8);
     let free = (24..=224).step_by(step).chain([230, 232]);
-    let slopes = ridge_elements::slopes(POINTS, free, task)?;
+    let slopes = ridge_slopes(POINTS, free, task)?;
     // Eq. 17 with ahat' = -1.
     let found: Vec<[f64; 2]> = slopes
         .iter()

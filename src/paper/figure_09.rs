@@ -1,8 +1,8 @@
 //! Fig. 9: the elastic energy of dimple and bulge at zero range.
 
+use super::boundary_elements::unsolved;
 use super::boundary_elements::{self, Estimate};
 use super::figure::{Figure, Finding};
-use super::ridge_elements::unsolved;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::physics::theory::asymptotes;

@@ -4,7 +4,7 @@ use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::tips::{self, TIP, Tip};
 use super::{Entry, scenes};
-use crate::physics::theory::tabor;
+use crate::physics::theory::units::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -121,7 +121,7 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
 fn findings(tips: &[Tip]) -> Vec<Finding> {
     let mut list = vec![Finding {
         quantity: "mu_T/(mu_rho sqrt n)".to_owned(),
-        found: tabor::tabor_of_mesh(1.0, TIP.radius, TIP.surface_energy, 1.0),
+        found: tabor_of_mesh(1.0, TIP.radius, TIP.surface_energy, 1.0),
         expected: 0.579,
         source: "printed after Eq. 32".to_owned(),
         tolerance: Some(5e-4),

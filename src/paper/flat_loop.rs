@@ -8,15 +8,15 @@ use crate::follow::run::{Landing, LoopRun, Report};
 use crate::paper::walked::{completed, refused};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::pattern::centre::{rolled, shift_to_middle};
+use crate::physics::pattern::{rolled, shift_to_middle};
 use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series};
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
+use crate::study::plan::run_planned;
 use crate::study::plan::{self};
-use crate::study::planned::run_planned;
 use ndarray::Array2;
 
 /// Points of the flat state's curve.

@@ -27,7 +27,6 @@ mod flat_loop;
 mod line_cell;
 pub mod measured_law;
 pub mod overlay;
-mod ridge_elements;
 pub mod scenes;
 mod table_1;
 pub mod task;

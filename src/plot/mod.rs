@@ -10,7 +10,6 @@
 pub mod chart_panel;
 pub mod curve;
 pub mod extent;
-pub mod legend;
 pub mod loop_panel;
 pub mod panel;
 pub mod scale;

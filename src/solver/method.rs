@@ -2,9 +2,9 @@
 
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
+use super::equilibrium::{Lost, Stop};
 use super::mechanics::Mechanics;
 use super::newton::{NewtonEnd, NewtonLimits, held, solve};
-use super::stop::{Lost, Stop};
 use crate::physics::system::{State, System};
 
 /// Carries a state from one mean displacement to a near one.

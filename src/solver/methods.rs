@@ -3,7 +3,7 @@
 
 use super::descent::Descent;
 use super::gfmd::Gfmd;
-use super::gfmd_tuned::GfmdTuned;
+use super::gfmd::GfmdTuned;
 use super::method::{Method, NewtonKrylov};
 
 /// Which relaxation method follows the branches.

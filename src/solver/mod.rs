@@ -9,7 +9,6 @@ pub mod branch;
 pub mod descent;
 pub mod equilibrium;
 pub mod gfmd;
-pub mod gfmd_tuned;
 pub mod mechanics;
 pub mod method;
 pub mod methods;
@@ -17,6 +16,5 @@ pub mod newton;
 pub mod release;
 pub mod sector;
 pub mod stability;
-mod stop;
 
-pub use stop::{Lost, Stop};
+pub use equilibrium::{Lost, Stop};

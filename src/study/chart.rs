@@ -5,19 +5,14 @@
 //! [`Reference`]. Failures are results like any other. [`run`] does it all within a budget of
 //! processor time, and says what it left out.
 
-mod atlas;
-mod front;
 mod judge;
 mod measure;
 mod points;
-mod reference;
 
 pub use crate::numerics::precision::Precision;
-pub use front::front;
-pub use judge::{Errors, Judged, Verdict};
+pub use judge::{Errors, Judged, Reference, Verdict, front};
 pub use measure::{Measured, measure};
 pub use points::{Effort, Point, points};
-pub use reference::Reference;
 
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
@@ -153,7 +148,7 @@ pub fn run(
             break;
         }
     }
-    front::mark(&mut chart.rows, reference.errors.dissipated_energy);
+    judge::mark(&mut chart.rows, reference.errors.dissipated_energy);
     chart.reference = Some(reference);
     Ok(chart)
 }

@@ -1,7 +1,7 @@
 //! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
 //! parameter, and to say where the surface will stand before the walk has gone there.
 
-use super::planned::rivals;
+use super::plan::rivals;
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;

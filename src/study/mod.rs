@@ -8,5 +8,4 @@ pub mod error_bar;
 pub mod forecast;
 pub mod live_loop;
 pub mod plan;
-pub mod planned;
 pub mod time_step_map;

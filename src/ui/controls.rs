@@ -1,17 +1,14 @@
 //! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
 
 use super::action::Action;
-use super::ground;
-use super::law_picker;
-use super::mu_rho_slider;
 use super::number::{SEED_MAX, field, number, own, whole};
-use super::u0_slider;
 use super::view_state::ViewState;
+use super::{law_picker, mu_rho_slider, u0_slider};
 use crate::follow::record::Direction;
+use crate::physics::indenter::Indenter;
 use crate::scene::edit::{self, Follows};
-use crate::scene::parameter;
 use crate::scene::part::Strategy;
-use crate::scene::{Points, Scene, Turn};
+use crate::scene::{Points, Scene, Turn, parameter};
 use crate::solver::methods::MethodKind;
 use egui::{ComboBox, Response, RichText, Ui};
 
@@ -220,7 +217,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     law(ui, state, actions);
     drive(ui, state, actions);
-    ground::show(ui, state, actions);
+    counter_surface(ui, state, actions);
     accuracy_and_seed(ui, state, actions);
     models(ui, state, actions);
     methods(ui, state, actions);
@@ -338,5 +335,44 @@ fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         if ui.radio(state.method == method, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }
+    }
+}
+
+/// The rigid counter-surface: the choice, and below it what only this ground has.
+fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    ui.horizontal(|ui| {
+        let label = ui.label("Ground");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let combo = ComboBox::from_id_salt("ground")
+                .width(84.0)
+                .selected_text(model.indenter.ground().name())
+                .show_ui(ui, |ui| {
+                    for indenter in Indenter::all() {
+                        let same = indenter.word() == model.indenter.word();
+                        if ui
+                            .selectable_label(same, indenter.ground().name())
+                            .clicked()
+                            && !same
+                        {
+                            let indenter = indenter.ground().suited(&model.law, &model.grid);
+                            actions.push(Action::EditScene(Box::new(edit::with_ground(
+                                scene, model, indenter,
+                            ))));
+                        }
+                    }
+                });
+            combo.response.labelled_by(label.id);
+        });
+    });
+    if let Some(values) = own(
+        ui,
+        scene.indenter.parameters(),
+        &scene.indenter.values(),
+        state.rho(),
+    ) {
+        let mut scene = (**scene).clone();
+        scene.indenter = scene.indenter.with(&values);
+        actions.push(Action::EditScene(Box::new(scene)));
     }
 }

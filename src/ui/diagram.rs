@@ -2,8 +2,8 @@
 //! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
-use crate::plot::legend::{Look, entries};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::panel::{Look, entries};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};

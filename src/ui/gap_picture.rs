@@ -1,7 +1,7 @@
 //! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured,
 //! with its contact line. No egui widgets.
 
-use crate::physics::pattern::centre::{rolled, shift_to_middle};
+use crate::physics::pattern::{rolled, shift_to_middle};
 use egui::{Color32, ColorImage};
 use ndarray::Array2;
 

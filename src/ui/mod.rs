@@ -26,7 +26,6 @@ mod event_list;
 mod figure_plot;
 mod gap_map;
 mod gap_picture;
-mod ground;
 mod inspect;
 mod keys;
 mod law_picker;

@@ -6,8 +6,8 @@ use super::protocol::{
 };
 use super::setup::Setup;
 use super::system::Instant;
-use crate::follow::itinerary::Itinerary;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
+use crate::follow::run::Itinerary;
 use crate::follow::walk::{EnergyWell, Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;

@@ -11,7 +11,7 @@ use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::plan::plan;
-use tackscope::study::planned::run_planned;
+use tackscope::study::plan::run_planned;
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
     Scene {

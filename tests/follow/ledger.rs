@@ -17,7 +17,7 @@ use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::study::plan::plan;
-use tackscope::study::planned::run_planned;
+use tackscope::study::plan::run_planned;
 
 fn preset(name: &str) -> Scene {
     scene_file::parse(presets::find(name).unwrap().text, name).unwrap()

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::eigen::{EigenLimits, smallest, symmetric_eigen};
 use tackscope::numerics::fourier::Fourier;
+use tackscope::numerics::fourier::Real;
 use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
-use tackscope::numerics::real::Real;
 use tackscope::numerics::threads::{POINTS_MIN, each, lanes, piece};
 use tackscope::numerics::vector::{add, add_all, dot, max_abs, norm, products};
 

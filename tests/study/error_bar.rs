@@ -16,7 +16,7 @@ use tackscope::scene::{Cell, Points, Scene, Turn};
 use tackscope::solver::methods::MethodKind::NewtonKrylov;
 use tackscope::study::error_bar::measured_error;
 use tackscope::study::plan::plan;
-use tackscope::study::planned::run_planned;
+use tackscope::study::plan::run_planned;
 
 #[test]
 fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {

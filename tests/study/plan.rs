@@ -14,8 +14,8 @@ use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::study::error_bar::{measured_error, reference};
+use tackscope::study::plan::run_planned;
 use tackscope::study::plan::{plan, refusal};
-use tackscope::study::planned::run_planned;
 
 /// A scene with this target, which also decides its mesh.
 fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {

@@ -8,7 +8,7 @@ use crate::physics::theory::{flat, ridge, units::Units};
 use crate::scene::Points;
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
-use crate::study::planned::run_planned;
+use crate::study::plan::run_planned;
 use std::f64::consts::{LN_2, PI};
 
 pub(super) fn equation_22() -> Erratum {

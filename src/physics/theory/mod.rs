@@ -11,7 +11,6 @@ pub mod flat;
 pub mod jkr;
 pub mod jkr_periodic;
 pub mod ridge;
-pub mod tabor;
 pub mod units;
 
 /// The point between `below` and `above` where `is_below` turns from true to false, to the last

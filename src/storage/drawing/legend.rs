@@ -2,8 +2,8 @@
 //! page. So it covers nothing.
 
 use super::svg::{Anchor, GROUND, Place, Sheet, frame, ink, rectangle, set, solid, width};
-use crate::plot::legend::{Look, entries};
 use crate::plot::panel::{Colour, Panel, Symbol};
+use crate::plot::panel::{Look, entries};
 use crate::plot::style::{Rgb, Stroke, pointing, stroke};
 
 /// The entries in order.

@@ -1,5 +1,7 @@
-//! How far a loop is from the reference, and what went wrong in it.
+//! What a loop is compared with, how far it is from there, what went wrong in it, and which loops
+//! nothing else beats in both cost and error.
 
+use super::points::LONGER;
 use super::{Measured, Point};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::run::Outcome;
@@ -349,5 +351,94 @@ impl<'a> Curve<'a> {
         let a = self.states.get(after.checked_sub(1)?)?;
         let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
         (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
+    }
+}
+
+/// Which of the points (cost, error) are on the front: no other is at most as dear and at most as
+/// wrong, and less of one of the two. A point with a number that is not finite is never on it, and
+/// beats nothing.
+pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
+    let finite = |(cost, error): (f64, f64)| cost.is_finite() && error.is_finite();
+    let beats = |a: (f64, f64), b: (f64, f64)| finite(a) && a.0 <= b.0 && a.1 <= b.1 && a != b;
+    points
+        .iter()
+        .map(|&b| finite(b) && !points.iter().any(|&a| beats(a, b)))
+        .collect()
+}
+
+/// Marks the rows on the fronts of dissipated energy against transforms and against processor time.
+/// Failures are on none; below `floor`, the reference's own error, nothing is told apart.
+pub(super) fn mark(rows: &mut [Judged], floor: f64) {
+    let on_front = |cost: fn(&Judged) -> f64| {
+        let error = |row: &Judged| match row.verdict {
+            Verdict::Done => row.errors.dissipated_energy.max(floor),
+            _ => f64::NAN,
+        };
+        front(
+            &rows
+                .iter()
+                .map(|row| (cost(row), error(row)))
+                .collect::<Vec<_>>(),
+        )
+    };
+    let by_transforms = on_front(|row| row.transforms as f64);
+    let by_time = on_front(|row| row.processor_seconds);
+    for ((row, transforms), time) in rows.iter_mut().zip(by_transforms).zip(by_time) {
+        (row.pareto_transforms, row.pareto_time) = (transforms, time);
+    }
+}
+
+/// The finest solution, with its own error estimate.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The loop with the finest mesh and step.
+    pub finest: Measured,
+    /// Loss over gamma: its sum of releases.
+    pub dissipated_energy: f64,
+    /// Loop integral over gamma, extrapolated in the step (Richardson, second order).
+    pub integral: f64,
+    /// What a coarser mesh, or a longer step, changes: upper bounds of its own errors. NaN if it
+    /// failed.
+    pub errors: Errors,
+}
+
+impl Reference {
+    /// From three loops: the finest, one on a coarser mesh, one with a longer step.
+    pub fn new([finest, coarser, longer]: [Measured; 3]) -> Self {
+        let errors = compare(&coarser, &finest)
+            .errors
+            .larger(compare(&longer, &finest).errors);
+        let longer = longer.integral();
+        let integral = finest.integral() + (finest.integral() - longer) / (LONGER * LONGER - 1.0);
+        Self {
+            dissipated_energy: finest.dissipated_energy(),
+            integral,
+            errors,
+            finest,
+        }
+    }
+
+    /// The row of a measured loop; `plan`, `paper_budget`: how it is marked.
+    pub fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
+        let comparison = compare(measured, &self.finest);
+        Judged::new(measured, comparison, plan, paper_budget)
+    }
+
+    /// Its own row, whose errors are its own estimates.
+    pub fn judged(&self) -> Judged {
+        Judged::new(
+            &self.finest,
+            Comparison {
+                errors: self.errors,
+                faults: Vec::new(),
+            },
+            false,
+            false,
+        )
+    }
+
+    /// Its own settings.
+    pub fn point(&self) -> &Point {
+        &self.finest.point
     }
 }

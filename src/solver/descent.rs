@@ -5,20 +5,15 @@
 //! then suits all waves alike. They begin at the branch's prediction, and give up where they leave
 //! its neighbourhood: a descent that ran on would find some other branch and call it this one.
 
-mod conjugate;
-mod fire;
-mod lbfgs;
-
-use super::Lost;
-use super::Stop;
 use super::branch::{History, distance};
 use super::equilibrium::{Cost, Equilibrium};
 use super::mechanics::Mechanics;
 use super::method::{Method, audit, predicted, reach};
-use crate::numerics::vector::{dot, max_abs, norm, orthonormalise, project_out};
+use super::{Lost, Stop};
+use crate::numerics::vector::{add, dot, max_abs, norm, orthonormalise, project_out, scale};
 use crate::physics::law::Law;
 use crate::physics::system::{Evaluation, Fields};
-use lbfgs::Memory;
+use std::collections::VecDeque;
 
 /// Iterations after which a descent says that it does not get there. Tens are normal; next to a
 /// fold it is the square root of the softness that counts.
@@ -89,9 +84,9 @@ impl Method for Descent {
         let reach = reach(&mechanics.system, &from.state, &guess, u0);
         let mut land = Landscape::at(mechanics, guess, u0, reach);
         match &mut self.rule {
-            Rule::Fire => fire::relax(&mut land)?,
-            Rule::Conjugate => conjugate::relax(&mut land)?,
-            Rule::Lbfgs(memory) => lbfgs::relax(&mut land, memory, &from.state.amplitudes)?,
+            Rule::Fire => fire(&mut land)?,
+            Rule::Conjugate => conjugate(&mut land)?,
+            Rule::Lbfgs(memory) => lbfgs(&mut land, memory, &from.state.amplitudes)?,
         }
         let Landscape {
             at,
@@ -269,4 +264,164 @@ pub(super) fn stiffest(mechanics: &Mechanics, fields: &Fields) -> f64 {
     ((stiffness + mechanics.system.grid().q1() / 2.0)
         * largest(mechanics.preconditioner.diagonal()))
     .max(1.0)
+}
+
+/// Share of its slope that a direction may keep: most trials then need no second one.
+const CONJUGATE_SLOPE: f64 = 0.3;
+
+fn conjugate(land: &mut Landscape<'_>) -> Result<(), Lost> {
+    let mut d: Vec<f64> = land.gradient.iter().map(|g| -g).collect();
+    // Of order one in these variables.
+    let mut curvature = 1.0;
+    loop {
+        if let Some(end) = land.ended() {
+            return end;
+        }
+        let before = land.gradient.clone();
+        if dot(&before, &d) >= 0.0 {
+            d = before.iter().map(|g| -g).collect();
+        }
+        let t = -dot(&before, &d) / (curvature * dot(&d, &d));
+        curvature = land.search(&d, t, CONJUGATE_SLOPE)?;
+        let g = &land.gradient;
+        let beta = ((dot(g, g) - dot(g, &before)) / dot(&before, &before)).max(0.0);
+        d.iter_mut().for_each(|d| *d *= beta);
+        add(&mut d, -1.0, g);
+    }
+}
+
+/// Steering at the start of a run downhill, and its decay per step.
+const STEERING: f64 = 0.1;
+const STEERING_DECAY: f64 = 0.99;
+/// Growth of the time step on the way down, cut when uphill, and steps after which it may grow.
+const GROWTH: f64 = 1.1;
+const CUT: f64 = 0.5;
+const PATIENCE: usize = 5;
+/// First and largest time step over the limit 2/sqrt(stiffest eigenvalue).
+const FIRST: f64 = 0.4;
+const LARGEST: f64 = 0.8;
+
+fn fire(land: &mut Landscape<'_>) -> Result<(), Lost> {
+    let limit = |land: &Landscape<'_>| 2.0 / land.stiffest().sqrt();
+    let mut velocity = vec![0.0; land.gradient.len()];
+    let (mut dt, mut steering, mut downhill) = (FIRST * limit(land), STEERING, 0);
+    loop {
+        if let Some(end) = land.ended() {
+            return end;
+        }
+        if dot(&velocity, &land.gradient) <= 0.0 {
+            downhill += 1;
+            if downhill > PATIENCE {
+                dt *= GROWTH;
+                steering *= STEERING_DECAY;
+            }
+        } else {
+            // Half a step back: the bottom was passed on the way.
+            land.go(&velocity, -0.5 * dt);
+            velocity.fill(0.0);
+            (dt, steering, downhill) = (CUT * dt, STEERING, 0);
+        }
+        dt = dt.min(LARGEST * limit(land));
+        add(&mut velocity, -dt, &land.gradient);
+        let force = norm(&land.gradient);
+        if force > 0.0 {
+            let speed = norm(&velocity);
+            scale(&mut velocity, 1.0 - steering);
+            add(&mut velocity, -steering * speed / force, &land.gradient);
+        }
+        land.go(&velocity, dt);
+    }
+}
+
+/// Pairs kept.
+const PAIRS: usize = 10;
+/// Share of its slope that a step may keep: beyond it the pair says little about the Hessian.
+const LBFGS_SLOPE: f64 = 0.9;
+
+/// What is known of the Hessian, from one increment of a branch to the next.
+#[derive(Clone, Debug, Default)]
+struct Memory {
+    pairs: VecDeque<Pair>,
+    /// Where the last relaxation ended. From anywhere else (after a jump, or a failed increment)
+    /// the pairs are another state's.
+    end: Vec<f64>,
+}
+
+/// A step s, the change y of the gradient over it, and their product.
+#[derive(Clone, Debug)]
+struct Pair {
+    s: Vec<f64>,
+    y: Vec<f64>,
+    sy: f64,
+}
+
+fn lbfgs(land: &mut Landscape<'_>, memory: &mut Memory, from: &[f64]) -> Result<(), Lost> {
+    if memory.end != from {
+        memory.pairs.clear();
+    }
+    memory.end.clear();
+    loop {
+        if let Some(end) = land.ended() {
+            if end.is_ok() {
+                memory.end.clone_from(&land.at.state.amplitudes);
+            }
+            return end;
+        }
+        let (z, g) = (land.at.state.amplitudes.clone(), land.gradient.clone());
+        let mut d = memory.inverse(&g);
+        project_out(&mut d, &land.removed);
+        scale(&mut d, -1.0);
+        if dot(&d, &g) >= 0.0 {
+            memory.pairs.clear();
+            d = g.iter().map(|g| -g).collect();
+        }
+        land.search(&d, 1.0, LBFGS_SLOPE)?;
+        let s: Vec<f64> = land
+            .at
+            .state
+            .amplitudes
+            .iter()
+            .zip(&z)
+            .zip(&land.root)
+            .map(|((a, b), r)| if *r > 0.0 { (a - b) / r } else { 0.0 })
+            .collect();
+        let mut y = land.gradient.clone();
+        add(&mut y, -1.0, &g);
+        memory.learn(s, y)?;
+    }
+}
+
+impl Memory {
+    /// The approximate inverse Hessian times `g`.
+    fn inverse(&self, g: &[f64]) -> Vec<f64> {
+        let mut q = g.to_vec();
+        let mut shares = Vec::with_capacity(self.pairs.len());
+        for pair in self.pairs.iter().rev() {
+            let share = dot(&pair.s, &q) / pair.sy;
+            add(&mut q, -share, &pair.y);
+            shares.push(share);
+        }
+        if let Some(newest) = self.pairs.back() {
+            scale(&mut q, newest.sy / dot(&newest.y, &newest.y));
+        }
+        for (pair, share) in self.pairs.iter().zip(shares.iter().rev()) {
+            let back = dot(&pair.y, &q) / pair.sy;
+            add(&mut q, share - back, &pair.s);
+        }
+        q
+    }
+
+    /// Takes in a step; a gradient that falls along it is negative curvature.
+    fn learn(&mut self, s: Vec<f64>, y: Vec<f64>) -> Result<(), Lost> {
+        let sy = dot(&s, &y);
+        // NaN must not pass as positive.
+        if !(sy > 0.0) {
+            return Err(Lost::Unstable);
+        }
+        if self.pairs.len() == PAIRS {
+            self.pairs.pop_front();
+        }
+        self.pairs.push_back(Pair { s, y, sy });
+        Ok(())
+    }
 }
