@@ -2,4 +2,3 @@
 
 mod figures;
 mod findings;
-mod line_figures;

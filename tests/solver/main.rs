@@ -4,12 +4,10 @@
 mod common;
 mod dense;
 mod jumps;
-mod mesh;
 mod methods;
 mod numbers;
 mod planted_modes;
 mod precision;
 mod saddles;
 mod stability_audit;
-mod steps;
 mod tracker;
