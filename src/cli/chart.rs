@@ -3,7 +3,7 @@
 use super::progress::Monitor;
 use super::{
     BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say,
-    told_replaced, unwritten, warn,
+    tell_replaced, unwritten, warn,
 };
 use crate::plot::chart_panel::page;
 use crate::storage::folder::Folder;
@@ -25,11 +25,10 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     scene.validate().map_err(refused)?;
     let cancel = cancel_on_signal();
     let folder = Folder::claim(&arguments.out, &[], ROOM)?;
-    told_replaced(
-        folder.clear(&[], |name| FILES.contains(&name))?,
-        arguments.quiet,
-        &arguments.out,
-    );
+    let earlier = folder.clear(&[], |name| FILES.contains(&name))?;
+    if !arguments.quiet {
+        tell_replaced(earlier, &arguments.out);
+    }
     let effort = if arguments.quick {
         Effort::Quick
     } else {

@@ -3,7 +3,7 @@
 use super::progress::Monitor;
 use super::{
     BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal,
-    say, told_replaced, unwritten, warn,
+    say, tell_replaced, unwritten, warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
@@ -73,7 +73,9 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
         let summed_up = arguments.report && SUMMED_UP.contains(&name);
         summed_up || entries.iter().any(|entry| is_of(&stem(entry.number), name))
     })?;
-    told_replaced(earlier, arguments.quiet, out);
+    if !arguments.quiet {
+        tell_replaced(earlier, out);
+    }
     let what = if entries.len() == 1 {
         "1 figure".to_owned()
     } else {
@@ -283,11 +285,10 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
     let out = &arguments.out;
     let cancel = cancel_on_signal();
     let folder = Folder::claim(out, &[], ROOM)?;
-    told_replaced(
-        folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?,
-        arguments.quiet,
-        out,
-    );
+    let earlier = folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?;
+    if !arguments.quiet {
+        tell_replaced(earlier, out);
+    }
     match (entry.compute)(&mut Task::new(Size::Full, &cancel, &mut |_, _| {})) {
         Ok(table) => {
             if unwritten(&write_table(&folder, &table)) {

@@ -263,8 +263,8 @@ fn unwritten(failures: &[Failure]) -> bool {
 }
 
 /// Says that results of an earlier run were in the way.
-fn told_replaced(count: usize, quiet: bool, folder: &std::path::Path) {
-    if count > 0 && !quiet {
+fn tell_replaced(count: usize, folder: &std::path::Path) {
+    if count > 0 {
         warn(format_args!(
             "{} held an earlier run, which this one replaces",
             folder.display()

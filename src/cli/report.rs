@@ -10,7 +10,8 @@ use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{
-    Contested, CountSummary, Number, PlanSummary, SceneSummary, Summary, Yardstick,
+    Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
+    Yardstick,
 };
 use crate::storage::{Failure, drawing, export, picture, scene_file};
 use crate::study::error_bar::reference;
@@ -50,12 +51,11 @@ pub(super) fn begun(
         wall_seconds: f64::NAN,
         processor_seconds: f64::NAN,
     };
-    Summary {
-        stop: "running",
-        stop_reason: Some("not finished: it is still running, or was killed".to_owned()),
-        released_energy_sum: Number(f64::NAN),
-        ..summary(given, scene, model, plan, method, &nothing)
-    }
+    let mut summary = summary(given, scene, model, plan, method, &nothing);
+    summary.end.stop = "running";
+    summary.end.stop_reason = Some("not finished: it is still running, or was killed".to_owned());
+    summary.loss.released_energy_sum = Number(f64::NAN);
+    summary
 }
 
 /// Everything for `summary.json` but the yardstick.
@@ -86,22 +86,17 @@ pub(super) fn summary(
         predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),
         measured_error: Number(f64::NAN),
         method,
-        completed: run.outcome == Outcome::Completed,
-        stop: stop_word(&run.outcome),
-        stop_reason: stop_reason(run),
-        closed: ledger.as_ref().is_some_and(|ledger| ledger.open.is_none()),
-        open_reason: ledger
-            .as_ref()
-            .and_then(|ledger| ledger.open.as_ref().map(|open| open.reason.clone())),
-        open_remedy: ledger
-            .as_ref()
-            .and_then(|ledger| ledger.open.as_ref().map(|open| open.remedy.clone())),
-        dissipated_energy: of(Ledger::dissipated_energy),
-        stated_error: stated_error(model, plan, run).into(),
-        released_energy_sum: Number(run.record.released_energy_sum()),
-        released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
-        loop_integral: of(|ledger| Some(ledger.loop_integral).filter(|_| ledger.open.is_none())),
-        ledger_mismatch: of(Ledger::mismatch),
+        end: end(run, ledger.as_ref()),
+        loss: LossSummary {
+            dissipated_energy: of(Ledger::dissipated_energy),
+            stated_error: stated_error(model, plan, run).into(),
+            released_energy_sum: Number(run.record.released_energy_sum()),
+            released_energy_error: of(|ledger| Some(ledger.released_energy_error)),
+            loop_integral: of(|ledger| {
+                Some(ledger.loop_integral).filter(|_| ledger.open.is_none())
+            }),
+            ledger_mismatch: of(Ledger::mismatch),
+        },
         warnings: warnings(scene, model, run, ledger.as_ref()),
         contested: run.rivals.iter().map(contested).collect(),
         counts: counts(run),
@@ -111,6 +106,18 @@ pub(super) fn summary(
         wall_seconds: Number(timed.wall_seconds),
         processor_seconds: Number(timed.processor_seconds),
         yardstick: None,
+    }
+}
+
+fn end(run: &LoopRun, ledger: Option<&Ledger>) -> EndSummary {
+    let open = ledger.and_then(|ledger| ledger.open.as_ref());
+    EndSummary {
+        completed: run.outcome == Outcome::Completed,
+        stop: stop_word(&run.outcome),
+        stop_reason: stop_reason(run),
+        closed: ledger.is_some_and(|ledger| ledger.open.is_none()),
+        open_reason: open.map(|open| open.reason.clone()),
+        open_remedy: open.map(|open| open.remedy.clone()),
     }
 }
 

@@ -4,7 +4,7 @@ use super::progress::Monitor;
 use super::report::{self, Timed};
 use super::{
     BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say,
-    told_replaced, unwritten, warn,
+    tell_replaced, unwritten, warn,
 };
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
@@ -57,7 +57,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         report::room(&scene, &model),
     )?;
     let earlier = folder.clear(&[report::GAPS], report::is_result)?;
-    told_replaced(earlier, arguments.quiet, &arguments.out);
+    if !arguments.quiet {
+        tell_replaced(earlier, &arguments.out);
+    }
     let summary_path = folder.join(report::SUMMARY);
     let method = arguments.method.word();
     write_summary(
@@ -80,14 +82,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     if !arguments.quiet {
         told.warnings.iter().for_each(warn);
     }
-    if let Some(reason) = &told.stop_reason {
+    if let Some(reason) = &told.end.stop_reason {
         warn(format_args!(
             "{} at {reason}; what was computed is in {}",
-            told.stop,
+            told.end.stop,
             arguments.out.display()
         ));
     }
-    if let (Some(reason), Some(remedy)) = (&told.open_reason, &told.open_remedy) {
+    if let (Some(reason), Some(remedy)) = (&told.end.open_reason, &told.end.open_remedy) {
         warn(format_args!("loop not closed: {reason}; {remedy}"));
     }
     if unwritten(&failures) {
@@ -257,12 +259,12 @@ fn exit_code(outcome: &Outcome) -> u8 {
 
 /// The one line on standard output.
 fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> String {
-    let loss = told.dissipated_energy.0;
-    let loss = match (&told.open_reason, loss.is_finite()) {
+    let loss = told.loss.dissipated_energy.0;
+    let loss = match (&told.end.open_reason, loss.is_finite()) {
         (Some(reason), _) => format!("loop not closed: {reason}"),
         (None, false) => "loop not closed".to_owned(),
         (None, true) => {
-            let accuracy = promise(Some(told.stated_error.0));
+            let accuracy = promise(Some(told.loss.stated_error.0));
             format!(
                 "dissipated energy {:.4} gamma, {accuracy}",
                 if loss.abs() < 5e-5 { 0.0 } else { loss }

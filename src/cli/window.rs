@@ -5,10 +5,7 @@ pub(super) enum NoWindow {
     /// Nothing to open it on.
     NoDisplay(String),
     /// There is a display, yet it did not open.
-    #[cfg_attr(
-        not(feature = "gui"),
-        expect(dead_code, reason = "only a window can break")
-    )]
+    #[cfg_attr(not(feature = "gui"), expect(dead_code, reason = "needs a window"))]
     Broken(String),
 }
 

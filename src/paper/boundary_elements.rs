@@ -48,10 +48,8 @@ struct Workspace {
 }
 
 impl Cell {
-    /// `points` along a side of the whole cell.
-    fn new(points: usize, line: bool) -> Self {
-        let half = points / 2;
-        let ny = if line { 1 } else { half };
+    /// A quarter of a square cell with `half` points along a side, or with `ny` = 1 half a line.
+    fn new(half: usize, ny: usize) -> Self {
         let waves = (0..half).flat_map(|k| (0..ny).map(move |l| (k as f64).hypot(l as f64)));
         let stiffness: Vec<f64> = waves.map(|waves| PI * waves).collect();
         let softness = stiffness.iter().map(|k| 1.0 / (k + 1.0)).collect();
@@ -119,7 +117,7 @@ impl Cell {
 /// `None` if cancelled.
 pub fn ridge(points: usize, free: usize, cancel: &Cancel) -> Option<f64> {
     assert!(0 < free && free < points && free.is_multiple_of(2));
-    Cell::new(points, true).elastic_energy(&(0..free / 2).collect::<Vec<_>>(), cancel)
+    Cell::new(points / 2, 1).elastic_energy(&(0..free / 2).collect::<Vec<_>>(), cancel)
 }
 
 /// vhat of a ridge with a share alpha = free/points out of contact, extrapolated from that mesh and
@@ -215,8 +213,8 @@ pub fn disc_on_mesh(
     radii: usize,
     cancel: &Cancel,
 ) -> Option<Estimate> {
-    let cell = Cell::new(points, false);
     let half = points / 2;
+    let cell = Cell::new(half, half);
     let smooth = |size: f64| {
         if kind == Kind::Dimple {
             size.powi(3)

@@ -8,7 +8,7 @@ use crate::follow::run::{Landing, LoopRun, Report};
 use crate::paper::walked::{completed, refused};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::pattern::{rolled, shift_to_middle};
+use crate::physics::pattern::{Island, rolled, shift_to_middle};
 use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
@@ -134,7 +134,11 @@ fn maps(landings: &[Landing], law: &Law) -> Vec<Inset> {
 
 /// The pattern in the middle, a ridge along y.
 fn upright(gap: &Array2<f64>, pattern: Pattern, law: &Law) -> Array2<f64> {
-    let (dy, dx) = shift_to_middle(gap, pattern == Pattern::Dimple);
+    let island = match pattern {
+        Pattern::Dimple => Island::Hole,
+        _ => Island::Contact,
+    };
+    let (dy, dx) = shift_to_middle(gap, island);
     let gap = rolled(gap, dy, dx);
     let across = |lanes: ndarray::iter::Lanes<'_, f64, ndarray::Ix1>| {
         lanes

@@ -5,7 +5,7 @@
 //! and jumps then belong to the mesh, not to the physics.
 
 use super::law::Law;
-use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
+use std::f64::consts::PI;
 
 /// A cohesive-zone model of the literature (Table 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,16 +100,6 @@ pub fn points_for_mu_rho(law: &Law, length: f64, mu_rho: f64) -> f64 {
 /// `spacing` da.
 pub fn shortest_unstable_wave(spacing: f64, mu_rho: f64) -> f64 {
     PI * spacing / (mu_rho * mu_rho)
-}
-
-/// mu_rho at which even the mesh's largest wave number becomes unstable: pi/da on a line, sqrt(2)
-/// pi/da on a square.
-pub fn grid_limit(line: bool) -> f64 {
-    if line {
-        FRAC_PI_2.sqrt()
-    } else {
-        (SQRT_2 * FRAC_PI_2).sqrt()
-    }
 }
 
 /// mu_rho = 1/(2 sqrt(M)) of a model whose cohesive zone is l_cz = M E* gamma/sigma_max^2 long.

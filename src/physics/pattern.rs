@@ -308,11 +308,39 @@ fn sub(a: Turns, b: Turns) -> Turns {
     [a[0] - b[0], a[1] - b[1]]
 }
 
+/// What stands alone in a field, and so in the middle of its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Island {
+    /// The contact.
+    Contact,
+    /// The hole in it.
+    Hole,
+}
+
+impl Island {
+    /// The smaller part of a field, of contact where the gap is below `contact_gap`.
+    pub fn of(gap: &Array2<f64>, contact_gap: f64) -> Self {
+        if 2 * gap.iter().filter(|&&g| g < contact_gap).count() > gap.len() {
+            Self::Hole
+        } else {
+            Self::Contact
+        }
+    }
+
+    /// 1 where the island has the largest gap, -1 where it has the smallest.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Contact => -1.0,
+            Self::Hole => 1.0,
+        }
+    }
+}
+
 /// The roll (rows, columns) that brings the island to the middle of the picture, by the phase of
-/// the first harmonic: the contact, or where `hole` is true the largest gap.
-pub fn shift_to_middle(gap: &Array2<f64>, hole: bool) -> (usize, usize) {
+/// the first harmonic.
+pub fn shift_to_middle(gap: &Array2<f64>, island: Island) -> (usize, usize) {
     let (ny, nx) = gap.dim();
-    let sign = if hole { 1.0 } else { -1.0 };
+    let sign = island.sign();
     let row_means = gap.rows().into_iter().map(|r| r.sum()).collect::<Vec<_>>();
     let column_means = gap
         .columns()

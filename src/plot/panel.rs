@@ -57,11 +57,11 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Its heading as the one at `index` of a page: with its letter where there are several and it
-    /// has none of its own.
-    pub fn heading(&self, index: usize, several: bool) -> String {
+    /// Its heading as the one at `index` of `count` on a page: with its letter where there are
+    /// several and it has none of its own.
+    pub fn heading(&self, index: usize, count: usize) -> String {
         let title = self.title.trim();
-        if !several || title.starts_with('(') {
+        if count < 2 || title.starts_with('(') {
             return title.to_owned();
         }
         format!("({}) {title}", letter(index)).trim_end().to_owned()
@@ -134,6 +134,16 @@ pub enum Role {
     Guide,
 }
 
+/// How much of a symbol is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fill {
+    /// Its outline.
+    #[default]
+    Hollow,
+    /// All of it.
+    Filled,
+}
+
 /// A curve or a set of symbols.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
@@ -143,8 +153,8 @@ pub struct Series {
     pub role: Role,
     /// Symbols at the points; `None` is a line through them.
     pub symbol: Option<Symbol>,
-    /// Whether the symbols are filled.
-    pub filled: bool,
+    /// How much of the symbols is drawn.
+    pub fill: Fill,
     /// Colour.
     pub colour: Colour,
     /// Marks along a line that point the way it was gone.
@@ -192,7 +202,7 @@ impl Series {
     /// The same with filled symbols.
     pub fn filled(self) -> Self {
         Self {
-            filled: true,
+            fill: Fill::Filled,
             ..self
         }
     }
@@ -321,8 +331,8 @@ pub enum Content {
 pub enum Look {
     /// A line, perhaps with marks along it.
     Line(Role, Colour, Option<Direction>),
-    /// A symbol, filled or hollow.
-    Symbol(Symbol, Colour, bool),
+    /// A symbol.
+    Symbol(Symbol, Colour, Fill),
     /// A filled area.
     Area(Colour),
     /// An arrow.
@@ -336,7 +346,7 @@ pub fn entries(panel: &Panel) -> Vec<(String, Look)> {
         (
             s.name.as_str(),
             s.symbol
-                .map_or(line, |symbol| Look::Symbol(symbol, s.colour, s.filled)),
+                .map_or(line, |symbol| Look::Symbol(symbol, s.colour, s.fill)),
         )
     });
     let arrows = panel

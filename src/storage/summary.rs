@@ -46,34 +46,12 @@ pub struct Summary {
     pub measured_error: Number,
     /// "newton", "gfmd" or another method's word.
     pub method: &'static str,
-    /// True if the drive went all the way.
-    pub completed: bool,
-    /// "completed", "not converged" or "cancelled".
-    pub stop: &'static str,
-    /// Where and why it stopped, if it did not complete.
-    pub stop_reason: Option<String>,
-    /// True if it was completed and ends in the state with which it began.
-    pub closed: bool,
-    /// How its end differs from its beginning, if it was completed but is not closed.
-    pub open_reason: Option<String>,
-    /// What to change then.
-    pub open_remedy: Option<String>,
-    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of
-    /// a method whose states are no equilibria, the loop integral); not available unless the loop
-    /// is closed.
-    pub dissipated_energy: Number,
-    /// Its relative error: that of the mesh and that of locating the jumps; not available where no
-    /// accuracy is promised.
-    pub stated_error: Number,
-    /// Sum of the energies released in jumps, per area over gamma.
-    pub released_energy_sum: Number,
-    /// How far that sum may be off because ends of branches are located only so well, over gamma.
-    pub released_energy_error: Number,
-    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop
-    /// is closed.
-    pub loop_integral: Number,
-    /// |loop integral - sum of releases| over the loss; not available where nothing is dissipated.
-    pub ledger_mismatch: Number,
+    /// How it ended.
+    #[serde(flatten)]
+    pub end: EndSummary,
+    /// What it loses.
+    #[serde(flatten)]
+    pub loss: LossSummary,
     /// What a reader of these numbers must know.
     pub warnings: Vec<String>,
     /// Other landings of a contested jump, and what the loop then loses.
@@ -92,6 +70,44 @@ pub struct Summary {
     pub processor_seconds: Number,
     /// The paper's method on the same loop, if asked for.
     pub yardstick: Option<Yardstick>,
+}
+
+/// How the loop ended.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EndSummary {
+    /// True if the drive went all the way.
+    pub completed: bool,
+    /// "completed", "not converged" or "cancelled".
+    pub stop: &'static str,
+    /// Where and why it stopped, if it did not complete.
+    pub stop_reason: Option<String>,
+    /// True if it was completed and ends in the state with which it began.
+    pub closed: bool,
+    /// How its end differs from its beginning, if it was completed but is not closed.
+    pub open_reason: Option<String>,
+    /// What to change then.
+    pub open_remedy: Option<String>,
+}
+
+/// What the loop loses, counted twice.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LossSummary {
+    /// What the loop loses, per area over gamma: the sum of the energies released in its jumps (of
+    /// a method whose states are no equilibria, the loop integral); not available unless the loop
+    /// is closed.
+    pub dissipated_energy: Number,
+    /// Its relative error: that of the mesh and that of locating the jumps; not available where no
+    /// accuracy is promised.
+    pub stated_error: Number,
+    /// Sum of the energies released in jumps, per area over gamma.
+    pub released_energy_sum: Number,
+    /// How far that sum may be off because ends of branches are located only so well, over gamma.
+    pub released_energy_error: Number,
+    /// Loop integral of stress du0 over gamma, the check of the loss; not available unless the loop
+    /// is closed.
+    pub loop_integral: Number,
+    /// |loop integral - sum of releases| over the loss; not available where nothing is dissipated.
+    pub ledger_mismatch: Number,
 }
 
 /// The scene, in words and as a file.

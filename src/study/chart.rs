@@ -136,11 +136,11 @@ pub fn run(
             continue;
         }
         let measured = work.measured(&point, allowed_seconds, observe)?;
-        let judged = reference.judge(
-            &measured,
-            points::is_plan(&scene, &point)?,
-            points::is_paper_budget(&scene, &point)?,
-        );
+        let judged = Judged {
+            plan: points::is_plan(&scene, &point)?,
+            paper_budget: points::is_paper_budget(&scene, &point)?,
+            ..reference.judge(&measured)
+        };
         observe(News::Measured(&judged));
         chart.rows.push(judged);
         if cancel.requested() {

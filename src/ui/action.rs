@@ -55,8 +55,10 @@ pub enum Action {
     ToggleHelp,
     /// Light to dark and back.
     ToggleTheme,
-    /// Fit the plot's axes to the data (true) or to the scene.
-    Fit(bool),
+    /// Fit the plot's axes to the data.
+    FitData,
+    /// Fit the plot's axes to the scene.
+    FitScene,
     /// Change how things are drawn.
     SetView(ViewOptions),
     /// Begin a measurement beside the walk.
@@ -84,8 +86,8 @@ pub enum Action {
     },
     /// Look at the state after the jump of this index.
     SelectJump(usize),
-    /// Look at the next jump (true) or the one before.
-    StepJump(bool),
+    /// Look at the jump so many further on, or back.
+    StepJump(isize),
     /// Keep the loop on the plot, or let go of it.
     ToggleKept,
     /// Look at nothing.

@@ -229,8 +229,8 @@ impl App {
             Action::SetStrategy(asked) => state.set_strategy(asked),
             Action::SetFollows(follows) => state.follows = follows,
             Action::LoadPreset(index) => self.load_preset(index),
-            Action::Undo => state.travel(true),
-            Action::Redo => state.travel(false),
+            Action::Undo => state.undo(),
+            Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
             Action::UsePath(path) => self.use_path(ctx, &path),
             Action::CloseDialog => {
@@ -247,7 +247,8 @@ impl App {
                     egui::Theme::Dark
                 });
             }
-            Action::Fit(to_data) => state.fit_axes(to_data),
+            Action::FitData => state.fit_axes(),
+            Action::FitScene => state.plots.fit = None,
             Action::SetView(view) => state.view = view,
             Action::OpenPage(page) => state.paper.open(page),
             Action::ClosePage => state.paper.cancel(),
@@ -264,7 +265,7 @@ impl App {
             Action::UseChartRow(index) => state.use_chart_row(index),
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
-            Action::StepJump(forward) => state.step_jump(forward),
+            Action::StepJump(by) => state.step_jump(by),
             Action::ToggleKept => state.toggle_kept(),
             Action::ClearSelection => state.run.selection = None,
             Action::CopyScene => {
@@ -279,7 +280,7 @@ impl App {
             Action::RestoreLayout => {
                 ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
                 state.view = ViewOptions::default();
-                state.fit_axes(false);
+                state.plots.fit = None;
             }
             Action::DismissFailure => state.messages.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),

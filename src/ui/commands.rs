@@ -77,8 +77,8 @@ fn motions(state: &ViewState) -> Vec<Command> {
             Action::SetTarget(state.limits.0),
         ),
         one("Reset to rest at the start", "", Action::Reset),
-        one("Look at the next jump", "J", Action::StepJump(true)),
-        one("Look at the jump before", "K", Action::StepJump(false)),
+        one("Look at the next jump", "J", Action::StepJump(1)),
+        one("Look at the jump before", "K", Action::StepJump(-1)),
         one(
             if state.plots.kept.is_some() {
                 "Let go of the kept loop"
@@ -135,8 +135,8 @@ fn views(state: &ViewState) -> Vec<Command> {
     let view = Action::SetView;
     let on = |what: &str, is: bool| format!("{} {what}", if is { "Hide" } else { "Show" });
     vec![
-        one("Fit the axes to the data", "", Action::Fit(true)),
-        one("Axes of the scene", "", Action::Fit(false)),
+        one("Fit the axes to the data", "", Action::FitData),
+        one("Axes of the scene", "", Action::FitScene),
         one(
             &on("theory over the live plot", state.paper.overlay),
             "",

@@ -2,8 +2,7 @@
 //! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
-use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::plot::panel::{Look, entries};
+use crate::plot::panel::{Axis, Colour, Fill, Look, Panel, Role, Series, Symbol, entries};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
@@ -207,8 +206,7 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             .filter(|p| p.iter().all(|v| v.is_finite()))
             .collect();
         plot.points(
-            symbols(&series.name, symbol, placed, series.filled)
-                .color(colour(series.colour, ground)),
+            symbols(&series.name, symbol, placed, series.fill).color(colour(series.colour, ground)),
         );
     }
     for arrow in &panel.arrows {
@@ -274,14 +272,14 @@ fn draw_line(plot: &mut PlotUi<'_>, series: &Series, placed: &[[f64; 2]], ground
                 &series.name,
                 pointing(direction),
                 marked(piece, every).collect(),
-                true,
+                Fill::Filled,
             );
             plot.points(marks.color(colour));
         }
     }
 }
 
-fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, filled: bool) -> Points<'a> {
+fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, fill: Fill) -> Points<'a> {
     let (shape, radius) = match symbol {
         Symbol::Circle => (MarkerShape::Circle, 4.0),
         Symbol::Square => (MarkerShape::Square, 4.0),
@@ -296,7 +294,8 @@ fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, filled: bool) -> P
         Symbol::Ring => (MarkerShape::Circle, 7.5),
         Symbol::Frame => (MarkerShape::Square, 7.5),
     };
-    let filled = filled || matches!(symbol, Symbol::Dot | Symbol::Cross | Symbol::Plus);
+    let filled =
+        fill == Fill::Filled || matches!(symbol, Symbol::Dot | Symbol::Cross | Symbol::Plus);
     Points::new(plain(name), at)
         .shape(shape)
         .filled(filled)
@@ -311,7 +310,7 @@ pub fn legend(ui: &mut Ui, panel: &Panel) {
         .into_iter()
         .map(|(name, look)| {
             let (face, rgb) = match look {
-                Look::Symbol(symbol, colour, filled) => (face(symbol, filled), colour.on(ground)),
+                Look::Symbol(symbol, colour, fill) => (face(symbol, fill), colour.on(ground)),
                 Look::Area(colour) => ("■", colour.on(ground)),
                 Look::Arrow(colour) => ("↕", colour.on(ground)),
                 Look::Line(role, colour, direction) => {
@@ -320,7 +319,8 @@ pub fn legend(ui: &mut Ui, panel: &Panel) {
                         Role::Printed | Role::Unstable => "┅",
                         Role::Theory | Role::Forecast | Role::Guide => "—",
                     };
-                    let face = direction.map_or(plain, |direction| face(pointing(direction), true));
+                    let face = direction
+                        .map_or(plain, |direction| face(pointing(direction), Fill::Filled));
                     (face, stroke(role, colour, ground).colour)
                 }
             };
@@ -350,18 +350,18 @@ fn rows(ui: &mut Ui, entries: &[(&str, Color32, String)]) {
 }
 
 /// A letter that looks like a symbol.
-fn face(symbol: Symbol, filled: bool) -> &'static str {
-    match (symbol, filled) {
-        (Symbol::Circle, false) => "○",
-        (Symbol::Circle, true) => "●",
-        (Symbol::Square, false) => "□",
-        (Symbol::Square, true) => "■",
-        (Symbol::Diamond, false) => "◇",
-        (Symbol::Diamond, true) => "◆",
-        (Symbol::Triangle, false) => "△",
-        (Symbol::Triangle, true) => "▲",
-        (Symbol::Down, false) => "▽",
-        (Symbol::Down, true) => "▼",
+fn face(symbol: Symbol, fill: Fill) -> &'static str {
+    match (symbol, fill) {
+        (Symbol::Circle, Fill::Hollow) => "○",
+        (Symbol::Circle, Fill::Filled) => "●",
+        (Symbol::Square, Fill::Hollow) => "□",
+        (Symbol::Square, Fill::Filled) => "■",
+        (Symbol::Diamond, Fill::Hollow) => "◇",
+        (Symbol::Diamond, Fill::Filled) => "◆",
+        (Symbol::Triangle, Fill::Hollow) => "△",
+        (Symbol::Triangle, Fill::Filled) => "▲",
+        (Symbol::Down, Fill::Hollow) => "▽",
+        (Symbol::Down, Fill::Filled) => "▼",
         (Symbol::Left, _) => "◀",
         (Symbol::Right, _) => "▶",
         (Symbol::Cross, _) => "✖",

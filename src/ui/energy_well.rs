@@ -19,7 +19,12 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
     };
     let (rho, gamma) = (state.rho(), state.model.law.surface_energy);
     let jumping = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
-    let words = words(well, rho, gamma, jumping);
+    let at = format!("u₀ = {:.3} ρ", well.mean_displacement / rho);
+    let words = if jumping {
+        format!("Jumping; this was the well at {at}.")
+    } else {
+        format!("At {at}: {}", barrier(well, rho, gamma))
+    };
     ui.label(RichText::new(&words).strong());
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -80,20 +85,16 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
 }
 
 /// What holds the ball, in one line.
-fn words(well: &EnergyWell, rho: f64, gamma: f64, jumping: bool) -> String {
-    let at = format!("u₀ = {:.3} ρ", well.mean_displacement / rho);
-    if jumping {
-        return format!("Jumping; this was the well at {at}.");
-    }
+fn barrier(well: &EnergyWell, rho: f64, gamma: f64) -> String {
     match lower_barrier(well) {
         Some((offset, height)) => format!(
-            "At {at}: barrier of {:.1e} γ at offset {:.2} ρ",
+            "barrier of {:.1e} γ at offset {:.2} ρ",
             height / gamma,
             offset / rho
         ),
         None => {
             let reach = well.offsets.last().copied().unwrap_or(0.0) / rho;
-            format!("At {at}: no barrier within {reach:.1} ρ")
+            format!("no barrier within {reach:.1} ρ")
         }
     }
 }

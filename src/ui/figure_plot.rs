@@ -26,7 +26,7 @@ pub fn figure(ui: &mut Ui, figure: &Figure) {
         ui.columns(columns, |uis| {
             for (column, panel) in panels.iter().enumerate() {
                 let index = row * columns + column;
-                let heading = panel.heading(index, several);
+                let heading = panel.heading(index, figure.panels.len());
                 let name = format!("Fig. {} diagram {}", figure.number, letter(index));
                 self::panel(
                     &mut uis[column],

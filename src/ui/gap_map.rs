@@ -5,7 +5,7 @@ use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
-use crate::physics::pattern::Pattern;
+use crate::physics::pattern::{Island, Pattern};
 use crate::plot::extent;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
@@ -54,15 +54,17 @@ impl MapCache {
         let contact = state.model.law.contact_gap();
         // A pattern keeps its place along its whole branch; the film of a jump keeps that of the
         // pattern before.
-        let hole = match frame.state.as_ref().map(|state| state.pattern) {
-            Some(Pattern::Dimple) => Some(true),
-            Some(Pattern::Bulge | Pattern::Ridge) => Some(false),
-            None => self.picture.as_ref().map(|picture| picture.hole),
+        let island = match frame.state.as_ref().map(|state| state.pattern) {
+            Some(Pattern::Dimple) => Some(Island::Hole),
+            Some(Pattern::Bulge | Pattern::Ridge) => Some(Island::Contact),
+            None => self.picture.as_ref().map(|picture| picture.island),
             Some(_) => None,
         };
-        let picture = match hole {
-            Some(hole) => GapPicture::with_island(&frame.gap, contact, centred, hole),
-            None => GapPicture::new(&frame.gap, contact, centred),
+        let island = island.unwrap_or_else(|| Island::of(&frame.gap, contact));
+        let picture = if centred {
+            GapPicture::centred(&frame.gap, contact, island)
+        } else {
+            GapPicture::new(&frame.gap, contact, island)
         };
         let options = if state.view.smooth {
             TextureOptions::LINEAR
@@ -242,7 +244,7 @@ pub fn cut(view: &ViewOptions, picture: &GapPicture) -> (bool, usize) {
     match view.profile {
         _ if ny == 1 => (true, 0),
         ProfileLine::Auto => {
-            let (row, column, along_x) = picture.island();
+            let (row, column, along_x) = picture.middle();
             (along_x, if along_x { row } else { column })
         }
         ProfileLine::AlongX(share) => (true, index(share, ny)),

@@ -1,7 +1,7 @@
 //! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured,
 //! with its contact line. No egui widgets.
 
-use crate::physics::pattern::{rolled, shift_to_middle};
+use crate::physics::pattern::{Island, rolled, shift_to_middle};
 use egui::{Color32, ColorImage};
 use ndarray::Array2;
 
@@ -14,8 +14,8 @@ pub struct GapPicture {
     pub min: f64,
     /// Largest gap.
     pub max: f64,
-    /// True if the island is a hole in the contact and not a contact.
-    pub hole: bool,
+    /// What stands in the middle.
+    pub island: Island,
     /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's
     /// square.
     pub contour: Vec<Segment>,
@@ -39,19 +39,18 @@ pub struct ModeLines {
 const MODE_LEVELS: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl GapPicture {
-    /// Prepares a field. `contact_gap` is the level of the contact line.
-    pub fn new(gap: &Array2<f64>, contact_gap: f64, centred: bool) -> Self {
-        let hole = 2 * gap.iter().filter(|&&g| g < contact_gap).count() > gap.len();
-        Self::with_island(gap, contact_gap, centred, hole)
+    /// Prepares a field as it is. `contact_gap` is the level of the contact line.
+    pub fn new(gap: &Array2<f64>, contact_gap: f64, island: Island) -> Self {
+        Self::rolled(gap, contact_gap, island, (0, 0))
     }
 
-    /// The same where it is known whether the island is a hole.
-    pub fn with_island(gap: &Array2<f64>, contact_gap: f64, centred: bool, hole: bool) -> Self {
-        let (dy, dx) = if centred {
-            shift_to_middle(gap, hole)
-        } else {
-            (0, 0)
-        };
+    /// The same with the island in the middle.
+    pub fn centred(gap: &Array2<f64>, contact_gap: f64, island: Island) -> Self {
+        Self::rolled(gap, contact_gap, island, shift_to_middle(gap, island))
+    }
+
+    fn rolled(gap: &Array2<f64>, contact_gap: f64, island: Island, roll: (usize, usize)) -> Self {
+        let (dy, dx) = roll;
         let gap = rolled(gap, dy, dx);
         let (min, max) = gap
             .iter()
@@ -63,9 +62,9 @@ impl GapPicture {
             gap,
             min,
             max,
-            hole,
+            island,
             contour,
-            roll: (dy, dx),
+            roll,
         }
     }
 
@@ -99,9 +98,9 @@ impl GapPicture {
 
     /// Row and column of the middle of the island (smallest gap, or largest in a hole), and whether
     /// the gap varies more along x (true) than along y.
-    pub fn island(&self) -> (usize, usize, bool) {
+    pub fn middle(&self) -> (usize, usize, bool) {
         let (ny, nx) = self.gap.dim();
-        let sign = if self.hole { -1.0 } else { 1.0 };
+        let sign = -self.island.sign();
         let mut low = (ny / 2, nx / 2);
         // The middle wins where it is as low as anything: a ridge is then cut in its middle.
         for (at, &g) in self.gap.indexed_iter() {
@@ -169,32 +168,36 @@ mod tests {
         })
     }
 
+    fn on_its_own(gap: &Array2<f64>, contact_gap: f64) -> GapPicture {
+        GapPicture::centred(gap, contact_gap, Island::of(gap, contact_gap))
+    }
+
     #[test]
     fn an_island_is_rolled_to_the_middle() {
-        let picture = GapPicture::new(&island(32, 32, 3.0, 29.0), 2.5, true);
-        assert_eq!(picture.island().0, 16);
+        let picture = on_its_own(&island(32, 32, 3.0, 29.0), 2.5);
+        assert_eq!(picture.middle().0, 16);
         assert_eq!(picture.gap[(16, 16)], picture.min);
     }
 
     #[test]
     fn a_hole_in_the_contact_is_rolled_to_the_middle_and_cut_there() {
-        let picture = GapPicture::new(&(island(32, 32, 3.0, 29.0) * -1.0 + 6.0), 3.0, true);
-        assert!(picture.hole);
-        assert_eq!(picture.island(), (16, 16, true));
+        let picture = on_its_own(&(island(32, 32, 3.0, 29.0) * -1.0 + 6.0), 3.0);
+        assert_eq!(picture.island, Island::Hole);
+        assert_eq!(picture.middle(), (16, 16, true));
         assert_eq!(picture.gap[(16, 16)], picture.max);
     }
 
     #[test]
     fn a_hole_larger_than_the_contact_around_it_is_in_the_middle_where_it_is_known_to_be_one() {
         let field = island(32, 32, 3.0, 29.0) * -1.0 + 6.0;
-        assert!(!GapPicture::new(&field, 1.0, true).hole);
-        let picture = GapPicture::with_island(&field, 1.0, true, true);
+        assert_eq!(on_its_own(&field, 1.0).island, Island::Contact);
+        let picture = GapPicture::centred(&field, 1.0, Island::Hole);
         assert_eq!(picture.gap[(16, 16)], picture.max);
     }
 
     #[test]
     fn a_flat_field_stays_where_it_is_and_has_no_contact_line() {
-        let picture = GapPicture::new(&Array2::from_elem((8, 8), 3.0), 0.7, true);
+        let picture = on_its_own(&Array2::from_elem((8, 8), 3.0), 0.7);
         assert_eq!(
             (picture.min, picture.max, picture.contour.len()),
             (3.0, 3.0, 0)
@@ -203,7 +206,7 @@ mod tests {
 
     #[test]
     fn the_contact_line_of_an_island_is_a_closed_ring_of_its_radius() {
-        let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, false);
+        let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, Island::Contact);
         assert!(picture.contour.len() > 20);
         let radius = |p: [f32; 2]| f64::from((p[0] - 32.5).hypot(p[1] - 32.5));
         let expected = (0.85f64).acos() / TAU * 64.0 * (2.0f64).sqrt();
@@ -220,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_soft_mode_is_rolled_with_the_gap_and_drawn_on_both_sides_of_zero() {
-        let picture = GapPicture::new(&island(32, 32, 16.0, 8.0), 2.3, true);
+        let picture = on_its_own(&island(32, 32, 16.0, 8.0), 2.3);
         let mode = Array2::from_shape_fn((32, 32), |(_, i)| (TAU * (i as f64 - 8.0) / 32.0).cos());
         let lines = picture.mode_lines(&mode);
         let columns = |segments: &[Segment]| {
@@ -243,8 +246,8 @@ mod tests {
         let field = Array2::from_shape_fn((1, 32), |(_, i)| {
             3.0 - (TAU * (i as f64 - 5.0) / 32.0).cos()
         });
-        let picture = GapPicture::new(&field, 1.0, true);
+        let picture = on_its_own(&field, 1.0);
         assert_eq!(picture.gap[(0, 16)], picture.min);
-        assert!(picture.island().2);
+        assert!(picture.middle().2);
     }
 }

@@ -68,11 +68,17 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
     }
     for (key, modifiers, repeat) in presses {
         let action = if modifiers.command {
-            command(key, modifiers.shift, free)
+            command(key, modifiers).filter(|action| free || !of_text(action))
         } else if dialog_open {
             (key == Key::Escape).then_some(Action::CloseDialog)
         } else if free {
-            plain(key, modifiers.shift, repeat, state)
+            held(key, modifiers).or_else(|| {
+                if repeat {
+                    None
+                } else {
+                    pressed(key, modifiers, state)
+                }
+            })
         } else {
             None
         };
@@ -88,32 +94,42 @@ fn clipboard(event: &Event) -> Option<Action> {
     }
 }
 
-fn command(key: Key, shift: bool, free: bool) -> Option<Action> {
+/// What a text field has of its own.
+fn of_text(action: &Action) -> bool {
+    matches!(action, Action::Undo | Action::Redo)
+}
+
+fn command(key: Key, modifiers: Modifiers) -> Option<Action> {
     match key {
         Key::O => Some(Action::AskFile(FileTask::OpenScene)),
         Key::S => Some(Action::AskFile(FileTask::SaveScene)),
         Key::Q => Some(Action::Quit),
         Key::K => Some(Action::ToggleCommands),
-        // A text field has an undo of its own.
-        Key::Z if free && !shift => Some(Action::Undo),
-        Key::Z | Key::Y if free => Some(Action::Redo),
+        Key::Z if !modifiers.shift => Some(Action::Undo),
+        Key::Z | Key::Y => Some(Action::Redo),
         _ => None,
     }
 }
 
-fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Action> {
-    let fine = if shift { 0.1 } else { 1.0 };
+/// Keys that go on while they are held down.
+fn held(key: Key, modifiers: Modifiers) -> Option<Action> {
+    let fine = if modifiers.shift { 0.1 } else { 1.0 };
     Some(match key {
         Key::ArrowLeft => Action::Step(-fine),
         Key::ArrowRight => Action::Step(fine),
         Key::PageDown => Action::Step(-COARSE),
         Key::PageUp => Action::Step(COARSE),
+        Key::Period => Action::Increment,
+        Key::J => Action::StepJump(1),
+        Key::K => Action::StepJump(-1),
+        _ => return None,
+    })
+}
+
+fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> {
+    Some(match key {
         Key::Home => Action::SetTarget(state.limits.1),
         Key::End => Action::SetTarget(state.limits.0),
-        Key::Period => Action::Increment,
-        Key::J => Action::StepJump(true),
-        Key::K => Action::StepJump(false),
-        _ if repeat => return None,
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
         Key::L => Action::ToggleKept,
@@ -123,7 +139,7 @@ fn plain(key: Key, shift: bool, repeat: bool, state: &ViewState) -> Option<Actio
         }
         Key::Escape => Action::Stop,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
-        Key::Slash if shift => Action::ToggleHelp,
+        Key::Slash if modifiers.shift => Action::ToggleHelp,
         _ => {
             let digits = [
                 Key::Num1,

@@ -68,7 +68,7 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
         ui.label(RichText::new("Stress against u₀").heading().strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if state.plots.fit.is_some() && ui.button("Scene axes").clicked() {
-                actions.push(Action::Fit(false));
+                actions.push(Action::FitScene);
             }
             let leaves = state.data_leave_view();
             let text = if leaves {
@@ -82,7 +82,7 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
                 "Fit the axes to the data"
             };
             if ui.button(text).on_hover_text(hover).clicked() {
-                actions.push(Action::Fit(true));
+                actions.push(Action::FitData);
             }
         });
     });

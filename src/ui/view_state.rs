@@ -213,15 +213,16 @@ impl ViewState {
         }
     }
 
-    /// Undo (or redo) of a scene edit.
-    pub fn travel(&mut self, back: bool) {
-        let present = self.scene.clone();
-        let scene = if back {
-            self.history.undo(present)
-        } else {
-            self.history.redo(present)
-        };
-        if let Some(scene) = scene {
+    /// Undoes a scene edit.
+    pub fn undo(&mut self) {
+        if let Some(scene) = self.history.undo(self.scene.clone()) {
+            self.set_scene((*scene).clone());
+        }
+    }
+
+    /// Takes an undo back.
+    pub fn redo(&mut self) {
+        if let Some(scene) = self.history.redo(self.scene.clone()) {
             self.set_scene((*scene).clone());
         }
     }

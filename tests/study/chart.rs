@@ -163,7 +163,7 @@ fn steps_that_skip_a_pattern_are_named() {
     let fine = measured(&scene, whole(MethodKind::NewtonKrylov, 48, 0.04));
     let reference = Reference::new([fine.clone(), fine.clone(), fine]);
     let coarse = measured(&scene, whole(MethodKind::GfmdTuned, 48, 0.23));
-    let row = reference.judge(&coarse, false, false);
+    let row = reference.judge(&coarse);
     let Verdict::Failed { message, .. } = &row.verdict else {
         panic!("{row:?}")
     };
@@ -174,7 +174,7 @@ fn steps_that_skip_a_pattern_are_named() {
 fn a_loop_compared_with_itself_has_no_error() {
     let loop_ = measured(&tiny(), whole(MethodKind::NewtonKrylov, 36, 0.04));
     let reference = Reference::new([loop_.clone(), loop_.clone(), loop_.clone()]);
-    let row = reference.judge(&loop_, false, false);
+    let row = reference.judge(&loop_);
     assert_eq!(
         (
             row.errors.dissipated_energy,

@@ -114,17 +114,10 @@ impl Own for Rough {
     ];
 
     fn values(&self) -> Vec<Value> {
-        let Self {
-            hurst,
-            rms,
-            longest,
-            shortest,
-            seed,
-        } = *self;
-        [hurst, rms, longest, shortest]
+        [self.hurst, self.rms, self.longest, self.shortest]
             .map(Value::Number)
             .into_iter()
-            .chain([Value::Whole(seed)])
+            .chain([Value::Whole(self.seed)])
             .collect()
     }
 
@@ -256,11 +249,7 @@ impl Rough {
         if q > TAU / self.shortest * (1.0 + 1e-9) {
             return 0.0;
         }
-        let decay = if profile {
-            1.0 + 2.0 * self.hurst
-        } else {
-            2.0 + 2.0 * self.hurst
-        };
+        let decay = 2.0 * self.hurst + if profile { 1.0 } else { 2.0 };
         (q * self.longest / TAU).max(1.0).powf(-decay)
     }
 
@@ -571,11 +560,10 @@ mod tests {
     #[test]
     fn a_ground_takes_no_more_waves_than_its_mesh_has_points_and_all_where_it_shows_them() {
         let most = Rough {
-            hurst: 0.8,
-            rms: 1.0,
             longest: 20.0,
             shortest: 20.0 / WAVES_MAX as f64,
             seed: 5,
+            ..Rough::default()
         };
         for grid in grids(16) {
             assert!(most.shown(&grid).len() <= grid.points() / 2);
@@ -594,11 +582,10 @@ mod tests {
     #[test]
     fn a_mesh_too_coarse_for_the_shortest_waves_shows_the_surface_without_them() {
         let surface = Rough {
-            hurst: 0.8,
-            rms: 1.0,
             longest: 10.0,
             shortest: 1.0,
             seed: 5,
+            ..Rough::default()
         };
         let coarse = Grid::square(20.0, 16);
         assert!(!surface.fits(&coarse) && surface.fits(&Grid::square(20.0, 64)));

@@ -2,8 +2,7 @@
 //! page. So it covers nothing.
 
 use super::svg::{Anchor, GROUND, Place, Sheet, frame, ink, rectangle, set, solid, width};
-use crate::plot::panel::{Colour, Panel, Symbol};
-use crate::plot::panel::{Look, entries};
+use crate::plot::panel::{Colour, Fill, Look, Panel, Symbol, entries};
 use crate::plot::style::{Rgb, Stroke, pointing, stroke};
 
 /// The entries in order.
@@ -93,15 +92,15 @@ impl Legend {
                                 middle,
                                 stroke.colour,
                                 MARK * self.size,
-                                true,
+                                Fill::Filled,
                             );
                         }
                     }
-                    Look::Symbol(shape, colour, filled) => {
+                    Look::Symbol(shape, colour, fill) => {
                         // Large symbols go around others.
                         let large = matches!(shape, Symbol::Ring | Symbol::Frame);
                         let radius = SYMBOL * self.size * if large { 0.6 } else { 1.0 };
-                        sheet.symbol(shape, middle, colour.on(GROUND), radius, filled);
+                        sheet.symbol(shape, middle, colour.on(GROUND), radius, fill);
                     }
                     Look::Area(colour) => {
                         let half = 6.0 * self.size;

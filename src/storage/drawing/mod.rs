@@ -152,7 +152,7 @@ fn page_sheet(page: &Page<'_>) -> Sheet {
             panel::draw(
                 &mut sheet,
                 panel,
-                &panel.heading(index, panels.len() > 1),
+                &panel.heading(index, panels.len()),
                 sides,
                 (&own(panel), room(row)),
                 1.0,

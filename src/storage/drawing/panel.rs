@@ -5,7 +5,7 @@ use super::legend::{self, Legend, MARK, SYMBOL, scaled};
 use super::svg::{
     Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width,
 };
-use crate::plot::panel::{Area, Arrow, Axis, Content, Inset, Label, Panel, Role, Series};
+use crate::plot::panel::{Area, Arrow, Axis, Content, Fill, Inset, Label, Panel, Role, Series};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{MARKS, marked, pointing, stroke};
 use crate::plot::ticks::ticks;
@@ -212,7 +212,7 @@ impl Plot<'_> {
                         at,
                         series.colour.on(GROUND),
                         SYMBOL * self.size,
-                        series.filled,
+                        series.fill,
                     );
                 }
             }
@@ -270,7 +270,7 @@ impl Plot<'_> {
                         at,
                         stroke.colour,
                         MARK * self.size,
-                        true,
+                        Fill::Filled,
                     );
                 }
             }

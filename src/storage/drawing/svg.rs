@@ -1,7 +1,7 @@
 //! A sheet that is drawn on: an SVG that grows mark by mark, in units with y downwards. A PNG is
 //! this SVG rendered. Numbers have two decimals, so that the same drawing is the same text.
 
-use crate::plot::panel::{Colour, Symbol};
+use crate::plot::panel::{Colour, Fill, Symbol};
 use crate::plot::style::{Ground, Rgb, Stroke};
 use crate::plot::typeset::{Run, Script, runs};
 use crate::storage::line;
@@ -98,21 +98,21 @@ impl Sheet {
         );
     }
 
-    /// A symbol of about `radius`, filled or hollow.
+    /// A symbol of about `radius`.
     pub(super) fn symbol(
         &mut self,
         symbol: Symbol,
         at: Place,
         colour: Rgb,
         radius: f64,
-        filled: bool,
+        fill: Fill,
     ) {
         for stroke in symbol.strokes() {
             let corners: Vec<Place> = stroke
                 .iter()
                 .map(|c| [at[0] + radius * c[0], at[1] - radius * c[1]])
                 .collect();
-            if filled && corners.len() > 2 || symbol == Symbol::Dot {
+            if fill == Fill::Filled && corners.len() > 2 || symbol == Symbol::Dot {
                 self.fill(&corners, colour, 1.0);
             } else {
                 self.line(&corners, solid(colour, 0.35 * radius));

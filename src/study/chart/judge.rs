@@ -94,12 +94,8 @@ pub struct Judged {
 }
 
 impl Judged {
-    pub(super) fn new(
-        measured: &Measured,
-        comparison: Comparison,
-        plan: bool,
-        paper_budget: bool,
-    ) -> Self {
+    /// The row, in nothing marked.
+    pub(super) fn new(measured: &Measured, comparison: Comparison) -> Self {
         let counts = measured.counts;
         Self {
             point: measured.point,
@@ -114,8 +110,8 @@ impl Judged {
             processor_seconds: measured.processor_seconds,
             pareto_transforms: false,
             pareto_time: false,
-            plan,
-            paper_budget,
+            plan: false,
+            paper_budget: false,
             verdict: verdict(measured, comparison.faults),
         }
     }
@@ -418,10 +414,9 @@ impl Reference {
         }
     }
 
-    /// The row of a measured loop; `plan`, `paper_budget`: how it is marked.
-    pub fn judge(&self, measured: &Measured, plan: bool, paper_budget: bool) -> Judged {
-        let comparison = compare(measured, &self.finest);
-        Judged::new(measured, comparison, plan, paper_budget)
+    /// The row of a measured loop.
+    pub fn judge(&self, measured: &Measured) -> Judged {
+        Judged::new(measured, compare(measured, &self.finest))
     }
 
     /// Its own row, whose errors are its own estimates.
@@ -432,8 +427,6 @@ impl Reference {
                 errors: self.errors,
                 faults: Vec::new(),
             },
-            false,
-            false,
         )
     }
 

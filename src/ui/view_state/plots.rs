@@ -119,8 +119,8 @@ impl LiveView {
 }
 
 impl ViewState {
-    /// Fits the plot's axes to the data, or back to the scene.
-    pub fn fit_axes(&mut self, to_data: bool) {
+    /// Fits the plot's axes to the data; without any, to the scene.
+    pub fn fit_axes(&mut self) {
         let kept = self
             .plots
             .kept
@@ -133,7 +133,7 @@ impl ViewState {
             .chain(self.plots.ghosts.iter().flat_map(Curve::points))
             .chain(kept)
             .collect();
-        let Some(&first) = points.first().filter(|_| to_data) else {
+        let Some(&first) = points.first() else {
             self.plots.fit = None;
             return;
         };

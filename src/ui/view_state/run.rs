@@ -232,19 +232,19 @@ impl ViewState {
             });
     }
 
-    /// Selects the next (or an earlier) jump; from nowhere the last, or the first.
-    pub fn step_jump(&mut self, forward: bool) {
+    /// Selects the jump `by` further on, as far as there are any; from nowhere the first, or going
+    /// back the last.
+    pub fn step_jump(&mut self, by: isize) {
         let last = self.run.record.jumps.len().saturating_sub(1);
         let present = self
             .run
             .selection
             .as_ref()
             .and_then(|selection| selection.jump);
-        self.select_jump(match (present, forward) {
-            (None, true) => 0,
-            (None, false) => last,
-            (Some(i), true) => (i + 1).min(last),
-            (Some(i), false) => i.saturating_sub(1),
+        self.select_jump(match present {
+            None if by < 0 => last,
+            None => 0,
+            Some(i) => i.saturating_add_signed(by).min(last),
         });
     }
 
