@@ -213,7 +213,9 @@ pub fn number(x: f64) -> String {
 /// values come from there. A `method` gives what all kinds have in common, a trait. Kinds in
 /// brackets have no [`Own`].
 macro_rules! kinds {
-    ($(#[$doc:meta])* $name:ident: $method:ident -> $trait:ident [$($unit:ident = $unit_word:literal),*] $($kind:ident = $word:literal),*) => {
+    ($(#[$doc:meta])* $name:ident: $method:ident -> $trait:ident [$($unit:ident = $unit_word:literal),*] $($file:ident::$kind:ident = $word:literal),*) => {
+        $(pub use $file::$kind;)*
+
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum $name {

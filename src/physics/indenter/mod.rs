@@ -1,15 +1,13 @@
 //! Rigid indenters: height h(x, y) with its highest point at h = 0.
 //!
-//! A new ground is one file with a [`Ground`] and an [`Own`], and one word in `kinds!`.
+//! A new ground is one file with a [`Ground`] and an [`Own`], its `mod` and its line in `kinds!`.
 
 mod flat;
 mod hertz;
 mod rough;
 mod wave;
 
-pub use hertz::Hertz;
-pub use rough::{Rough, WAVES_MAX};
-pub use wave::Wave;
+pub use rough::WAVES_MAX;
 
 use super::grid::Grid;
 use super::law::Law;
@@ -19,7 +17,10 @@ use ndarray::Array2;
 
 kinds! {
     /// Shape of the rigid counter-surface.
-    Indenter: ground -> Ground [Flat = "flat"] Hertz = "hertz", Wave = "wave", Rough = "rough"
+    Indenter: ground -> Ground [Flat = "flat"]
+    hertz::Hertz = "hertz",
+    wave::Wave = "wave",
+    rough::Rough = "rough"
 }
 
 /// What a ground says of itself.

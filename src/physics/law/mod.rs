@@ -3,17 +3,12 @@
 //! Each law is a dimensionless form f(x) with x = g/rho and min f = -1; [`Law`] scales it: gamma(g)
 //! = gamma f(g/rho), traction gamma' = (gamma/rho) f', stiffness gamma'' = (gamma/rho^2) f''.
 //! Traction is positive where the surfaces attract. A new law is one file with a [`Form`] and an
-//! [`Own`], and one word in `kinds!`.
+//! [`Own`], its `mod` and its line in `kinds!`.
 
 mod cosine;
 mod double_exponential;
 mod mie;
 mod morse;
-
-pub use cosine::Cosine;
-pub use double_exponential::DoubleExponential;
-pub use mie::Mie;
-pub use morse::Morse;
 
 use super::parameter::{Own, Parameter, Refusal, Value, kinds};
 
@@ -77,7 +72,11 @@ fn fill_by_point(
 
 kinds! {
     /// Which law, with the parameters that only it has.
-    Shape: form -> Form [] Morse = "morse", Mie = "mie", Cosine = "cosine", DoubleExponential = "double_exponential"
+    Shape: form -> Form []
+    morse::Morse = "morse",
+    mie::Mie = "mie",
+    cosine::Cosine = "cosine",
+    double_exponential::DoubleExponential = "double_exponential"
 }
 
 /// A cohesive law with its scales.
