@@ -8,7 +8,7 @@ use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
-use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
+use crate::plot::panel::{Axis, Panel, Role, Series, letter};
 use crate::scene::part::Part;
 use crate::scene::{Range, Scene};
 
@@ -140,16 +140,7 @@ fn path(run: &LoopRun, direction: Direction) -> Series {
         .filter(|s| s.direction == direction)
         .map(|s| reduced(&units, s))
         .collect();
-    let line = Series::line(
-        &direction.to_string(),
-        Role::Simulation,
-        Colour::of(direction),
-        points,
-    );
-    Series {
-        direction: Some(direction),
-        ..line
-    }
+    Series::gone(direction, points)
 }
 
 /// Jumps that the continuum does not have.

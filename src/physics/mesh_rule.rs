@@ -1,8 +1,8 @@
 //! The mesh rule (Eqs 9 to 11 and 33): max(-gamma'') = mu_rho^2 E*/da, for every law.
 //!
 //! A mesh of spacing da resists a wave of wave number q with q E*/2. The larger mu_rho, the shorter
-//! the waves that a softening law makes unstable: at [`grid_limit`] the shortest one the mesh has,
-//! and jumps then belong to the mesh, not to the physics.
+//! the waves that a softening law makes unstable: at sqrt(pi/2) on a line, and 2^(1/4) as much on a
+//! square, the shortest one the mesh has, and jumps then belong to the mesh, not to the physics.
 
 use super::law::Law;
 use std::f64::consts::PI;

@@ -54,37 +54,13 @@ pub fn nice(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::physics::indenter::Hertz;
-    use crate::physics::law::{Morse, Shape};
-    use crate::scene::{Cell, Drive, LawChoice, Points, Range};
-
-    fn fig2() -> Scene {
-        Scene {
-            title: String::new(),
-            source: String::new(),
-            cell: Cell {
-                length: 256.0,
-                points: Points::Square(64),
-            },
-            law: LawChoice {
-                shape: Shape::Morse(Morse),
-                surface_energy: 0.15,
-                range: Range::Length(1.0),
-            },
-            indenter: Indenter::Flat,
-            drive: Drive {
-                start: 4.2,
-                turn: Turn::At(0.2),
-                step: 0.02,
-            },
-            accuracy: 0.01,
-            seed: 1,
-        }
-    }
+    use crate::scene::tests::fig2;
+    use crate::scene::{Drive, Range};
 
     #[test]
     fn the_relief_of_a_tip_is_that_of_jkr_in_any_unit_of_length() {
         let tip = |unit: f64| {
-            let mut scene = fig2();
+            let mut scene = fig2(64);
             scene.cell.length *= unit;
             scene.law.surface_energy *= unit;
             scene.law.range = Range::Length(unit);

@@ -77,16 +77,7 @@ pub fn branches(curve: &Curve) -> [Series; 2] {
         if direction == Direction::Approach {
             points.reverse();
         }
-        let line = Series::line(
-            &direction.to_string(),
-            Role::Simulation,
-            Colour::of(direction),
-            points,
-        );
-        Series {
-            direction: Some(direction),
-            ..line
-        }
+        Series::gone(direction, points)
     })
 }
 

@@ -2,8 +2,8 @@
 //! PNG, the window with its own plot.
 //!
 //! [`loop_panel`] and [`chart_panel`] make panels of results, the figures of `paper` make their
-//! own. [`style`] is the one code of colours, strokes and symbols, [`legend`] says what they are
-//! called, [`scale`] says where a value stands on an axis, [`ticks`] which numbers it bears,
+//! own. [`style`] is the one code of colours, strokes and symbols, [`panel::entries`] says
+//! what they are called, [`scale`] says where a value stands on an axis, [`ticks`] which numbers it bears,
 //! [`typeset`] how formulas in words are set. Stress over u0 has x = u0/rho and y =
 //! stress/sigma_max, tension positive. May use `study` and below; no drawing, files, or threads.
 

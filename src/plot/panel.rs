@@ -188,6 +188,17 @@ impl Series {
         }
     }
 
+    /// A line gone in this direction, as it was computed.
+    pub fn gone(direction: Direction, points: Vec<[f64; 2]>) -> Self {
+        Self {
+            name: direction.to_string(),
+            colour: Colour::of(direction),
+            direction: Some(direction),
+            points,
+            ..Self::default()
+        }
+    }
+
     /// Symbols at `points`.
     pub fn symbols(name: &str, symbol: Symbol, colour: Colour, points: Vec<[f64; 2]>) -> Self {
         Self {

@@ -203,36 +203,11 @@ pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::law::Morse;
-    use crate::scene::{Cell, LawChoice};
-
-    fn fig2() -> Scene {
-        Scene {
-            title: String::new(),
-            source: String::new(),
-            cell: Cell {
-                length: 256.0,
-                points: Points::Square(64),
-            },
-            law: LawChoice {
-                shape: Shape::Morse(Morse),
-                surface_energy: 0.15,
-                range: Range::Length(1.0),
-            },
-            indenter: Indenter::Flat,
-            drive: Drive {
-                start: 4.2,
-                turn: Turn::At(0.2),
-                step: 0.02,
-            },
-            accuracy: 0.01,
-            seed: 1,
-        }
-    }
+    use crate::scene::tests::fig2;
 
     #[test]
     fn the_drive_encloses_both_instabilities_after_any_edit_of_law_or_mu_rho() {
-        let scene = fig2();
+        let scene = fig2(64);
         let model = scene.model().unwrap();
         let mut edited: Vec<Scene> = Shape::all()
             .into_iter()
@@ -259,7 +234,7 @@ mod tests {
 
     #[test]
     fn mu_rho_comes_back_as_it_was_set_whatever_follows() {
-        let scene = fig2();
+        let scene = fig2(64);
         let model = scene.model().unwrap();
         for (follows, tolerance) in [(Follows::Range, 1e-12), (Follows::Mesh, 0.02)] {
             let model = with_mu_rho(&scene, &model, 0.45, follows).model().unwrap();

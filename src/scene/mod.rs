@@ -366,3 +366,34 @@ fn even(n: usize) -> Result<usize, Refusal> {
         Err(parameter::POINTS.refuse(n))
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::physics::law::Morse;
+
+    /// The scene of Fig. 2 on a mesh of `points` to the side.
+    pub fn fig2(points: usize) -> Scene {
+        Scene {
+            title: String::new(),
+            source: String::new(),
+            cell: Cell {
+                length: 256.0,
+                points: Points::Square(points),
+            },
+            law: LawChoice {
+                shape: Shape::Morse(Morse),
+                surface_energy: 0.15,
+                range: Range::Length(1.0),
+            },
+            indenter: Indenter::Flat,
+            drive: Drive {
+                start: 4.2,
+                turn: Turn::At(0.2),
+                step: 0.02,
+            },
+            accuracy: 0.01,
+            seed: 1,
+        }
+    }
+}

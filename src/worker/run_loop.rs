@@ -222,34 +222,8 @@ fn guarded(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::indenter::Indenter;
-    use crate::physics::law::{Morse, Shape};
-    use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+    use crate::scene::tests::fig2;
     use crate::solver::methods::MethodKind;
-
-    fn scene() -> Scene {
-        Scene {
-            title: "test".into(),
-            source: String::new(),
-            cell: Cell {
-                length: 256.0,
-                points: Points::Square(32),
-            },
-            law: LawChoice {
-                shape: Shape::Morse(Morse),
-                surface_energy: 0.15,
-                range: Range::Length(1.0),
-            },
-            indenter: Indenter::Flat,
-            drive: Drive {
-                start: 4.2,
-                turn: Turn::At(0.2),
-                step: 0.02,
-            },
-            accuracy: 0.01,
-            seed: 1,
-        }
-    }
 
     #[test]
     fn a_panic_is_told_once_and_the_session_goes_on_from_the_last_good_state() {
@@ -262,7 +236,7 @@ mod tests {
             wake: Arc::new(|| {}),
         };
         let mut session = Session::default();
-        let scene = Arc::new(scene());
+        let scene = Arc::new(fig2(32));
         let method = MethodKind::NewtonKrylov;
         let commands = [
             Command::SetScene {
