@@ -13,7 +13,7 @@ use crate::storage::summary::{
     Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
     Yardstick,
 };
-use crate::storage::{Failure, drawing, export, picture, scene_file};
+use crate::storage::{Failure, drawing, export, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, promise};
 
@@ -76,12 +76,7 @@ pub(super) fn summary(
     };
     Summary {
         tackscope: env!("CARGO_PKG_VERSION"),
-        scene: SceneSummary {
-            given: given.to_owned(),
-            title: scene.title.clone(),
-            source: scene.source.clone(),
-            toml: scene_file::to_text(scene),
-        },
+        scene: SceneSummary::new(given, scene),
         plan: plan_summary(model, plan, run.deviation.as_deref()),
         predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),
         measured_error: Number(f64::NAN),

@@ -290,11 +290,6 @@ impl Walk {
         &self.mechanics.system
     }
 
-    /// The method's name.
-    pub fn method_name(&self) -> &'static str {
-        self.method.name()
-    }
-
     /// Record of the state it stands on.
     pub fn record(&self) -> &StateRecord {
         &self.record

@@ -44,7 +44,7 @@ pub struct Parameter {
     /// Least and greatest value.
     pub range: RangeInclusive<f64>,
     /// What it is where the file does not say; `None` where it must.
-    pub default: Option<f64>,
+    pub default: Option<Value>,
     /// What is allowed, with an example; `{range}` stands for the range in words.
     pub hint: &'static str,
 }
@@ -145,7 +145,7 @@ impl Parameter {
     pub fn row(&self) -> String {
         let default = self
             .default
-            .map_or_else(|| "must be given".to_owned(), number);
+            .map_or_else(|| "must be given".to_owned(), |value| value.to_string());
         format!(
             "| `{}` | {} | {} | {default} | {} |\n",
             self.key,

@@ -6,7 +6,7 @@
 use crate::physics::grid::POINTS_MAX;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
-use crate::physics::parameter::{BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MAX};
+use crate::physics::parameter::{BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MAX, Value};
 
 /// Largest magnitude of a mean displacement.
 const FAR: f64 = 1e110;
@@ -41,9 +41,9 @@ parameters! {
     /// Largest step.
     STEP: "drive.step", "Step of", "u₀", "length", LENGTHS, None, POSITIVE;
     /// Relative error that the plan must meet.
-    TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(0.01), "a number above 0 and below 1, {range}, as in 0.01";
+    TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(Value::Number(0.01)), "a number above 0 and below 1, {range}, as in 0.01";
     /// Seed of the perturbations.
-    SEED: "noise.seed", "Seed", "", "", 0.0..=SEED_MAX, Some(1.0), "a whole number {range}";
+    SEED: "noise.seed", "Seed", "", "", 0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number {range}";
 }
 
 /// Every number of the scene file, in the order of its tables.

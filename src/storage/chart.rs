@@ -3,7 +3,7 @@
 
 use super::export::{number, quoted};
 use super::summary::{Number, SceneSummary};
-use super::{Failure, files, scene_file};
+use super::{Failure, files};
 use crate::scene::Scene;
 use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
 use serde::Serialize;
@@ -179,12 +179,7 @@ pub fn write_chart_json(
         |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
     let told = Short {
         tackscope: env!("CARGO_PKG_VERSION"),
-        scene: SceneSummary {
-            given: given.to_owned(),
-            title: scene.title.clone(),
-            source: scene.source.clone(),
-            toml: scene_file::to_text(scene),
-        },
+        scene: SceneSummary::new(given, scene),
         completed: !chart.cancelled,
         reference: chart.reference.as_ref().map(|reference| ReferenceShort {
             what: reference.point().to_string(),

@@ -206,16 +206,6 @@ pub(super) fn sweep(folder: &Path) {
     }
 }
 
-/// Reads at most `limit` bytes of text.
-///
-/// # Errors
-/// A file that is missing, unreadable, longer than `limit`, or not UTF-8.
-pub fn read_text(path: &Path, limit: u64) -> Result<String, Failure> {
-    let bytes = read_bytes(path, limit)?;
-    String::from_utf8(bytes)
-        .map_err(|_| unreadable(path, "not UTF-8".to_owned(), "save it as UTF-8 text"))
-}
-
 /// Reads at most `limit` bytes.
 ///
 /// # Errors

@@ -121,14 +121,6 @@ pub fn attach_scene(path: &Path, scene: &Scene) -> Result<(), Failure> {
     files::write_whole(path, &bytes)
 }
 
-/// The scene inside a PNG.
-///
-/// # Errors
-/// A file that cannot be read, is no PNG, has no scene in it, or one that is not allowed.
-pub fn load_scene(path: &Path) -> Result<Scene, Failure> {
-    scene_of(path, &read(path)?)
-}
-
 /// True if this is the beginning of a PNG.
 pub(in crate::storage) fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(SIGNATURE)
@@ -221,6 +213,7 @@ fn crc(bytes: &[u8]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::storage::open::open_scene;
     use crate::storage::picture::write_gap_png;
     use crate::storage::presets;
     use ndarray::{Array2, array};
@@ -279,13 +272,13 @@ mod tests {
         .unwrap();
         let before = image::open(&path).unwrap().into_rgb8();
         assert!(
-            load_scene(&path)
+            open_scene(&path)
                 .unwrap_err()
                 .to_string()
                 .contains("no scene")
         );
         attach_scene(&path, &scene).unwrap();
-        assert_eq!(load_scene(&path).unwrap(), scene);
+        assert_eq!(open_scene(&path).unwrap(), scene);
         assert_eq!(image::open(&path).unwrap().into_rgb8(), before);
     }
 
@@ -299,7 +292,7 @@ mod tests {
             &[SIGNATURE, &[0xff; 40][..]].concat(),
         ] {
             files::write_whole(&path, bytes).unwrap();
-            assert!(load_scene(&path).is_err(), "{bytes:?}");
+            assert!(open_scene(&path).is_err(), "{bytes:?}");
         }
     }
 }

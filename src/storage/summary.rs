@@ -1,6 +1,7 @@
 //! `summary.json`: what was computed, how well, and at what cost.
 
-use super::{Failure, files};
+use super::{Failure, files, scene_file};
+use crate::scene::Scene;
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
@@ -121,6 +122,18 @@ pub struct SceneSummary {
     pub source: String,
     /// The scene file that computes the same again.
     pub toml: String,
+}
+
+impl SceneSummary {
+    /// Of `scene`, which was `given` by this word or path.
+    pub fn new(given: &str, scene: &Scene) -> Self {
+        Self {
+            given: given.to_owned(),
+            title: scene.title.clone(),
+            source: scene.source.clone(),
+            toml: scene_file::to_text(scene),
+        }
+    }
 }
 
 /// The chosen model.

@@ -10,8 +10,8 @@ use crate::plot::extent;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, Pos2, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions,
-    Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -179,13 +179,19 @@ fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
     )
 }
 
+/// A piece of a contour, which egui does not shift to whole pixels: upright pieces alone would be,
+/// and a straight line look notched.
+fn segment(ends: [Pos2; 2], stroke: Stroke) -> Shape {
+    Shape::line(ends.to_vec(), stroke)
+}
+
 fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     for [a, b] in &picture.contour {
-        painter.line_segment(
+        painter.add(segment(
             [to_screen(picture, band, *a), to_screen(picture, band, *b)],
             Stroke::new(1.6, Color32::WHITE),
-        );
+        ));
     }
 }
 
@@ -198,10 +204,10 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     let colour = theme::palette(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
-        painter.line_segment(
+        painter.add(segment(
             s.map(|p| to_screen(picture, band, p)),
             Stroke::new(width, colour),
-        );
+        ));
     };
     if let Some(lines) = &cache.mode {
         // Every second mesh square or so, whichever way the line runs.
@@ -266,13 +272,13 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
     };
     let ends = ends.map(|p| to_screen(picture, band, p));
     let colour = theme::palette(crate::plot::style::Ground::Dark).retraction;
-    ui.painter().extend(egui::Shape::dashed_line(
+    ui.painter().extend(Shape::dashed_line(
         &ends,
         Stroke::new(3.0, Color32::from_black_alpha(120)),
         7.0,
         5.0,
     ));
-    ui.painter().extend(egui::Shape::dashed_line(
+    ui.painter().extend(Shape::dashed_line(
         &ends,
         Stroke::new(1.5, colour),
         7.0,

@@ -1,25 +1,17 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
+use crate::loops::{preset, walked};
 use tackscope::follow::atlas::{Atlas, Cycle, End, Meshes};
 use tackscope::follow::record::JumpRecord;
-use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::follow::run::LoopRun;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::theory::flat;
 use tackscope::scene::mesh::{mesh_error, next_fast};
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Scene, Turn};
 use tackscope::solver::Stop;
-use tackscope::solver::methods::MethodKind;
 use tackscope::solver::sector::Side;
-use tackscope::storage::{presets, scene_file};
 use tackscope::study::plan::plan;
-use tackscope::study::plan::run_planned;
-
-fn preset(name: &str) -> Scene {
-    scene_file::parse(presets::find(name).unwrap().text, name).unwrap()
-}
 
 fn morse(range: f64) -> Law {
     Law {
@@ -29,30 +21,11 @@ fn morse(range: f64) -> Law {
     }
 }
 
-fn walked(scene: &Scene) -> LoopRun {
-    let run = run_loop(
-        scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    run
-}
-
 fn planned(scene: &Scene) -> LoopRun {
     let plan = plan(scene, &scene.model().unwrap(), None);
     assert!(matches!(plan.strategy, Strategy::Atlas), "{}", plan.words);
-    let run = run_planned(
-        scene,
-        MethodKind::NewtonKrylov,
-        &plan,
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!((&run.deviation, &run.outcome), (&None, &Outcome::Completed));
+    let run = crate::loops::planned(scene);
+    assert_eq!(run.deviation, None);
     run
 }
 
@@ -77,7 +50,7 @@ fn assert_same(atlas: &[JumpRecord], walk: &[JumpRecord], share: f64) {
 #[test]
 fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
     let scene = preset("fig2");
-    let walk = walked(&scene);
+    let walk = walked(&scene, Part::Whole);
     let atlas = planned(&scene);
     assert_same(&atlas.record.jumps, &walk.record.jumps, 1e-4);
     let (a, b) = (
@@ -92,7 +65,7 @@ fn atlas_and_walk_agree_on_every_jump_of_fig_2() {
 #[test]
 fn atlas_and_walk_agree_on_the_states_between_the_jumps() {
     let scene = preset("fig2");
-    let (walk, atlas) = (walked(&scene), planned(&scene));
+    let (walk, atlas) = (walked(&scene, Part::Whole), planned(&scene));
     let strongest = scene.model().unwrap().law.traction_max();
     let mut compared = 0;
     for a in &atlas.record.states {
@@ -147,7 +120,7 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     // errors have opposite signs.
     assert_same(
         &planned(&long).record.jumps,
-        &walked(&long).record.jumps,
+        &walked(&long, Part::Whole).record.jumps,
         1.5e-3,
     );
 
@@ -165,10 +138,13 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     let atlas = planned(&mie).record.jumps;
     let walk = (1..=8)
         .map(|seed| {
-            walked(&Scene {
-                seed,
-                ..mie.clone()
-            })
+            walked(
+                &Scene {
+                    seed,
+                    ..mie.clone()
+                },
+                Part::Whole,
+            )
             .record
             .jumps
         })
@@ -183,7 +159,7 @@ fn a_drive_that_turns_in_mid_branch_is_read_off_too() {
         scene.drive.turn = Turn::At(turn);
         assert_same(
             &planned(&scene).record.jumps,
-            &walked(&scene).record.jumps,
+            &walked(&scene, Part::Whole).record.jumps,
             1e-4,
         );
     }
@@ -192,17 +168,12 @@ fn a_drive_that_turns_in_mid_branch_is_read_off_too() {
 #[test]
 fn the_walk_on_the_even_quarter_agrees_with_the_whole_cell_on_flat_and_uneven_ground() {
     let scene = preset("fig2");
-    let quarter = run_loop(
-        &scene,
-        WalkOptions {
-            part: Part::Quarter,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_same(&quarter.record.jumps, &walked(&scene).record.jumps, 1e-4);
+    let quarter = walked(&scene, Part::Quarter);
+    assert_same(
+        &quarter.record.jumps,
+        &walked(&scene, Part::Whole).record.jumps,
+        1e-4,
+    );
 }
 
 #[test]

@@ -1,30 +1,16 @@
 //! What a loop must not depend on: the axis, the seed, the step, the part of the cell.
 
+use crate::loops::walked;
 use ndarray::Array2;
 use tackscope::follow::record::{Cause, JumpRecord};
-use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
+use tackscope::follow::run::LoopRun;
+use tackscope::follow::walk::{Observed, Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Indenter, Wave};
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::presets;
-
-fn looped(scene: &Scene, reduction: Part) -> LoopRun {
-    let run = run_loop(
-        scene,
-        WalkOptions {
-            part: reduction,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    run
-}
 
 fn wavy() -> Scene {
     let mut scene = presets::resolve("wavy").unwrap();
@@ -75,7 +61,7 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
             periods,
         });
         scene.seed = seed;
-        looped(&scene, Part::Whole)
+        walked(&scene, Part::Whole)
     };
     let along_x = run([3, 0], 1);
     assert!(!along_x.record.jumps.is_empty());
@@ -93,12 +79,12 @@ fn a_turn_of_the_ground_by_90_degrees_changes_nothing() {
 #[test]
 fn jumps_on_waves_do_not_depend_on_seed_or_step() {
     let scene = wavy();
-    let first = looped(&scene, Part::Whole);
+    let first = walked(&scene, Part::Whole);
     assert!(first.record.jumps.len() >= 8);
     for seed in 2..4 {
         assert_same(
             &first,
-            &looped(
+            &walked(
                 &Scene {
                     seed,
                     ..scene.clone()
@@ -115,7 +101,7 @@ fn jumps_on_waves_do_not_depend_on_seed_or_step() {
         other.drive.step = step;
         assert_same(
             &first,
-            &looped(&other, Part::Whole),
+            &walked(&other, Part::Whole),
             1e-3,
             0.3,
             &format!("step {step}"),
@@ -138,7 +124,7 @@ fn gentle_ground_jumps_where_flat_ground_does() {
                 periods: [1, 1],
             })
         };
-        looped(&scene, Part::Whole)
+        walked(&scene, Part::Whole)
     };
     let (right, found) = (gentle(48, 0.0), gentle(48, 1e-4));
     assert_eq!(right.record.jumps.len(), 2, "to a bulge and to a ridge");
@@ -153,7 +139,7 @@ fn steps_longer_than_a_pattern_lives_find_every_pattern() {
     let run = |step| {
         let mut scene = scene.clone();
         (scene.cell.points, scene.drive.step) = (Points::Square(48), step);
-        looped(&scene, Part::Whole)
+        walked(&scene, Part::Whole)
     };
     let short = run(0.05);
     assert_eq!(short.record.jumps.len(), 8);
@@ -172,7 +158,7 @@ fn a_quarter_of_the_cell_jumps_where_the_whole_does() {
     });
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.05;
-    let (whole, quarter) = (looped(&scene, Part::Whole), looped(&scene, Part::Quarter));
+    let (whole, quarter) = (walked(&scene, Part::Whole), walked(&scene, Part::Quarter));
     assert!(!whole.record.jumps.is_empty());
     assert_same(&whole, &quarter, 5e-3, 0.3, "48 points");
 }

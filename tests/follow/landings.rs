@@ -1,43 +1,19 @@
 //! Where a surface lands when its branch ends: the same place for every seed, on every strategy, or
 //! several that are said.
 
+use crate::loops::{planned, walked};
 use tackscope::follow::record::Cause;
-use tackscope::follow::run::{LoopRun, Outcome, run_loop};
-use tackscope::follow::walk::WalkOptions;
-use tackscope::numerics::cancel::Cancel;
+use tackscope::follow::run::LoopRun;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene};
-use tackscope::solver::methods::MethodKind::NewtonKrylov;
-use tackscope::study::plan::plan;
-use tackscope::study::plan::run_planned;
 
 fn scene(shape: Mie, periods: f64, n: usize, seed: u64) -> Scene {
     Scene {
         seed,
-        ..crate::flat_ground::scene(Shape::Mie(shape), periods, Points::Square(n))
+        ..crate::loops::flat_ground(Shape::Mie(shape), periods, Points::Square(n))
     }
-}
-
-fn quarter(scene: &Scene) -> LoopRun {
-    let run = run_loop(
-        scene,
-        WalkOptions {
-            part: Part::Quarter,
-            ..NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    run
-}
-
-fn planned(scene: &Scene) -> LoopRun {
-    let plan = plan(scene, &scene.model().unwrap(), None);
-    run_planned(scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap()
 }
 
 fn visited(run: &LoopRun) -> Vec<Pattern> {
@@ -45,7 +21,7 @@ fn visited(run: &LoopRun) -> Vec<Pattern> {
 }
 
 #[test]
-fn every_seed_and_both_roads_pass_the_same_patterns() {
+fn every_seed_and_both_strategies_pass_the_same_patterns() {
     // With inertia in the release seeds parted at the flat limit of the first and at the end of the
     // ridge of the second.
     for (shape, periods, n) in [
@@ -56,7 +32,7 @@ fn every_seed_and_both_roads_pass_the_same_patterns() {
         assert_eq!(expected.len(), 8, "{expected:?}");
         for seed in 1..=10 {
             assert_eq!(
-                visited(&quarter(&scene(shape, periods, n, seed))),
+                visited(&walked(&scene(shape, periods, n, seed), Part::Quarter)),
                 expected,
                 "{shape:?}, seed {seed}"
             );
@@ -66,7 +42,7 @@ fn every_seed_and_both_roads_pass_the_same_patterns() {
 
 #[test]
 fn fig_2_is_not_contested() {
-    let run = planned(&crate::flat_ground::scene(
+    let run = planned(&crate::loops::flat_ground(
         Shape::Morse(Morse),
         3.0,
         Points::Square(48),
@@ -127,7 +103,7 @@ fn a_dimple_that_ends_beyond_the_flat_limit_jumps_and_does_not_fade() {
         24,
         22,
     );
-    let (walk, atlas) = (quarter(&scene), planned(&scene));
+    let (walk, atlas) = (walked(&scene, Part::Quarter), planned(&scene));
     assert_eq!(visited(&walk), visited(&atlas));
     let last = |run: &LoopRun| {
         run.record

@@ -1,10 +1,11 @@
 //! The ledger of loops: the loss is the sum of releases and within its error; the integral is its
 //! check; a loop that does not close has none.
 
+use crate::loops::{planned, preset, walked};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
-use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::{Stuck, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
@@ -15,31 +16,10 @@ use tackscope::scene::part::Part;
 use tackscope::scene::{Drive, Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
-use tackscope::study::plan::plan;
-use tackscope::study::plan::run_planned;
-
-fn preset(name: &str) -> Scene {
-    scene_file::parse(presets::find(name).unwrap().text, name).unwrap()
-}
-
-fn planned(scene: &Scene) -> LoopRun {
-    let plan = plan(scene, &scene.model().unwrap(), None);
-    let run = run_planned(
-        scene,
-        MethodKind::NewtonKrylov,
-        &plan,
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    run
-}
 
 /// A line cell of 64 points and `ratio` L_c, its law and its length.
 fn line(shape: Shape, ratio: f64) -> (Scene, Law, f64) {
-    let mut scene = crate::flat_ground::scene(shape, ratio, Points::Line(64));
+    let mut scene = crate::loops::flat_ground(shape, ratio, Points::Line(64));
     scene.drive.step = 0.02;
     let (law, length) = (scene.model().unwrap().law, scene.cell.length);
     (scene, law, length)
@@ -214,17 +194,7 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
             scene.drive
         );
     }
-    let walked = run_loop(
-        &deep,
-        WalkOptions {
-            part: Part::Quarter,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    let ledger = walked.ledger(0.15).unwrap();
+    let ledger = walked(&deep, Part::Quarter).ledger(0.15).unwrap();
     assert!(
         (ledger.dissipated_energy().unwrap() - FIG_2).abs() < 2e-5
             && ledger.mismatch().unwrap() < 1e-4,
@@ -299,16 +269,7 @@ fn patterns_that_come_and_go_continuously_do_so_at_the_limits_and_release_nothin
 fn faint_patterns_of_a_square_cell_that_change_their_names_are_no_events() {
     let (mut scene, ..) = line(Shape::Morse(Morse), 1.05);
     scene.cell.points = Points::Square(16);
-    let run = run_loop(
-        &scene,
-        WalkOptions {
-            part: Part::Quarter,
-            ..MethodKind::NewtonKrylov.into()
-        },
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
+    let run = walked(&scene, Part::Quarter);
     let tally = run.record.tally();
     assert_eq!(
         (tally.jumps, tally.of_the_mesh, tally.transitions),
@@ -366,11 +327,11 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
                 step: 0.02,
             },
         );
-        for reduction in [Part::Quarter, Part::Whole] {
+        for part in [Part::Quarter, Part::Whole] {
             let run = run_loop(
                 &scene,
                 WalkOptions {
-                    part: reduction,
+                    part,
                     ..MethodKind::NewtonKrylov.into()
                 },
                 &Cancel::default(),
@@ -403,21 +364,7 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
 #[test]
 fn jumps_of_the_mesh_are_told_apart_and_vanish_with_refinement() {
     let coarse = preset("coarse-mesh");
-    let whole = |scene: &Scene| {
-        let run = run_loop(
-            scene,
-            WalkOptions {
-                part: Part::Whole,
-                ..MethodKind::NewtonKrylov.into()
-            },
-            &Cancel::default(),
-            &mut |_| {},
-        )
-        .unwrap();
-        assert_eq!(run.outcome, Outcome::Completed);
-        run
-    };
-    let run = whole(&coarse);
+    let run = walked(&coarse, Part::Whole);
     let tally = run.record.tally();
     assert!(tally.of_the_mesh > 50 && tally.jumps < 10, "{tally}");
     let mesh = run
@@ -434,5 +381,5 @@ fn jumps_of_the_mesh_are_told_apart_and_vanish_with_refinement() {
     // The same law on a mesh that is safe for it: nothing of the kind.
     let mut fine = preset("fig2");
     fine.drive.step = 0.1;
-    assert_eq!(whole(&fine).record.tally().of_the_mesh, 0);
+    assert_eq!(walked(&fine, Part::Whole).record.tally().of_the_mesh, 0);
 }

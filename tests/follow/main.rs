@@ -2,10 +2,10 @@
 
 mod atlas;
 mod dissipation;
-#[path = "../shared/flat_ground.rs"]
-mod flat_ground;
 mod invariance;
 mod landings;
 mod ledger;
+#[path = "../shared/loops.rs"]
+mod loops;
 mod uneven;
 mod walk;

@@ -1,6 +1,7 @@
 //! Loops on wavy and rough ground: they close, their ledger closes, nothing gains energy, and parts
 //! of the cell agree with the whole.
 
+use crate::loops::{preset, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, StateRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
@@ -12,24 +13,7 @@ use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::presets;
 use tackscope::study::plan::plan;
-
-fn preset(name: &str) -> Scene {
-    presets::resolve(name).unwrap()
-}
-
-fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(
-        scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
-    run
-}
 
 /// The loops of the presets on uneven ground, computed once for all tests.
 fn loops() -> &'static [(Scene, LoopRun); 2] {
@@ -37,7 +21,7 @@ fn loops() -> &'static [(Scene, LoopRun); 2] {
     RUNS.get_or_init(|| {
         ["wavy", "rough"].map(|name| {
             let scene = preset(name);
-            let run = newton(&scene);
+            let run = walked(&scene, Part::Whole);
             (scene, run)
         })
     })
@@ -183,7 +167,7 @@ fn in_deep_compression_nothing_jumps() {
     // Gaps below -3: tractions a million times the largest tension.
     scene.drive.turn = Turn::At(-4.5);
     scene.drive.step = 0.03;
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     assert!(
         run.record
             .jumps
@@ -221,21 +205,8 @@ fn a_single_crest_walks_alike_on_the_quarter_and_on_the_whole_cell() {
     scene.drive.step = 0.05;
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, None).strategy, Strategy::QUARTER);
-    let walked = |reduction| {
-        let run = run_loop(
-            &scene,
-            WalkOptions {
-                part: reduction,
-                ..MethodKind::NewtonKrylov.into()
-            },
-            &Cancel::default(),
-            &mut |_| {},
-        )
-        .unwrap();
-        assert_eq!(run.outcome, Outcome::Completed);
-        run.record.released_energy_sum()
-    };
-    let (quarter, whole) = (walked(Part::Quarter), walked(Part::Whole));
+    let released = |part| walked(&scene, part).record.released_energy_sum();
+    let (quarter, whole) = (released(Part::Quarter), released(Part::Whole));
     // The crest is on a mesh point of one and between points of the other.
     assert!((quarter / whole - 1.0).abs() < 0.02, "{quarter} {whole}");
 }
@@ -283,7 +254,7 @@ fn waves_along_x_alone_let_patterns_slide_along_y() {
         periods: [1, 0],
     });
     (scene.drive.step, scene.cell.points) = (0.05, Points::Square(48));
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     assert!(
         run.record
             .states
@@ -310,7 +281,7 @@ fn line_cells_walk_on_waves_and_on_rough_profiles() {
             *periods = [2, 0];
         }
         scene.drive.turn = Turn::At(-0.8);
-        let run = newton(&scene);
+        let run = walked(&scene, Part::Whole);
         let (work, released) = (
             run.record.work() / scene.law.surface_energy,
             run.record.released_energy_sum(),

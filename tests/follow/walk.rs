@@ -1,36 +1,22 @@
 //! The walk on real scenes: which patterns, where they jump, and that the ledger closes.
 
+use crate::loops::{preset, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
 use tackscope::physics::theory::{flat, ridge};
+use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene, Turn};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
-
-fn preset(name: &str) -> Scene {
-    scene_file::parse(presets::find(name).unwrap().text, name).unwrap()
-}
-
-fn newton(scene: &Scene) -> LoopRun {
-    let run = run_loop(
-        scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    run
-}
+use tackscope::storage::scene_file;
 
 /// The loop of the preset fig2, computed once for all tests.
 fn fig2() -> &'static LoopRun {
     static RUN: OnceLock<LoopRun> = OnceLock::new();
-    RUN.get_or_init(|| newton(&preset("fig2")))
+    RUN.get_or_init(|| walked(&preset("fig2"), Part::Whole))
 }
 
 fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
@@ -181,20 +167,33 @@ fn fig_2_does_not_depend_on_mesh_or_step() {
         },
         ..scene.clone()
     };
-    assert_same_loop(fig2(), &newton(&fine), &scene, "n = 64 and 128");
+    assert_same_loop(
+        fig2(),
+        &walked(&fine, Part::Whole),
+        &scene,
+        "n = 64 and 128",
+    );
     let mut short = scene.clone();
     short.drive.step = 0.01;
-    assert_same_loop(fig2(), &newton(&short), &scene, "step 0.02 and 0.01");
+    assert_same_loop(
+        fig2(),
+        &walked(&short, Part::Whole),
+        &scene,
+        "step 0.02 and 0.01",
+    );
 }
 
 #[test]
 fn fig_2_is_the_same_loop_for_at_least_10_seeds_of_12() {
     let scene = preset("fig2");
     let same = (1..=12).filter(|seed| {
-        let run = newton(&Scene {
-            seed: *seed,
-            ..scene.clone()
-        });
+        let run = walked(
+            &Scene {
+                seed: *seed,
+                ..scene.clone()
+            },
+            Part::Whole,
+        );
         run.record.jumps.len() == fig2().record.jumps.len()
             && (dissipated(&run, &scene) / dissipated(fig2(), &scene) - 1.0).abs() < 5e-3
             && run
@@ -222,7 +221,10 @@ fn the_same_seed_gives_the_same_loop_to_the_last_bit() {
             .map(|s| (s.mean_displacement, s.stress, s.energy))
             .collect::<Vec<_>>()
     };
-    assert_eq!(states(newton(&scene)), states(newton(&scene)));
+    assert_eq!(
+        states(walked(&scene, Part::Whole)),
+        states(walked(&scene, Part::Whole))
+    );
 }
 
 #[test]
@@ -230,7 +232,7 @@ fn fig_3_has_no_bulge_and_loses_three_to_four_times_as_much() {
     let mut scene = preset("fig3");
     // Jumps are located whatever the step; between them half a range shows enough.
     scene.drive.step = 0.5;
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     assert_eq!(
         sequence(&run, Direction::Approach),
         [Flat, Ridge, Dimple, Flat]
@@ -248,7 +250,7 @@ fn a_cell_below_the_critical_length_has_no_hysteresis() {
     let scene = preset("no-hysteresis");
     let model = scene.model().unwrap();
     assert!(scene.cell.length < flat::critical_length(&model.law));
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     assert!(run.record.jumps.is_empty());
     assert!(dissipated(&run, &scene).abs() < 1e-6);
 }
@@ -261,7 +263,7 @@ fn deviation_from_the_exact_ridge(length: f64, points: usize) -> f64 {
     scene.drive.start = 0.75 * (0.15 * length).sqrt();
     scene.drive.turn = Turn::At(0.2);
     scene.drive.step = scene.drive.start / 200.0;
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     let unit = (0.15 * length).sqrt();
     let ridges = run.record.states.iter().filter(|s| s.pattern == Ridge);
     let deviations: Vec<f64> = ridges
@@ -388,7 +390,7 @@ fn a_trace_of_the_softest_modulation_on_a_ridge_is_not_taken_for_a_sliding_mode(
 #[test]
 fn a_coarse_mesh_jumps_where_the_continuum_does_not_and_its_ledger_still_closes() {
     let scene = preset("coarse-mesh");
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     let (work, released) = (dissipated(&run, &scene), run.record.released_energy_sum());
     assert!(run.record.jumps.len() > 50, "{}", run.record.jumps.len());
     assert!((work - released).abs() < 2e-3 * work, "{work} {released}");
@@ -418,7 +420,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
             turn: Turn::At(rest + 0.25 * (lower - rest)),
             step: width / 100.0,
         };
-        let run = newton(&scene);
+        let run = walked(&scene, Part::Whole);
         // Small mesh jumps within a pattern (the cosine law has them at its cut-off) are left out.
         let mut seen = sequence(&run, Direction::Approach);
         seen.dedup();
@@ -436,7 +438,7 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
     let text = "format = 1\n[cell]\nlength = 1.0\npoints = 64\n[law]\nkind = \"morse\"\nsurface_energy = 0.5859e-3\nmu_rho = 0.5\n\
                 [indenter]\nkind = \"hertz\"\nradius = 1.0\n[drive]\nstart = 0.05\nturn = \"zero_load\"\nstep = 0.0001\n";
     let scene = scene_file::parse(text, "hertz").unwrap();
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     let jumps: Vec<_> = run
         .record
         .jumps
@@ -468,7 +470,7 @@ fn a_hertzian_tip_jumps_into_contact_once_and_out_once() {
 fn after_landing_flat_the_walk_goes_on_in_the_steps_of_the_scene() {
     let mut scene = preset("fig2");
     (scene.cell.points, scene.drive.step) = (Points::Square(24), 0.1);
-    let run = newton(&scene);
+    let run = walked(&scene, Part::Whole);
     let landed = run
         .record
         .jumps

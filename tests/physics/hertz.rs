@@ -20,11 +20,11 @@ const TIP: Jkr = Jkr {
     surface_energy: scenes::TIP_SURFACE_ENERGY,
 };
 
-fn run(scene: &Scene, reduction: Part) -> LoopRun {
+fn run(scene: &Scene, part: Part) -> LoopRun {
     let run = run_loop(
         scene,
         WalkOptions {
-            part: reduction,
+            part,
             ..MethodKind::NewtonKrylov.into()
         },
         &Cancel::default(),

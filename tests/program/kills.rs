@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Instant;
-use tackscope::storage::picture;
+use tackscope::storage::open_scene;
 
 const SIGNALS: [&str; 4] = ["INT", "TERM", "HUP", "KILL"];
 /// Folders that take turns, so that there is an earlier run in each.
@@ -151,7 +151,7 @@ fn look(folder: &Path, killed: bool) -> (Standing, Option<usize>) {
     }
     for path in &pictures {
         // A picture gets its scene in a second step.
-        match picture::load_scene(path) {
+        match open_scene(path) {
             Ok(scene) => drop(runs.insert(run_in_title(&scene.title))),
             Err(failure) => assert!(
                 killed && failure.to_string().contains("there is no scene"),

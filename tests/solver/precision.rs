@@ -22,14 +22,14 @@ const LAW: Law = Law {
     range: 1.0,
 };
 
-fn looped(precision: Precision, reduction: Part) -> LoopRun {
+fn looped(precision: Precision, part: Part) -> LoopRun {
     let mut scene: Scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
     let run = run_loop(
         &scene,
         WalkOptions {
-            part: reduction,
+            part,
             precision,
             ..MethodKind::NewtonKrylov.into()
         },
@@ -66,9 +66,9 @@ fn agree(run: &LoopRun, double: &LoopRun, distance: f64, loss: f64) {
 
 #[test]
 fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance() {
-    for reduction in [Part::Whole, Part::Quarter] {
-        let mixed = looped(Precision::Mixed, reduction);
-        agree(&mixed, &looped(Precision::Double, reduction), 2e-4, 1e-4);
+    for part in [Part::Whole, Part::Quarter] {
+        let mixed = looped(Precision::Mixed, part);
+        agree(&mixed, &looped(Precision::Double, part), 2e-4, 1e-4);
         assert!(
             mixed
                 .record
@@ -81,9 +81,9 @@ fn mixed_precision_gives_the_jumps_of_double_precision_and_meets_its_tolerance()
 
 #[test]
 fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
-    for reduction in [Part::Whole, Part::Quarter] {
-        let single = looped(Precision::Single, reduction);
-        agree(&single, &looped(Precision::Double, reduction), 1e-3, 1e-3);
+    for part in [Part::Whole, Part::Quarter] {
+        let single = looped(Precision::Single, part);
+        agree(&single, &looped(Precision::Double, part), 1e-3, 1e-3);
         assert!(
             single
                 .record

@@ -149,7 +149,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
     let range = tackscope::physics::mesh_rule::range_for_mu_rho(&unit, 1.0, mu_rho);
     let length = n as f64;
     let indenter = random_indenter(rng, points, range);
-    let reduction = if indenter.ground().is_even() && rng.random() {
+    let part = if indenter.ground().is_even() && rng.random() {
         Part::Quarter
     } else {
         Part::Whole
@@ -180,14 +180,14 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
         accuracy: 0.01,
         seed: rng.random_range(0..1000),
     };
-    (scene, reduction)
+    (scene, part)
 }
 
-fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
+fn audit(scene: &Scene, part: Part, tally: &mut Tally) {
     let Ok(mut walk) = Walk::start(
         scene,
         WalkOptions {
-            part: reduction,
+            part,
             ..MethodKind::NewtonKrylov.into()
         },
         &Cancel::default(),
@@ -247,7 +247,7 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
                     ) * length;
                     tally.faults.push(format!(
                         "{smallest:.6e}, not {:.6e} less up to {:.2e}, at u0 = {} ({}, {}, residual {:.1e}, stiffest {stiffest:.1e}) of {scene:?} \
-                         on {reduction:?}, mu_rho {}",
+                         on {part:?}, mu_rho {}",
                         state.stiffness_min, state.stiffness_error, state.mean_displacement, state.pattern, state.stop, state.residual, model.mu_rho
                     ));
                 }
@@ -259,10 +259,7 @@ fn audit(scene: &Scene, reduction: Part, tally: &mut Tally) {
                 Progress::Stuck(reason) => {
                     tally.stuck += 1;
                     if std::env::var_os("TACKSCOPE_AUDIT_WORDS").is_some() {
-                        println!(
-                            "{reason}: {reduction:?}, mu_rho {}, {scene:?}",
-                            model.mu_rho
-                        );
+                        println!("{reason}: {part:?}, mu_rho {}, {scene:?}", model.mu_rho);
                     }
                     return;
                 }
@@ -295,15 +292,15 @@ fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
             (_, 1..4) => 24,
             _ => 16,
         };
-        let (scene, reduction) = random_scene(&mut rng, most);
+        let (scene, part) = random_scene(&mut rng, most);
         let kind = match (scene.cell.points, scene.indenter) {
             (Points::Line(_), _) => "line".to_owned(),
-            (_, Indenter::Flat) => format!("flat, {}", reduction.word()),
-            (_, Indenter::Hertz(_)) => format!("tip, {}", reduction.word()),
-            (_, Indenter::Wave(_)) => format!("wave, {}", reduction.word()),
+            (_, Indenter::Flat) => format!("flat, {}", part.word()),
+            (_, Indenter::Hertz(_)) => format!("tip, {}", part.word()),
+            (_, Indenter::Wave(_)) => format!("wave, {}", part.word()),
             (_, Indenter::Rough(_)) => "rough, whole".to_owned(),
         };
-        audit(&scene, reduction, tallies.entry(kind).or_default());
+        audit(&scene, part, tallies.entry(kind).or_default());
     }
     println!(
         "| ground and model | scenes | states | wrong sign | outside the error | not completed |\n|---|---|---|---|---|---|"

@@ -1,5 +1,6 @@
 //! The chart of speed against accuracy: what it measures, how it judges, and what it writes.
 
+use crate::loops::preset;
 use proptest::prelude::*;
 use proptest::strategy::Strategy as _;
 use std::fs;
@@ -11,15 +12,11 @@ use tackscope::scene::part::Strategy;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::chart::CHART_COLUMNS;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::scene_file;
 use tackscope::study::chart::{
     Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points,
     run,
 };
-
-fn preset(name: &str) -> Scene {
-    scene_file::parse(presets::find(name).unwrap().text, name).unwrap()
-}
 
 /// A square cell of twice the critical length: all four patterns, small jumps.
 const TINY: &str = "format = 1\ntitle = \"Tiny\"\n[cell]\nlength = 160.0\npoints = 36\n[law]\nkind = \"morse\"\nsurface_energy = 0.15\n\

@@ -1,11 +1,10 @@
 //! The error bar of a finished loop, and what it rests on: ends of branches that are where a dense
 //! matrix has them.
 
-use crate::flat_ground::scene;
+use crate::loops::{flat_ground, planned, walked};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use tackscope::follow::atlas::{Atlas, End, Meshes};
-use tackscope::follow::run::run_loop;
 use tackscope::follow::walk::{Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Indenter, Wave};
@@ -35,7 +34,7 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
         ]
         .map(|(asked, (points, finer))| (*shape, (asked, points, finer)))
     }) {
-        let scene = scene(shape, 1.9, points);
+        let scene = flat_ground(shape, 1.9, points);
         let plan = plan(&scene, &scene.model().unwrap(), asked);
         let run =
             run_planned(&scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {}).unwrap();
@@ -47,16 +46,7 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
             },
             ..scene.clone()
         };
-        let better = run_loop(
-            &finer,
-            WalkOptions {
-                part: Part::Quarter,
-                ..NewtonKrylov.into()
-            },
-            &Cancel::default(),
-            &mut |_| {},
-        )
-        .unwrap();
+        let better = walked(&finer, Part::Quarter);
         let error = measured_error(&run.record.jumps, &better.record.jumps);
         assert!(
             error <= bar && bar < 0.01,
@@ -67,18 +57,12 @@ fn the_error_bar_holds_against_a_walk_on_a_mesh_twice_as_fine() {
 
 #[test]
 fn nothing_is_measured_where_nothing_is_promised() {
-    let mut scene = scene(Shape::Morse(Morse), 1.9, Points::Square(24));
+    let mut scene = flat_ground(Shape::Morse(Morse), 1.9, Points::Square(24));
     scene.indenter = Indenter::Wave(Wave {
         amplitude: 0.01,
         periods: [1, 1],
     });
-    let plan = plan(&scene, &scene.model().unwrap(), None);
-    assert_eq!(
-        run_planned(&scene, NewtonKrylov, &plan, &Cancel::default(), &mut |_| {})
-            .unwrap()
-            .error_bar,
-        None
-    );
+    assert_eq!(planned(&scene).error_bar, None);
 }
 
 /// The smallest eigenvalue among the modulations of a ridge with one period along y, from a dense
@@ -109,7 +93,7 @@ fn softest_modulation(gap: &[f64], law: &Law, length: f64) -> f64 {
 
 #[test]
 fn a_ridge_breaks_up_where_a_dense_matrix_says_so() {
-    let scene = scene(
+    let scene = flat_ground(
         Shape::DoubleExponential(DoubleExponential { ratio: 0.63 }),
         1.53,
         Points::Square(32),

@@ -1,33 +1,26 @@
 //! The forecast of the next jump against exact theory, and against the jumps the walk finds later.
 
+use crate::loops::{preset, walked};
 use tackscope::follow::record::{Direction, LoopRecord, StateRecord};
-use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::run::LoopRun;
 use tackscope::follow::walk::Walk;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
+use tackscope::scene::part::Part;
 use tackscope::scene::{Model, Points, Scene};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
 use tackscope::study::forecast::{Forecast, forecast};
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = preset("fig2");
     scene.cell.points = Points::Square(points);
     scene
 }
 
-fn walked(points: usize) -> (LoopRun, Model) {
+fn loop_on(points: usize) -> (LoopRun, Model) {
     let scene = fig2(points);
-    let run = run_loop(
-        &scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
-    (run, scene.model().unwrap())
+    (walked(&scene, Part::Whole), scene.model().unwrap())
 }
 
 fn contains(forecast: &Forecast, u0: f64) -> bool {
@@ -66,7 +59,7 @@ fn before_each_jump(run: &LoopRun) -> Vec<(Vec<LoopRecord>, f64)> {
 /// (forecasts made within 0.15 ranges of a jump that the eigenvalue announces, those that contain
 /// it, states without a forecast).
 fn score(points: usize) -> (usize, usize, usize) {
-    let (run, model) = walked(points);
+    let (run, model) = loop_on(points);
     let (mut made, mut right, mut none) = (0, 0, 0);
     for (stood, jump) in before_each_jump(&run) {
         // Where a coarse mesh pins the pattern, its jump is not announced by the eigenvalue that is

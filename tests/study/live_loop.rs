@@ -1,18 +1,18 @@
 //! The live loop against the walk: the same curve, the same jumps, and the right answer before the
 //! walk has got there.
 
+use crate::loops::{preset, walked};
 use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
-use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
 use tackscope::study::live_loop::{Fineness, LiveLoop, LiveLoops};
 
 fn fig2() -> Scene {
-    scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap()
+    preset("fig2")
 }
 
 fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
@@ -22,14 +22,7 @@ fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
 #[test]
 fn the_live_loop_has_the_jumps_the_energy_and_the_stress_of_the_walked_loop() {
     let scene = fig2();
-    let run = run_loop(
-        &scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-        &mut |_| {},
-    )
-    .unwrap();
-    assert_eq!(run.outcome, Outcome::Completed);
+    let run = walked(&scene, Part::Whole);
     let work = run.record.work() / scene.law.surface_energy;
     for (fineness, tolerance) in [(Fineness::Coarse, 0.01), (Fineness::Fine, 2e-3)] {
         let began = Instant::now();

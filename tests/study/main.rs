@@ -2,9 +2,9 @@
 
 mod chart;
 mod error_bar;
-#[path = "../shared/flat_ground.rs"]
-mod flat_ground;
 mod forecast;
 mod live_loop;
+#[path = "../shared/loops.rs"]
+mod loops;
 mod plan;
 mod time_step_map;

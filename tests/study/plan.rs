@@ -1,10 +1,9 @@
 //! What the plan promises, held against finer computations over random scenes.
 
+use crate::loops::{flat_ground, walked};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::follow::atlas::{Atlas, Meshes};
-use tackscope::follow::run::run_loop;
-use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
@@ -21,7 +20,7 @@ use tackscope::study::plan::{plan, refusal};
 fn scene(shape: Shape, periods: f64, accuracy: f64) -> Scene {
     Scene {
         accuracy,
-        ..crate::flat_ground::scene(shape, periods, Points::Auto)
+        ..flat_ground(shape, periods, Points::Auto)
     }
 }
 
@@ -125,16 +124,7 @@ fn the_promise_holds_against_the_walk_on_a_finer_whole_cell() {
         let newton = MethodKind::NewtonKrylov;
         let run = run_planned(&scene, newton, &plan, &Cancel::default(), &mut |_| {}).unwrap();
         assert_eq!(run.deviation, None);
-        let finer = run_loop(
-            &reference(&scene, &model),
-            WalkOptions {
-                part: Part::Whole,
-                ..newton.into()
-            },
-            &Cancel::default(),
-            &mut |_| {},
-        )
-        .unwrap();
+        let finer = walked(&reference(&scene, &model), Part::Whole);
         let measured = measured_error(&run.record.jumps, &finer.record.jumps);
         println!(
             "target {target}: n = {}, predicted {:.1e}, measured {measured:.1e}",

@@ -108,7 +108,7 @@ impl Own for Rough {
             symbol: "",
             unit: "",
             range: 0.0..=SEED_MAX,
-            default: Some(1.0),
+            default: Some(Value::Whole(1)),
             hint: "a whole number {range}",
         },
     ];

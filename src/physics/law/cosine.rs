@@ -23,7 +23,7 @@ impl Own for Cosine {
         symbol: "",
         unit: "",
         range: 0.0..=1.0,
-        default: Some(0.0),
+        default: Some(Value::Flag(false)),
         hint: "true or false",
     }];
 

@@ -164,9 +164,7 @@ fn value(section: &Section<'_>, parameter: &Parameter, like: &Own) -> Result<Own
         Own::Number(_) => Own::Number(section.number(parameter)?),
         Own::Whole(_) => Own::Whole(seed(section, parameter)?),
         Own::Counts(_) => Own::Counts(counts(section, parameter)?),
-        Own::Flag(_) => {
-            Own::Flag(section.flag_or(parameter.name(), parameter.default == Some(1.0))?)
-        }
+        Own::Flag(_) => Own::Flag(section.flag(parameter)?),
     })
 }
 
@@ -235,7 +233,9 @@ fn noise(section: &Section<'_>) -> Result<u64, Failure> {
 
 /// A seed: all its digits count, which a float does not hold.
 fn seed(section: &Section<'_>, parameter: &Parameter) -> Result<u64, Failure> {
-    let default = parameter.default.map(|seed| Value::Integer(seed as i64));
+    let default = parameter
+        .default
+        .map(|seed| Value::Integer(seed.whole() as i64));
     let value = match (section.has(parameter.name()), &default) {
         (false, Some(default)) => default,
         _ => section.given(parameter)?,

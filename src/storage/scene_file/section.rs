@@ -94,7 +94,7 @@ impl<'a> Section<'a> {
     pub(super) fn number(&self, parameter: &Parameter) -> Result<f64, Failure> {
         let key = parameter.name();
         match (self.table.get(key), parameter.default) {
-            (None, Some(default)) => Ok(default),
+            (None, Some(default)) => Ok(default.number()),
             (None, None) => Err(self.missing(key, &parameter.allowed())),
             (Some(value), _) => finite(value).ok_or_else(|| self.refuse_number(parameter, value)),
         }
@@ -131,13 +131,14 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// true or false, or `default` if it is not there.
-    pub(super) fn flag_or(&self, key: &str, default: bool) -> Result<bool, Failure> {
-        match self.table.get(key) {
-            None => Ok(default),
-            Some(value) => value
+    /// The flag of a parameter, or its default if it has one and is not there.
+    pub(super) fn flag(&self, parameter: &Parameter) -> Result<bool, Failure> {
+        match (self.table.get(parameter.name()), parameter.default) {
+            (None, Some(default)) => Ok(default.flag()),
+            (None, None) => Err(self.missing(parameter.name(), &parameter.allowed())),
+            (Some(value), _) => value
                 .as_bool()
-                .ok_or_else(|| self.refuse(key, value, "allowed is true or false")),
+                .ok_or_else(|| self.refuse_number(parameter, value)),
         }
     }
 

@@ -1,0 +1,68 @@
+//! Scenes and their loops, for the tests of whole loops.
+
+use tackscope::follow::run::{LoopRun, Outcome, run_loop};
+use tackscope::follow::walk::WalkOptions;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Law, Shape};
+use tackscope::physics::theory::flat;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
+use tackscope::solver::methods::MethodKind;
+use tackscope::storage::presets;
+use tackscope::study::plan::{plan, run_planned};
+
+/// A built-in scene.
+pub fn preset(name: &str) -> Scene {
+    presets::resolve(name).unwrap()
+}
+
+/// Walked by Newton-Krylov to its end.
+pub fn walked(scene: &Scene, part: Part) -> LoopRun {
+    let options = WalkOptions {
+        part,
+        ..MethodKind::NewtonKrylov.into()
+    };
+    let run = run_loop(scene, options, &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
+    run
+}
+
+/// Run as it is planned, to its end.
+pub fn planned(scene: &Scene) -> LoopRun {
+    let plan = plan(scene, &scene.model().unwrap(), None);
+    let method = MethodKind::NewtonKrylov;
+    let run = run_planned(scene, method, &plan, &Cancel::default(), &mut |_| {}).unwrap();
+    assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
+    run
+}
+
+/// L = `periods` L_c, driven from beyond every jump to half the way between the lower limit of the
+/// flat state and its rest.
+pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
+    let law = Law {
+        shape,
+        surface_energy: 0.15,
+        range: 1.0,
+    };
+    let length = periods * flat::critical_length(&law);
+    let (low, high) = flat::limits(&law, length).unwrap();
+    Scene {
+        title: String::new(),
+        source: String::new(),
+        cell: Cell { length, points },
+        law: LawChoice {
+            shape,
+            surface_energy: law.surface_energy,
+            range: Range::Length(law.range),
+        },
+        indenter: Indenter::Flat,
+        drive: Drive {
+            start: 2.2 * high + 1.0,
+            turn: Turn::At(0.5 * (low + law.equilibrium_gap())),
+            step: 0.2,
+        },
+        accuracy: 0.01,
+        seed: 1,
+    }
+}
