@@ -179,17 +179,12 @@ fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
     )
 }
 
-/// A piece of a contour, which egui does not shift to whole pixels: upright pieces alone would be,
-/// and a straight line look notched.
-fn segment(ends: [Pos2; 2], stroke: Stroke) -> Shape {
-    Shape::line(ends.to_vec(), stroke)
-}
-
 fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    for [a, b] in &picture.contour {
-        painter.add(segment(
-            [to_screen(picture, band, *a), to_screen(picture, band, *b)],
+    for line in &picture.contour {
+        let line = line.iter().map(|at| to_screen(picture, band, *at));
+        painter.add(Shape::line(
+            line.collect(),
             Stroke::new(1.6, Color32::WHITE),
         ));
     }
@@ -204,10 +199,10 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     let colour = theme::palette(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
-        painter.add(segment(
+        painter.line_segment(
             s.map(|p| to_screen(picture, band, p)),
             Stroke::new(width, colour),
-        ));
+        );
     };
     if let Some(lines) = &cache.mode {
         // Every second mesh square or so, whichever way the line runs.

@@ -4,6 +4,7 @@
 use crate::physics::pattern::{Island, rolled, shift_to_middle};
 use egui::{Color32, ColorImage};
 use ndarray::Array2;
+use std::collections::HashMap;
 
 /// A field as it is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,9 +17,9 @@ pub struct GapPicture {
     pub max: f64,
     /// What stands in the middle.
     pub island: Island,
-    /// Contact line: segments in units of points, (0, 0) the lower left corner of the first point's
+    /// Contact lines, in units of points; (0, 0) is the lower left corner of the first point's
     /// square.
-    pub contour: Vec<Segment>,
+    pub contour: Vec<Vec<[f32; 2]>>,
     /// Rows and columns by which it was rolled.
     roll: (usize, usize),
 }
@@ -57,7 +58,7 @@ impl GapPicture {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| {
                 (a.min(g), b.max(g))
             });
-        let contour = contour(&gap, contact_gap);
+        let contour = joined(&contour(&gap, contact_gap));
         Self {
             gap,
             min,
@@ -156,6 +157,39 @@ fn contour(gap: &Array2<f64>, level: f64) -> Vec<Segment> {
     segments
 }
 
+/// Pieces of lines that meet, as lines: drawn one by one they would be brighter where they meet.
+fn joined(pieces: &[Segment]) -> Vec<Vec<[f32; 2]>> {
+    // What one point is to two mesh squares differs by rounding.
+    let key = |point: [f32; 2]| point.map(|x| (1024.0 * x).round() as i64);
+    let mut meeting: HashMap<_, Vec<usize>> = HashMap::new();
+    for (i, piece) in pieces.iter().enumerate() {
+        for end in piece {
+            meeting.entry(key(*end)).or_default().push(i);
+        }
+    }
+    let mut left = vec![true; pieces.len()];
+    let mut onwards = |line: &mut Vec<[f32; 2]>| {
+        while let Some(last) = line.last().map(|last| key(*last))
+            && let Some(&i) = meeting[&last].iter().find(|i| left[**i])
+        {
+            left[i] = false;
+            let [a, b] = pieces[i];
+            line.push(if key(a) == last { b } else { a });
+        }
+    };
+    let mut lines = Vec::new();
+    for piece in pieces {
+        let mut line = vec![piece[0]];
+        onwards(&mut line);
+        line.reverse();
+        onwards(&mut line);
+        if line.len() > 1 {
+            lines.push(line);
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,17 +241,19 @@ mod tests {
     #[test]
     fn the_contact_line_of_an_island_is_a_closed_ring_of_its_radius() {
         let picture = GapPicture::new(&island(64, 64, 32.0, 32.0), 2.3, Island::Contact);
-        assert!(picture.contour.len() > 20);
+        let [ring] = &picture.contour[..] else {
+            panic!("{} lines", picture.contour.len())
+        };
+        let [first, last] = [ring[0], ring[ring.len() - 1]];
+        assert!(ring.len() > 20 && (first[0] - last[0]).hypot(first[1] - last[1]) < 1e-3);
         let radius = |p: [f32; 2]| f64::from((p[0] - 32.5).hypot(p[1] - 32.5));
         let expected = (0.85f64).acos() / TAU * 64.0 * (2.0f64).sqrt();
-        for segment in &picture.contour {
-            for p in segment {
-                assert!(
-                    (radius(*p) / expected - 1.0).abs() < 0.1,
-                    "{} {expected}",
-                    radius(*p)
-                );
-            }
+        for p in ring {
+            assert!(
+                (radius(*p) / expected - 1.0).abs() < 0.1,
+                "{} {expected}",
+                radius(*p)
+            );
         }
     }
 
