@@ -33,6 +33,9 @@ fn why(cause: Cause) -> &'static str {
     }
 }
 
+/// Width below which the columns stand closer, so that the causes have room.
+const NARROW: f32 = 350.0;
+
 /// Sum and table.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
     let jumps = &state.run.record.jumps;
@@ -69,6 +72,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
             (row % 2 == 1).then_some(faint)
         }
     };
+    let gap = if ui.available_width() < NARROW {
+        4.0
+    } else {
+        10.0
+    };
     ScrollArea::both()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -76,7 +84,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
                 .with_row_color(rows)
                 .num_columns(5)
                 .min_col_width(0.0)
-                .spacing([10.0, 3.0])
+                .spacing([gap, 3.0])
                 .show(ui, |ui| {
                     for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
                         ui.label(RichText::new(title).small().weak());

@@ -39,6 +39,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
                 .truncate(),
             );
         } else {
+            // A narrow column has no room for the words of the error.
+            let words = if ui.available_width() < 350.0 {
+                words.replace("expected error ", "± ")
+            } else {
+                words
+            };
             ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
         }
     });
