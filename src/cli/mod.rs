@@ -6,6 +6,7 @@
 //! standard output, progress and refusals to standard error. May use every room below.
 
 mod chart;
+mod diagram;
 mod figure;
 mod progress;
 mod report;
@@ -15,6 +16,7 @@ mod window;
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::scene::part::Strategy;
+use crate::scene::{Points, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::{Failure, files, line, presets, process, scene_file};
 use crate::worker::signals;
@@ -61,6 +63,12 @@ enum Command {
     /// the folder, in place of those of an earlier run, which are removed at the start. Until all
     /// is written summary.json says "running".
     Run(RunArguments),
+    /// Follow every branch of equilibria of a scene, stable and unstable
+    ///
+    /// Writes branches.csv, points.csv (folds, bifurcations, equal energies), diagram.svg and
+    /// diagram.png into the folder. What could not be followed is said, and in the picture: exit
+    /// code 3.
+    Diagram(DiagramArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
     /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a
@@ -113,6 +121,22 @@ struct TableArguments {
     /// Say nothing but errors
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// What `tackscope diagram` is told.
+#[derive(Args, Clone, Debug)]
+struct DiagramArguments {
+    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    scene: String,
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR", value_parser = folder())]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    /// Points a side in place of the scene's (a line cell stays a line)
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
 }
 
 /// What `tackscope chart` is told.
@@ -228,6 +252,7 @@ pub fn main() -> ExitCode {
     ExitCode::from(match CommandLine::try_parse() {
         Ok(arguments) => match arguments.command {
             Some(Command::Run(arguments)) => code(run::run(&arguments)),
+            Some(Command::Diagram(arguments)) => code(diagram::diagram(&arguments)),
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),
@@ -236,6 +261,20 @@ pub fn main() -> ExitCode {
         },
         Err(words) => code(explain(&words)),
     })
+}
+
+/// The scene of this name with so many points a side in place of its own, and how to name both in a
+/// refusal.
+fn scene_with_points(name: &str, points: Option<usize>) -> Result<(Scene, String), Failure> {
+    let mut scene = presets::resolve(name)?;
+    let Some(n) = points else {
+        return Ok((scene, name.to_owned()));
+    };
+    scene.cell.points = match scene.cell.points {
+        Points::Line(_) => Points::Line(n),
+        _ => Points::Square(n),
+    };
+    Ok((scene, format!("{name} with --points {n}")))
 }
 
 /// The exit code of a command, its failure told.

@@ -4,17 +4,17 @@ use super::progress::Monitor;
 use super::report::{self, Timed};
 use super::{
     BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say,
-    tell_replaced, unwritten, warn,
+    scene_with_points, tell_replaced, unwritten, warn,
 };
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::part::Strategy;
-use crate::scene::{Model, Points, Scene};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
-use crate::storage::{Failure, presets, scene_file};
+use crate::storage::{Failure, scene_file};
 use crate::study::error_bar::{measured_error, reference};
 use crate::study::plan::run_planned;
 use crate::study::plan::{Plan, plan as plan_of, promise, refusal};
@@ -197,16 +197,7 @@ fn is_open(run: &LoopRun, model: &Model) -> bool {
 
 /// The scene with what the command line replaces in it, and how to name both in a refusal.
 fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
-    let mut scene = presets::resolve(&arguments.scene)?;
-    let mut place = arguments.scene.clone();
-    if let Some(n) = arguments.points {
-        place.push_str(&format!(" with --points {n}"));
-        scene.cell.points = if matches!(scene.cell.points, Points::Line(_)) {
-            Points::Line(n)
-        } else {
-            Points::Square(n)
-        };
-    }
+    let (mut scene, mut place) = scene_with_points(&arguments.scene, arguments.points)?;
     if let Some(step) = arguments.step {
         place.push_str(&format!(" with --step {step}"));
         scene.drive.step = step;

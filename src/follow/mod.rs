@@ -6,6 +6,7 @@
 
 pub mod atlas;
 pub mod contest;
+pub mod diagram;
 pub mod flat_branch;
 pub mod ledger;
 pub mod record;

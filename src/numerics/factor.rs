@@ -50,6 +50,11 @@ impl Factor {
         (self.size, self.negative) = (0, 0);
     }
 
+    /// Rows of the matrix.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
     /// True while there is no matrix.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()

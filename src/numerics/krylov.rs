@@ -1,7 +1,8 @@
-//! Preconditioned conjugate gradients that notice negative curvature.
+//! Krylov methods: conjugate gradients that notice negative curvature, and minimal residuals for
+//! matrices that are neither positive nor symmetric.
 
 use super::cancel::Cancel;
-use super::vector::{add, dot, norm, project_out};
+use super::vector::{add, dot, norm, project_out, scale};
 
 /// Why the iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,5 +104,110 @@ pub fn conjugate_gradients(
         x,
         direction: p,
         end: CgEnd::Budget,
+    }
+}
+
+/// Solves A x = b from x = 0 for any regular A given by `apply`: least residual over the space of
+/// all directions so far (Y. Saad and M. H. Schultz, SIAM J. Sci. Stat. Comput. 7, 856 (1986)),
+/// with the approximate inverse `precondition` on the right. Returns the solution, or as far as it
+/// came, and its residual over that of zero.
+pub fn minimal_residual(
+    mut apply: impl FnMut(&[f64], &mut [f64]),
+    b: &[f64],
+    precondition: impl Fn(&[f64], &mut [f64]),
+    limits: CgLimits,
+    cancel: &Cancel,
+) -> (Vec<f64>, f64) {
+    let (n, size) = (b.len(), norm(b));
+    let mut x = vec![0.0; n];
+    if !(size > 0.0) {
+        return (x, 0.0);
+    }
+    let mut basis = vec![b.iter().map(|b| b / size).collect::<Vec<_>>()];
+    // The upper triangle R of the Hessenberg matrix by columns, the rotations that made it, and the
+    // right-hand side rotated with it: its last entry is the residual.
+    let (mut columns, mut rotations): (Vec<Vec<f64>>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
+    let mut rhs = vec![size];
+    let (mut direction, mut image) = (vec![0.0; n], vec![0.0; n]);
+    while columns.len() < limits.products && rhs[columns.len()].abs() > limits.tolerance * size {
+        if cancel.requested() {
+            break;
+        }
+        let k = columns.len();
+        precondition(&basis[k], &mut direction);
+        apply(&direction, &mut image);
+        let mut column = Vec::with_capacity(k + 2);
+        for v in &basis {
+            let along = dot(v, &image);
+            add(&mut image, -along, v);
+            column.push(along);
+        }
+        let left = norm(&image);
+        for (i, [cos, sin]) in rotations.iter().enumerate() {
+            let (a, b) = (column[i], column[i + 1]);
+            (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
+        }
+        let radius = column[k].hypot(left);
+        if !(radius > 0.0) {
+            break;
+        }
+        let [cos, sin] = [column[k] / radius, left / radius];
+        column[k] = radius;
+        rhs.push(-sin * rhs[k]);
+        rhs[k] *= cos;
+        rotations.push([cos, sin]);
+        columns.push(column);
+        let mut next = std::mem::replace(&mut image, vec![0.0; n]);
+        scale(&mut next, 1.0 / left);
+        basis.push(next);
+        if !(left > 0.0) {
+            break;
+        }
+    }
+    let steps = columns.len();
+    let mut y = rhs[..steps].to_vec();
+    for i in (0..steps).rev() {
+        y[i] /= columns[i][i];
+        for j in 0..i {
+            y[j] -= columns[i][j] * y[i];
+        }
+    }
+    direction.fill(0.0);
+    for (y, v) in y.iter().zip(&basis) {
+        add(&mut direction, *y, v);
+    }
+    precondition(&direction, &mut x);
+    (x, rhs[steps].abs() / size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// A random matrix, neither symmetric nor positive, is solved in as many products as it has
+        /// rows.
+        #[test]
+        fn any_regular_matrix_is_solved(
+            entries in prop::collection::vec(-1.0..1.0_f64, 64), x in prop::collection::vec(-1.0..1.0_f64, 8),
+        ) {
+            // Diagonally dominant with signs that differ.
+            let at = |i: usize, j: usize| {
+                entries[8 * i + j] + if i == j { if i % 2 == 0 { 9.0 } else { -9.0 } } else { 0.0 }
+            };
+            let product = |x: &[f64], out: &mut [f64]| {
+                for i in 0..8 {
+                    out[i] = (0..8).map(|j| at(i, j) * x[j]).sum();
+                }
+            };
+            let mut b = vec![0.0; 8];
+            product(&x, &mut b);
+            let halved = |r: &[f64], out: &mut [f64]| out.iter_mut().zip(r).for_each(|(o, r)| *o = 0.5 * r);
+            let limits = CgLimits { tolerance: 1e-12, products: 8 };
+            let (found, residual) = minimal_residual(product, &b, halved, limits, &Cancel::default());
+            prop_assert!(residual < 1e-10, "{residual}");
+            prop_assert!(found.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {x:?}");
+        }
     }
 }

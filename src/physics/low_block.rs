@@ -6,34 +6,77 @@
 //! that leaves two to four iterations, and its negative pivots tell the Morse index.
 
 use super::system::{Fields, System, Workspace};
+use crate::numerics::cancel::Cancel;
+use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::factor::Factor;
 use crate::numerics::vector::{add, dot, scale};
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
+use rustfft::num_complex::Complex;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 
-/// Symmetry of even fields under x <-> y; both are kept by a Hessian at a field that has the first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Symmetry of a mode about the axes of an even pattern, and under x <-> y. A Hessian at an even
+/// field keeps the first, at one with u(x, y) = u(y, x) also the second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Class {
-    /// Any even field.
+    /// Any even mode.
     Even,
-    /// u(x, y) = u(y, x): bulge and dimple themselves; where such a mode goes soft the branch
+    /// Even, v(x, y) = v(y, x): bulge and dimple themselves; where such a mode goes soft the branch
     /// folds.
     Symmetric,
-    /// u(x, y) = -u(y, x): where such a mode goes soft the symmetry breaks.
+    /// Even, v(x, y) = -v(y, x): where such a mode goes soft the symmetry breaks.
     Antisymmetric,
-    /// On a line system: even in x times cos(2 pi y/L), outside the system itself; where such a
-    /// mode goes soft a ridge breaks up. (A modulation with more waves along y is always stiffer.)
-    Varicose,
-    /// The same, odd in x: where such a mode goes soft a ridge meanders.
-    Sinuous,
+    /// On a line system: even in x times a wave cos(2 pi k y/L), outside the system itself if k > 0;
+    /// where such a mode with k = 1 goes soft a ridge breaks up. (One with more waves along y is
+    /// always stiffer.)
+    Varicose(usize),
+    /// The same, odd in x: where such a mode with k = 1 goes soft a ridge meanders. With k = 0 the
+    /// ridge slides.
+    Sinuous(usize),
+    /// Odd in x and in y.
+    Odd,
+    /// The same, v(x, y) = v(y, x).
+    OddSymmetric,
+    /// The same, v(x, y) = -v(y, x).
+    OddAntisymmetric,
+    /// Odd in x, even in y: where the pattern slides along x.
+    OddAlongX,
+    /// Odd in y, even in x.
+    OddAlongY,
 }
 
 impl Class {
+    /// 1 where modes are even along x and along y, -1 where they are odd.
+    pub fn parity(self) -> [f64; 2] {
+        match self {
+            Class::Even | Class::Symmetric | Class::Antisymmetric | Class::Varicose(_) => {
+                [1.0, 1.0]
+            }
+            Class::Odd | Class::OddSymmetric | Class::OddAntisymmetric => [-1.0, -1.0],
+            Class::OddAlongX | Class::Sinuous(_) => [-1.0, 1.0],
+            Class::OddAlongY => [1.0, -1.0],
+        }
+    }
+
+    /// Factor that modes get under x <-> y, if it joins them.
+    fn exchange(self) -> Option<f64> {
+        match self {
+            Class::Symmetric | Class::OddSymmetric => Some(1.0),
+            Class::Antisymmetric | Class::OddAntisymmetric => Some(-1.0),
+            _ => None,
+        }
+    }
+
+    /// Waves along y beside those of the block.
+    fn modulation(self) -> usize {
+        match self {
+            Class::Varicose(waves) | Class::Sinuous(waves) => waves,
+            _ => 0,
+        }
+    }
+
     /// Projects amplitudes of an even square system onto the class.
     pub fn project(self, system: &System, z: &mut [f64]) {
-        let sign = match self {
-            Class::Even | Class::Varicose | Class::Sinuous => return,
-            Class::Symmetric => 1.0,
-            Class::Antisymmetric => -1.0,
+        let (Some(sign), [1.0, _]) = (self.exchange(), self.parity()) else {
+            return;
         };
         let n = system.shape().0;
         for k in 0..n {
@@ -61,6 +104,8 @@ pub struct LowBlock {
     ny: usize,
     /// Lower triangle, row by row; empty before the first [`LowBlock::assemble`].
     hessian: Vec<f64>,
+    /// The sliding mode that is left out.
+    slide: Option<Vec<f64>>,
     factor: Factor,
     floor: f64,
 }
@@ -68,6 +113,10 @@ pub struct LowBlock {
 /// Least pivot of a block, in units of q1, twice the stiffness of the longest wave: sliding modes
 /// have none, soft ones little.
 pub(super) const FLOOR: f64 = 0.01;
+/// Least share of a pattern's amplitude, times its wave number, for it to slide.
+const SLIDES: f64 = 1e-6;
+/// Most iterations towards the softest modes.
+const LOWEST: usize = 40;
 /// Most steps towards the softest mode of a block.
 const SOFTEST: usize = 300;
 /// When it is good enough: its residual over its eigenvalue, or, where that vanishes, over the
@@ -79,28 +128,27 @@ impl LowBlock {
     /// The waves of `class` no longer than `reach` of an even `system`, at least one.
     pub fn new(system: &System, class: Class, reach: f64) -> Self {
         let (ny, nx) = system.shape();
-        let mut waves: Vec<[usize; 2]> = (0..nx)
-            .flat_map(|k| (0..ny).map(move |l| [k, l]))
+        let [first_x, first_y] = class.parity().map(|parity| usize::from(parity < 0.0));
+        let mut waves: Vec<[usize; 2]> = (first_x..nx)
+            .flat_map(|k| (first_y..ny).map(move |l| [k, l]))
             .filter(|&[k, l]| {
-                let joined = match class {
-                    Class::Symmetric => k >= l && k > 0,
-                    Class::Antisymmetric => k > l,
-                    Class::Even | Class::Sinuous => k + l > 0,
-                    Class::Varicose => true,
+                let joined = match class.exchange() {
+                    Some(1.0) => k >= l,
+                    Some(_) => k > l,
+                    None => true,
                 };
-                joined && (k as f64).hypot(l as f64) <= reach
+                let still = k + l + class.modulation() == 0;
+                joined && !still && (k as f64).hypot(l as f64) <= reach
             })
             .collect();
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
-        let modulated = matches!(class, Class::Varicose | Class::Sinuous);
-        let waves_of =
-            |w: &[usize; 2]| (w[0] as f64).hypot(if modulated { 1.0 } else { w[1] as f64 });
+        let waves_of = |w: &[usize; 2]| (w[0] as f64).hypot((w[1] + class.modulation()) as f64);
         let elastic = waves
             .iter()
             .map(|w| 0.5 * system.grid().q1() * waves_of(w))
             .collect();
         // A wave (k, k) stands alone where the class joins others in pairs.
-        let alone = |w: &[usize; 2]| class == Class::Symmetric && w[0] == w[1];
+        let alone = |w: &[usize; 2]| class.exchange() == Some(1.0) && w[0] == w[1];
         let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
         let weights = waves
             .iter()
@@ -113,6 +161,7 @@ impl LowBlock {
             elastic,
             ny,
             hessian: Vec::new(),
+            slide: None,
             factor: Factor::default(),
             floor: 0.0,
         }
@@ -137,25 +186,180 @@ impl LowBlock {
 
     /// Assembles and factorises from the amplitudes `d` and the `mean` of gamma''. No transform.
     pub fn assemble(&mut self, system: &System, d: &[f64], mean: f64) {
-        let table = Table::new(system, d, mean, &self.waves);
+        self.fill(system, d, mean);
+        self.floor = FLOOR * system.grid().q1();
+        self.factor
+            .factorise(&self.hessian, self.waves.len(), self.floor);
+    }
+
+    /// Assembles for a pattern `z`, whose sliding mode is left out of all counts; factorised by
+    /// [`LowBlock::negative_below`].
+    pub fn assemble_beside(&mut self, system: &System, d: &[f64], mean: f64, z: &[f64]) {
+        self.fill(system, d, mean);
+        self.floor = FLOOR * system.grid().q1();
+        self.slide = self.sliding(z);
+    }
+
+    /// Number of eigenvalues below `shift` (E* per length) beside the sliding mode: a border of the
+    /// matrix takes it out, and brings one positive and one negative eigenvalue itself. Factorises.
+    pub fn negative_below(&mut self, shift: f64) -> usize {
+        let mut shifted = self.hessian.clone();
         let n = self.waves.len();
+        (0..n).for_each(|i| shifted[i * (i + 3) / 2] -= shift);
+        if let Some(slide) = &self.slide {
+            shifted.extend(slide);
+            shifted.push(0.0);
+        }
+        let borders = usize::from(self.slide.is_some());
+        self.factor
+            .factorise(&shifted, n + borders, f64::MIN_POSITIVE);
+        self.factor.negative() - borders
+    }
+
+    /// Coefficients of du/dx or du/dy of the even pattern `z`, of norm 1; `None` where it does not
+    /// slide within the class.
+    pub fn sliding(&self, z: &[f64]) -> Option<Vec<f64>> {
+        let axis = match self.class {
+            Class::OddAlongX | Class::Sinuous(0) => 0,
+            Class::OddAlongY => 1,
+            _ => return None,
+        };
+        let along = |w: &[usize; 2]| w[axis] as f64 * z[w[0] * self.ny + w[1]];
+        let mut slide: Vec<f64> = self.waves.iter().map(along).collect();
+        let size = dot(&slide, &slide).sqrt();
+        // A trace of a wave is no motion of the pattern.
+        (size > SLIDES * dot(z, z).sqrt()).then(|| {
+            scale(&mut slide, 1.0 / size);
+            slide
+        })
+    }
+
+    /// Amplitudes in a `whole` system of the cell, unfolded as by [`System::unfolded`], of a mode
+    /// given by coefficients of all waves of the class.
+    pub fn unfolded(&self, coefficients: &[f64], whole: &System) -> Vec<f64> {
+        let mut z = vec![0.0; whole.dimension()];
+        self.each_place(whole, |wave, pair, factor| {
+            z[2 * pair] += factor.re * coefficients[wave];
+            z[2 * pair + 1] += factor.im * coefficients[wave];
+        });
+        z
+    }
+
+    /// The part of amplitudes of the `whole` cell that belongs to the class.
+    pub fn folded(&self, z: &[f64], whole: &System) -> Vec<f64> {
+        let mut coefficients = vec![0.0; self.waves.len()];
+        self.each_place(whole, |wave, pair, factor| {
+            coefficients[wave] += factor.re * z[2 * pair] + factor.im * z[2 * pair + 1];
+        });
+        coefficients
+    }
+
+    /// Every amplitude of the whole cell that a wave of norm 1 has, with its value there.
+    fn each_place(&self, whole: &System, mut at: impl FnMut(usize, usize, Complex<f64>)) {
+        let (ny, nx) = whole.grid().shape();
+        let parity = self.class.parity();
+        // A cosine is (e^+ + e^-)/2, a sine (e^+ - e^-)/2i, about the middle between two points.
+        let side = |k: usize, n: usize, axis: usize, sign: f64| {
+            let phase = Complex::cis(sign * PI * k as f64 * (1.0 / n as f64 - 1.0));
+            let odd = parity[axis] < 0.0;
+            phase
+                * if odd {
+                    Complex::new(0.0, -sign)
+                } else {
+                    Complex::ONE
+                }
+        };
+        for (wave, &[k, l]) in self.waves.iter().enumerate() {
+            let (pair, mirrored) = match self.class.exchange().filter(|_| k != l) {
+                Some(sign) => (FRAC_1_SQRT_2, Some(sign * FRAC_1_SQRT_2)),
+                None => (1.0, None),
+            };
+            for ([k, l], weight) in [([k, l], Some(pair)), ([l, k], mirrored)] {
+                let Some(weight) = weight else { continue };
+                let along_x = weight * side(k, nx, 0, 1.0);
+                if l == 0 {
+                    at(wave, k * ny, along_x);
+                    continue;
+                }
+                for (place, sign) in [(l, 1.0), (ny - l, -1.0)] {
+                    let factor = FRAC_1_SQRT_2 * along_x * side(l, ny, 1, sign);
+                    at(wave, k * ny + place, factor);
+                }
+            }
+        }
+    }
+
+    /// The softest modes (E* per length; coefficients of norm 1), `count` of them, beside the
+    /// sliding mode. The factors must be of [`LowBlock::negative_below`] zero.
+    pub fn lowest(&self, count: usize) -> EigenPairs {
+        let n = self.waves.len();
+        let limits = EigenLimits {
+            pairs: count,
+            least: 1,
+            most: LOWEST,
+            relative: RESIDUAL,
+            absolute: NEAR_ZERO * self.floor,
+        };
+        // The longest waves come last. Nothing smooth is orthogonal to these.
+        let start = |mode: usize| {
+            let wave = |i: usize| (1.0 + (2.0 * i as f64 + mode as f64).sin()) / (n - i) as f64;
+            let unit = |i: usize| {
+                if n - 1 - i == mode {
+                    1.0
+                } else {
+                    0.1 * wave(i)
+                }
+            };
+            (0..n).map(unit).collect()
+        };
+        smallest(
+            |x, out| out.copy_from_slice(&self.product(x)),
+            (0..(count + 1).min(n)).map(start).collect(),
+            self.slide.as_slice(),
+            |r, out| out.copy_from_slice(&self.positive(r)),
+            limits,
+            &Cancel::default(),
+        )
+    }
+
+    /// The inverse of |block| times coefficients `r`.
+    fn positive(&self, r: &[f64]) -> Vec<f64> {
+        let mut x = r.to_vec();
+        x.resize(self.factor.size(), 0.0);
+        self.factor.solve_positive(&mut x);
+        x.truncate(r.len());
+        x
+    }
+
+    /// The same over all waves of the class, of which these are the last ones, by elasticity and
+    /// `stiffness` (E* per length) where they are short.
+    pub fn positive_among(&self, all: &Self, r: &[f64], stiffness: f64) -> Vec<f64> {
+        let short = r.len() - self.waves.len();
+        let mut x: Vec<f64> = r[..short]
+            .iter()
+            .zip(&all.elastic)
+            .map(|(r, elastic)| r / (elastic + stiffness))
+            .collect();
+        x.extend(self.positive(&r[short..]));
+        x
+    }
+
+    fn fill(&mut self, system: &System, d: &[f64], mean: f64) {
+        let table = Table::new(system, d, mean, &self.waves);
+        let (n, parity) = (self.waves.len(), self.class.parity());
         self.hessian.clear();
         self.hessian.reserve(n * (n + 1) / 2);
         for (i, (&a, &weight)) in self.waves.iter().zip(&self.weights).enumerate() {
             for (&b, &other) in self.waves[..=i].iter().zip(&self.weights) {
-                let sum = match self.class {
-                    Class::Even | Class::Varicose => table.cosines(a, b),
-                    Class::Sinuous => table.sines(a[0], b[0]),
-                    // (e_kl +- e_lk)/sqrt 2 with itself and others.
-                    Class::Symmetric => table.cosines(a, b) + table.cosines(a, [b[1], b[0]]),
-                    Class::Antisymmetric => table.cosines(a, b) - table.cosines(a, [b[1], b[0]]),
-                };
+                let mut sum = table.products(a, b, parity);
+                // (e_kl +- e_lk)/sqrt 2 with itself and others.
+                if let Some(sign) = self.class.exchange() {
+                    sum += sign * table.products(a, [b[1], b[0]], parity);
+                }
                 self.hessian.push(weight * other * sum);
             }
             *self.hessian.last_mut().expect("just pushed") += self.elastic[i];
         }
-        self.floor = FLOOR * system.grid().q1();
-        self.factor.factorise(&self.hessian, n, self.floor);
     }
 
     /// Number of waves.
@@ -217,11 +421,11 @@ impl LowBlock {
     /// [`LowBlock::softest`] returns it. A modulation of a line becomes one of a square system.
     pub fn mode(&self, coefficients: &[f64], system: &System) -> Vec<f64> {
         let mut z = vec![0.0; system.dimension()];
-        if self.class == Class::Varicose {
+        if let Class::Varicose(waves) = self.class {
             let ny = system.shape().0;
             for (w, x) in self.waves.iter().zip(coefficients) {
-                if w[0] * ny + 1 < z.len() {
-                    z[w[0] * ny + 1] = *x;
+                if let Some(z) = z.get_mut(w[0] * ny + waves) {
+                    *z = *x;
                 }
             }
         } else {
@@ -235,6 +439,13 @@ impl LowBlock {
     pub fn precondition(&self, r: &[f64], out: &mut [f64]) {
         let mut x = self.gather(r);
         self.factor.solve_positive(&mut x);
+        self.scatter(&x, out);
+    }
+
+    /// `out` gets, on the waves of the block, its inverse times `r`; the rest is kept.
+    pub fn invert(&self, r: &[f64], out: &mut [f64]) {
+        let mut x = self.gather(r);
+        self.factor.solve(&mut x);
         self.scatter(&x, out);
     }
 
@@ -269,24 +480,18 @@ impl LowBlock {
 
     fn gather(&self, z: &[f64]) -> Vec<f64> {
         let at = |k: usize, l: usize| z[k * self.ny + l];
-        let pick = |&[k, l]: &[usize; 2]| match self.class {
-            _ if k == l => at(k, l),
-            Class::Even | Class::Varicose | Class::Sinuous => at(k, l),
-            Class::Symmetric => FRAC_1_SQRT_2 * (at(k, l) + at(l, k)),
-            Class::Antisymmetric => FRAC_1_SQRT_2 * (at(k, l) - at(l, k)),
+        let pick = |&[k, l]: &[usize; 2]| match self.class.exchange() {
+            Some(sign) if k != l => FRAC_1_SQRT_2 * (at(k, l) + sign * at(l, k)),
+            _ => at(k, l),
         };
         self.waves.iter().map(pick).collect()
     }
 
     fn scatter(&self, x: &[f64], z: &mut [f64]) {
         for (&[k, l], &x) in self.waves.iter().zip(x) {
-            let mirrored = match self.class {
-                Class::Symmetric if k != l => 1.0,
-                Class::Antisymmetric => -1.0,
-                _ => {
-                    z[k * self.ny + l] = x;
-                    continue;
-                }
+            let Some(mirrored) = self.class.exchange().filter(|_| k != l) else {
+                z[k * self.ny + l] = x;
+                continue;
             };
             z[k * self.ny + l] = FRAC_1_SQRT_2 * x;
             z[l * self.ny + k] = mirrored * FRAC_1_SQRT_2 * x;
@@ -330,18 +535,15 @@ impl Table {
         }
     }
 
-    /// Four times mean(gamma'' cos_a cos_b).
+    /// Four times mean(gamma'' a b) of two waves, cosines or sines along each axis.
     #[inline]
-    fn cosines(&self, a: [usize; 2], b: [usize; 2]) -> f64 {
+    fn products(&self, a: [usize; 2], b: [usize; 2], [x, y]: [f64; 2]) -> f64 {
         let (upper, lower) = ((a[0] + b[0]) * self.width, a[0].abs_diff(b[0]) * self.width);
         let (sum, difference) = (a[1] + b[1], a[1].abs_diff(b[1]));
         let at = |i: usize| self.means[i];
-        at(upper + sum) + at(upper + difference) + at(lower + sum) + at(lower + difference)
-    }
-
-    /// Four times mean(gamma'' sin_a sin_b) on a line.
-    fn sines(&self, a: usize, b: usize) -> f64 {
-        2.0 * (self.means[a.abs_diff(b) * self.width] - self.means[(a + b) * self.width])
+        x * (y * at(upper + sum) + at(upper + difference))
+            + y * at(lower + sum)
+            + at(lower + difference)
     }
 }
 

@@ -156,6 +156,20 @@ impl Preconditioner {
         }
     }
 
+    /// `out` = approximate inverse Hessian times `r`, with the signs of the block: for equilibria
+    /// that are no minima.
+    pub fn apply_indefinite(&self, r: &[f64], out: &mut [f64]) {
+        for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
+            *o = r * m;
+        }
+        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
+            block.invert(r, out);
+        }
+        if !self.factor.is_empty() {
+            self.within_block(r, out, |x| self.factor.solve(x));
+        }
+    }
+
     /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all
     /// directions gives amplitudes as soft as the Hessian allows.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {

@@ -6,9 +6,11 @@
 //! and `numerics`.
 
 pub mod branch;
+pub mod continuation;
 pub mod descent;
 pub mod equilibrium;
 pub mod gfmd;
+pub mod index;
 pub mod mechanics;
 pub mod method;
 pub mod methods;

@@ -146,7 +146,7 @@ impl Sector {
     /// Ridges: fields of x alone.
     pub fn ridge(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::line(length, n), law, &Indenter::Flat);
-        let modulations = [Class::Varicose, Class::Sinuous]
+        let modulations = [Class::Varicose(1), Class::Sinuous(1)]
             .map(|class| LowBlock::new(&system, class, f64::INFINITY));
         Self::new(system, Class::Even, modulations.into(), f64::INFINITY)
     }

@@ -11,7 +11,7 @@
 //! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh
 //! (H. Weyl): where that leaves room the last proof still holds, and costs nothing.
 
-use super::equilibrium::Stiffness;
+use super::equilibrium::{Lost, Stiffness};
 use super::mechanics::Mechanics;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::lanczos::lowest;
@@ -67,6 +67,8 @@ const SIGN_ALONE: f64 = 5e-3;
 const KEPT: f64 = 0.25;
 /// Most products of one proof; 30 to 90 are normal.
 const PRODUCTS: usize = 1000;
+/// Most rounds in search of all negative eigenvalues.
+const NEGATIVE: usize = 60;
 /// Softer modes that may be found one after the other at one state.
 const FINDS: usize = 12;
 
@@ -187,6 +189,57 @@ impl Tracker {
         found
     }
 
+    /// The negative eigenvalues at the surface `z` with these `fields`, and the smallest of the
+    /// others, with their modes: proved to be all but for the chance stated by [`CHANCE`]. Sliding
+    /// modes are removed. The errors of the values are below `relative` or [`NEAR_ZERO`].
+    ///
+    /// A Hessian that is negative on k modes, and positive beside them, has k negative eigenvalues.
+    ///
+    /// # Errors
+    /// They were not found within the budget, or somebody asked to stop.
+    pub fn negative(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+        relative: f64,
+    ) -> Result<EigenPairs, Lost> {
+        let slides = mechanics.sliding_basis(z, fields);
+        let mut place = Place {
+            removed: slides.clone(),
+            mechanics,
+            fields,
+        };
+        for _ in 0..NEGATIVE {
+            let known = std::mem::take(&mut self.modes);
+            let pairs = known.len().max(1);
+            let found = place.softest(known, &mut self.rng, pairs, relative);
+            self.modes.clone_from(&found.vectors);
+            if place.cancelled() {
+                return Err(Lost::Cancelled);
+            }
+            let count = found.values.iter().filter(|v| **v < 0.0).count();
+            if count == found.values.len() {
+                self.modes
+                    .push(random_smooth(&place.mechanics.system, &mut self.rng));
+                continue;
+            }
+            let negative = found.vectors[..count].iter().cloned();
+            place.removed = slides.iter().cloned().chain(negative).collect();
+            match place.prove(0.0, &mut self.rng) {
+                Proved::Least(_) => {
+                    self.modes.truncate(count + 1);
+                    return Ok(found);
+                }
+                Proved::Softer(mode) => self.modes.insert(count, mode),
+                Proved::Nothing if place.cancelled() => return Err(Lost::Cancelled),
+                Proved::Nothing => return Err(Lost::Gone),
+            }
+            place.removed.clone_from(&slides);
+        }
+        Err(Lost::Gone)
+    }
+
     /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from
     /// below.
     fn at(&mut self, place: &mut Place<'_>, sharp: f64) -> (Stiffness, Vec<f64>) {
@@ -220,6 +273,7 @@ impl Tracker {
             let found = place.softest(
                 std::mem::take(&mut self.modes),
                 &mut self.rng,
+                2,
                 sharp * relative,
             );
             self.modes = found.vectors;
@@ -337,7 +391,13 @@ impl Place<'_> {
     }
 
     /// The softest modes, from the `known` ones of the state before or from random vectors.
-    fn softest(&mut self, known: Vec<Vec<f64>>, rng: &mut Pcg64, relative: f64) -> EigenPairs {
+    fn softest(
+        &mut self,
+        known: Vec<Vec<f64>>,
+        rng: &mut Pcg64,
+        pairs: usize,
+        relative: f64,
+    ) -> EigenPairs {
         let Self {
             mechanics,
             fields,
@@ -359,7 +419,7 @@ impl Place<'_> {
         start.iter_mut().for_each(|mode| system.make_real(mode));
         start.extend((0..strangers).map(|_| random_smooth(system, rng)));
         let limits = EigenLimits {
-            pairs: 2,
+            pairs,
             least,
             most,
             relative,

@@ -7,6 +7,7 @@
 //! all below it; computes nothing, opens no dialogs.
 
 pub mod chart;
+pub mod diagram;
 pub mod drawing;
 pub mod export;
 mod failure;

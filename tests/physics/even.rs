@@ -153,7 +153,7 @@ fn modulations_of_a_ridge_are_modes_of_the_whole_cell() {
     let z = amplitudes(&line, false);
     let (mut small, mut large) = (line.workspace(), square.workspace());
     let ridge = line.at(z, u0, &mut small);
-    let mut block = LowBlock::new(&line, Class::Varicose, 64.0);
+    let mut block = LowBlock::new(&line, Class::Varicose(1), 64.0);
     block.refresh(&line, &ridge.fields, &mut small);
     let (value, waves) = block.softest(None);
     let mode = block.mode(&waves, &square);

@@ -1,0 +1,201 @@
+//! The whole diagram of a scene: every branch of equilibria, stable and unstable, with its folds
+//! and bifurcations, and where two stable branches have the same energy.
+//!
+//! The walk and the atlas know what is stable. Between the stable pieces lie unstable ones, which
+//! explain why there is a jump: a branch turns back at a fold, or meets another one at a
+//! bifurcation, and its end is where the two cancel or exchange their stability. Every point bears
+//! its index, the number of negative eigenvalues over all modes of the whole cell.
+
+mod equal_energy;
+mod flat_ground;
+mod trace;
+mod uneven;
+
+use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
+use crate::physics::low_block::Class;
+use crate::physics::parameter::Refusal;
+use crate::physics::pattern::{Pattern, classify};
+use crate::physics::system::{State, System};
+use crate::scene::Scene;
+use crate::scene::part::Part;
+use crate::solver::Lost;
+use ndarray::Array2;
+use std::fmt;
+
+pub use equal_energy::EqualEnergy;
+
+/// All that is known of the equilibria of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Diagram {
+    /// The branches, the flat state first on flat ground.
+    pub branches: Vec<Branch>,
+    /// Where stable pieces of two branches have the same energy.
+    pub equal_energies: Vec<EqualEnergy>,
+    /// What was not followed, and why; empty if the diagram is complete.
+    pub missing: Vec<String>,
+    /// Transforms spent, of any size.
+    pub transforms: usize,
+    /// True if somebody asked to stop: what was found until then stands.
+    pub cancelled: bool,
+}
+
+/// A curve of equilibria.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Its name in the files: `flat`, `square`, `ridge`, `mixed_1`, ...
+    pub name: String,
+    /// The system whose states it has.
+    pub system: System,
+    /// The points in order along it.
+    pub points: Vec<Point>,
+    /// Why it ends.
+    pub ending: Ending,
+}
+
+/// One equilibrium.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// The state; no amplitudes where it is uniform.
+    pub state: State,
+    /// Arc length along the branch (length).
+    pub arc: f64,
+    /// du0/ds and d stress/ds along it.
+    pub rates: [f64; 2],
+    /// What it is.
+    pub kind: Kind,
+    /// Number of negative eigenvalues before and after it along the branch, over all modes of the
+    /// whole cell, sliding ones left out; the same at a regular point.
+    pub index: [usize; 2],
+    /// Its pattern by topology.
+    pub pattern: Pattern,
+    /// max |residual traction| / max(sigma_max, max |traction|).
+    pub residual: f64,
+    /// Symmetry of the mode that has no stiffness at a bifurcation, where modes are told apart.
+    pub class: Option<Class>,
+    /// That mode, as coefficients of the class.
+    pub mode: Vec<f64>,
+}
+
+/// What a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// One of many.
+    Regular,
+    /// The branch turns back in u0.
+    Fold,
+    /// Another branch meets this one.
+    Bifurcation,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Kind::Regular => "regular",
+            Kind::Fold => "fold",
+            Kind::Bifurcation => "bifurcation",
+        })
+    }
+}
+
+/// Why a branch ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It comes out of, or goes into, the flat state.
+    Flat,
+    /// It meets another branch.
+    Joined,
+    /// It leaves the range of u0 that was asked for.
+    Window,
+    /// So many points were computed that no more are.
+    Budget,
+    /// It was not found further on.
+    Lost(Lost),
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Ending::Flat => "the flat state",
+            Ending::Joined => "another branch",
+            Ending::Window => "the end of the drive",
+            Ending::Budget => "the budget",
+            Ending::Lost(Lost::Cancelled) => "a request to stop",
+            Ending::Lost(_) => "no equilibrium found",
+        })
+    }
+}
+
+impl Branch {
+    /// The gap over the whole cell at one of its points (length).
+    pub fn gap(&self, point: &Point) -> Array2<f64> {
+        let State {
+            mean_displacement: u0,
+            amplitudes,
+            ..
+        } = &point.state;
+        if amplitudes.is_empty() {
+            return Array2::from_elem(self.system.grid().shape(), *u0);
+        }
+        self.system
+            .unfolded(&self.system.gap_field(amplitudes, *u0))
+    }
+
+    /// Names the pattern of every point.
+    fn classified(mut self) -> Self {
+        let patterns: Vec<Pattern> = self
+            .points
+            .iter()
+            .map(|point| {
+                let gap = self.gap(point);
+                classify(gap.view(), self.system.law(), self.system.is_flat())
+            })
+            .collect();
+        for (point, pattern) in self.points.iter_mut().zip(patterns) {
+            point.pattern = pattern;
+        }
+        self
+    }
+}
+
+/// What is told while a diagram is computed: the name of the branch under way, its points so far,
+/// and u0 (length).
+pub type Report<'r> = &'r mut dyn FnMut(&str, usize, f64);
+
+impl Diagram {
+    /// The diagram of `scene`, on uneven ground by the `part` of the cell that holds its loop.
+    ///
+    /// # Errors
+    /// The first value of the scene that is not allowed. What could not be followed is in
+    /// [`Diagram::missing`].
+    pub fn of(
+        scene: &Scene,
+        part: Part,
+        cancel: &Cancel,
+        report: Report<'_>,
+    ) -> Result<Self, Refusal> {
+        let model = scene.model()?;
+        let mut diagram = Self::default();
+        if model.indenter == Indenter::Flat {
+            flat_ground::fill(&mut diagram, scene, &model, cancel, report);
+        } else {
+            uneven::fill(&mut diagram, scene, part, cancel, report)?;
+        }
+        diagram.equal_energies = equal_energy::all(&diagram.branches);
+        diagram.cancelled = cancel.requested();
+        Ok(diagram)
+    }
+
+    /// Folds and bifurcations with the branch on which they are, in their order.
+    pub fn events(&self) -> impl Iterator<Item = (&Branch, &Point)> {
+        self.branches.iter().flat_map(|branch| {
+            let events = branch.points.iter().filter(|p| p.kind != Kind::Regular);
+            events.map(move |point| (branch, point))
+        })
+    }
+
+    /// True if every branch was followed to its end.
+    pub fn is_complete(&self) -> bool {
+        self.missing.is_empty() && !self.cancelled
+    }
+}

@@ -1,0 +1,430 @@
+//! The diagram on flat ground, where the patterns come out of the flat state: the branch of ridges
+//! and that of square patterns from its limits, then those that join them where a stable pattern
+//! breaks its symmetry.
+
+use super::trace::{End, Tracer};
+use super::{Branch, Diagram, Ending, Kind, Point, Report};
+use crate::follow::atlas::Meshes;
+use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::{add, dot};
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
+use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::pattern::Pattern;
+use crate::physics::preconditioner::Preconditioner;
+use crate::physics::system::{State, System, carried};
+use crate::physics::theory::flat;
+use crate::scene::{Model, Scene, Turn};
+use crate::solver::continuation::Knot;
+use crate::solver::index::{Index, Symmetry};
+use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+/// Points of the flat state between two of its bifurcations.
+const FLAT_POINTS: usize = 60;
+/// Reach of the exact block of a preconditioner, in units of L/L_c, and its bounds: more costs more
+/// to factorise than it saves in products.
+const REACH: f64 = 3.3;
+const REACHES: [f64; 2] = [8.0, 14.0];
+/// A branch about to meet another is taken to the known point of that when it is so near (ranges)
+/// and heads for it with this cosine: there two directions lead on, and the bordered system is
+/// singular. Until then a step goes no more than half the way.
+const CLOSE: f64 = 0.1;
+const ALIGNED: f64 = 0.9;
+
+/// One symmetry on one mesh.
+struct Sheet {
+    mechanics: Mechanics,
+    index: Index,
+}
+
+impl Sheet {
+    fn new(model: &Model, grid: Grid, symmetry: Symmetry, cancel: &Cancel) -> Self {
+        let system = System::even(grid, model.law, &Indenter::Flat);
+        let class = match symmetry {
+            Symmetry::Square => Class::Symmetric,
+            _ => Class::Even,
+        };
+        let periods = grid.length / flat::critical_length(&model.law);
+        let reach = if grid.is_line() {
+            f64::INFINITY
+        } else {
+            (REACH * periods).clamp(REACHES[0], REACHES[1])
+        };
+        let preconditioner =
+            Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
+        let index = Index::of_symmetry(&system, symmetry);
+        let mut mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
+        mechanics.class = class;
+        mechanics.cancel = cancel.clone();
+        Self { mechanics, index }
+    }
+
+    fn follow(
+        &mut self,
+        name: &str,
+        from: Knot,
+        end: End<'_>,
+        report: Report<'_>,
+    ) -> (Vec<Point>, Ending) {
+        let mut points = 0;
+        Tracer {
+            mechanics: &mut self.mechanics,
+            index: &mut self.index,
+            report: &mut |knot: &Knot| {
+                points += 1;
+                report(name, points, knot.state.mean_displacement);
+            },
+        }
+        .follow(from, false, end)
+    }
+}
+
+/// All branches of a flat scene.
+pub(super) fn fill(
+    diagram: &mut Diagram,
+    scene: &Scene,
+    model: &Model,
+    cancel: &Cancel,
+    report: Report<'_>,
+) {
+    let length = model.grid.length;
+    diagram.branches.push(flat_state(scene, model));
+    let Some(limits) = flat::limits(&model.law, length) else {
+        return;
+    };
+    // The quarter of the cell has an even number of points along a side.
+    let n = model.grid.nx.next_multiple_of(8);
+    let meshes = Meshes::new(&model.law, length, n);
+    let line = Grid::line(length, meshes.line);
+    if model.grid.is_line() {
+        let mut sheet = Sheet::new(model, Grid::line(length, n), Symmetry::Line, cancel);
+        from_flat(diagram, &mut sheet, "ridge", limits, report);
+        return;
+    }
+    let mut square = Sheet::new(model, Grid::square(length, n), Symmetry::Square, cancel);
+    from_flat(diagram, &mut square, "square", limits, report);
+    let mut ridge = Sheet::new(model, line, Symmetry::Ridge, cancel);
+    from_flat(diagram, &mut ridge, "ridge", limits, report);
+    let mut mixed = Sheet::new(model, Grid::square(length, n), Symmetry::Even, cancel);
+    joining(diagram, &mut mixed, report);
+}
+
+/// The closed form between the ends of the drive, with the bifurcations of all waves.
+fn flat_state(scene: &Scene, model: &Model) -> Branch {
+    let (law, length) = (model.law, model.grid.length);
+    let system = System::even(
+        Grid::line(length, model.grid.nx.next_multiple_of(4)),
+        law,
+        &Indenter::Flat,
+    );
+    let (start, turn) = match scene.drive.turn {
+        Turn::At(turn) => (scene.drive.start, turn),
+        Turn::ZeroLoad => (scene.drive.start, law.equilibrium_gap()),
+    };
+    // Waves by the square of their length in periods, with how many there are of each.
+    let most = (length / flat::critical_length(&law)).floor() as i64;
+    let mut waves: BTreeMap<i64, usize> = BTreeMap::new();
+    for k in -most..=most {
+        let across = if model.grid.is_line() { 0 } else { most };
+        for l in -across..=across {
+            if k * k + l * l > 0 {
+                *waves.entry(k * k + l * l).or_default() += 1;
+            }
+        }
+    }
+    let index = |u0: f64| {
+        let softening = -law.at(u0).stiffness;
+        let soft = |square: i64| (square as f64).sqrt() * PI / length < softening;
+        waves
+            .iter()
+            .filter(|(square, _)| soft(**square))
+            .map(|(_, many)| many)
+            .sum::<usize>()
+    };
+    let limits = |square: &i64| flat::limits(&law, length / (*square as f64).sqrt());
+    let mut places: Vec<(f64, Kind)> = waves
+        .keys()
+        .filter_map(limits)
+        .flat_map(|(low, high)| [(low, Kind::Bifurcation), (high, Kind::Bifurcation)])
+        .filter(|(u0, _)| turn < *u0 && *u0 < start)
+        .chain([(start, Kind::Regular), (turn, Kind::Regular)])
+        .collect();
+    places.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut points = Vec::new();
+    for pair in places.windows(2) {
+        let ((high, kind), (low, _)) = (pair[0], pair[1]);
+        let within = index(0.5 * (high + low));
+        let above = points.last().map_or(within, |p: &Point| p.index[1]);
+        points.push(uniform(model, high, start - high, kind, [above, within]));
+        for i in 1..FLAT_POINTS {
+            let u0 = high + (low - high) * i as f64 / FLAT_POINTS as f64;
+            points.push(uniform(model, u0, start - u0, Kind::Regular, [within; 2]));
+        }
+    }
+    let last = points.last().map_or(0, |p| p.index[1]);
+    points.push(uniform(model, turn, start - turn, Kind::Regular, [last; 2]));
+    Branch {
+        name: "flat".to_owned(),
+        system,
+        points,
+        ending: Ending::Window,
+    }
+}
+
+/// The uniform state at a gap, downwards along the flat branch.
+fn uniform(model: &Model, u0: f64, arc: f64, kind: Kind, index: [usize; 2]) -> Point {
+    let response = model.law.at(u0);
+    Point {
+        state: State {
+            mean_displacement: u0,
+            amplitudes: Vec::new(),
+            energy: response.energy,
+            stress: response.traction,
+        },
+        arc,
+        rates: [-1.0, -response.stiffness],
+        kind,
+        index,
+        pattern: Pattern::Flat,
+        residual: 0.0,
+        class: None,
+        mode: Vec::new(),
+    }
+}
+
+/// The branch that leaves the flat state at its upper limit, back to it; where it is lost on the
+/// way also from the lower limit.
+fn from_flat(
+    diagram: &mut Diagram,
+    sheet: &mut Sheet,
+    name: &str,
+    (low, high): (f64, f64),
+    report: Report<'_>,
+) {
+    let system = sheet.mechanics.system.clone();
+    let mut mode = vec![0.0; system.dimension()];
+    let ny = system.shape().0;
+    if ny > 1 {
+        (mode[1], mode[ny]) = (FRAC_1_SQRT_2, FRAC_1_SQRT_2);
+    } else {
+        mode[1] = 1.0;
+    }
+    let range = system.law().range;
+    for (limit, other, name) in [
+        (high, low, name.to_owned()),
+        (low, high, format!("{name}_2")),
+    ] {
+        let [flat, other] = [limit, other].map(|u0| system.uniform(u0).state);
+        let others = std::slice::from_ref(&other);
+        let mut back = |a: &Knot, b: &Knot| {
+            way_to(others, &a.state, &b.state, range).map_err(|_| Ending::Flat)
+        };
+        let from = Knot {
+            state: flat.clone(),
+            tangent: mode.clone(),
+            stress_rate: 0.0,
+            arc: 0.0,
+            residual: 0.0,
+        };
+        let (mut points, ending) = sheet.follow(&name, from, &mut back, report);
+        let first = points.first().map_or(0, |p| p.index[0]);
+        points.insert(0, meeting(flat, 0.0, first));
+        if ending == Ending::Flat {
+            let (arc, last) = points.last().map_or((0.0, 0), |p| (p.arc, p.index[1]));
+            let left = between(&points[points.len() - 1].state, &other);
+            points.push(meeting(other, arc + dot(&left, &left).sqrt(), last));
+        } else {
+            let at = points.last().map_or(limit, |p| p.state.mean_displacement);
+            diagram.missing.push(format!(
+                "the branch \"{name}\" beyond u0 = {at:.5}: {ending}"
+            ));
+        }
+        let branch = Branch {
+            name,
+            system: system.clone(),
+            points,
+            ending,
+        };
+        diagram.branches.push(branch.classified());
+        if ending == Ending::Flat {
+            break;
+        }
+    }
+    diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
+}
+
+/// The way from one surface to another; entry 0 is that of u0.
+fn between(a: &State, b: &State) -> Vec<f64> {
+    let mut d = b.amplitudes.clone();
+    add(&mut d, -1.0, &a.amplitudes);
+    d[0] = b.mean_displacement - a.mean_displacement;
+    d
+}
+
+/// Where a branch begins or ends on another one: it leaves along a mode of other symmetry, at
+/// constant u0 and stress to first order.
+fn meeting(state: State, arc: f64, index: usize) -> Point {
+    Point {
+        state,
+        arc,
+        rates: [0.0; 2],
+        kind: Kind::Bifurcation,
+        index: [index; 2],
+        pattern: Pattern::Other,
+        residual: 0.0,
+        class: None,
+        mode: Vec::new(),
+    }
+}
+
+/// Where a stable piece of a branch breaks its symmetry along y.
+struct Break {
+    branch: String,
+    point: Point,
+    /// Its state in the system of the branches that leave it.
+    state: State,
+    /// The mode along which they do.
+    mode: Vec<f64>,
+    /// True once the branch that leaves it is known.
+    joined: bool,
+}
+
+impl Break {
+    fn of(branch: &Branch, point: &Point, to: &System) -> Option<Self> {
+        let class = point.class?;
+        let breaks = matches!(class, Class::Antisymmetric | Class::Varicose(1));
+        if !breaks || !point.index.contains(&0) {
+            return None;
+        }
+        let waves = LowBlock::new(&branch.system, class, f64::INFINITY);
+        let state = State {
+            amplitudes: carried(&point.state.amplitudes, &branch.system, to),
+            ..point.state.clone()
+        };
+        Some(Self {
+            branch: branch.name.clone(),
+            mode: waves.mode(&point.mode, to),
+            point: point.clone(),
+            state,
+            joined: false,
+        })
+    }
+}
+
+/// How far a step may go after the way from `a` to `b`, where the branch may meet others at these
+/// states.
+///
+/// # Errors
+/// Which of them it has met.
+fn way_to(states: &[State], a: &State, b: &State, range: f64) -> Result<f64, usize> {
+    let step = between(a, b);
+    let mut longest = f64::INFINITY;
+    for (i, state) in states.iter().enumerate() {
+        let left = between(b, state);
+        let far = dot(&left, &left).sqrt();
+        let aligned = dot(&left, &step) > ALIGNED * far * dot(&step, &step).sqrt();
+        if far < CLOSE * range && aligned {
+            return Err(i);
+        }
+        longest = longest.min((0.5 * far).max(0.5 * CLOSE * range));
+    }
+    Ok(longest)
+}
+
+/// The branches of states that are even and no more, from each end of a stable piece where its
+/// symmetry breaks to another one.
+fn joining(diagram: &mut Diagram, sheet: &mut Sheet, report: Report<'_>) {
+    let system = sheet.mechanics.system.clone();
+    let range = system.law().range;
+    let mut ends: Vec<Break> = diagram
+        .events()
+        .filter_map(|(branch, point)| Break::of(branch, point, &system))
+        .collect();
+    let mut count = 0;
+    for i in 0..ends.len() {
+        if ends[i].joined || sheet.mechanics.cancel.requested() {
+            continue;
+        }
+        ends[i].joined = true;
+        count += 1;
+        let name = format!("mixed_{count}");
+        let begin = Knot {
+            state: ends[i].state.clone(),
+            tangent: ends[i].mode.clone(),
+            stress_rate: 0.0,
+            arc: 0.0,
+            residual: ends[i].point.residual,
+        };
+        let others: Vec<usize> = (0..ends.len()).filter(|j| !ends[*j].joined).collect();
+        let mut reached = None;
+        let mut met = |a: &Knot, b: &Knot| {
+            let image = |j: &usize| images(&ends[*j].state, &b.state.amplitudes);
+            let states: Vec<State> = others.iter().filter_map(image).collect();
+            way_to(&states, &a.state, &b.state, range).map_err(|which| {
+                reached = Some(others[which]);
+                Ending::Joined
+            })
+        };
+        let (mut points, ending) = sheet.follow(&name, begin, &mut met, report);
+        let first = points.first().map_or(0, |p| p.index[0]);
+        points.insert(0, meeting(ends[i].state.clone(), 0.0, first));
+        let last = &points[points.len() - 1];
+        if let Some(j) = reached {
+            ends[j].joined = true;
+            let state = images(&ends[j].state, &last.state.amplitudes)
+                .unwrap_or_else(|| ends[j].state.clone());
+            let left = between(&last.state, &state);
+            points.push(meeting(
+                state,
+                last.arc + dot(&left, &left).sqrt(),
+                last.index[1],
+            ));
+        } else {
+            diagram.missing.push(format!(
+                "the branch \"{name}\" from \"{}\" beyond u0 = {:.5}: {ending}",
+                ends[i].branch, last.state.mean_displacement
+            ));
+        }
+        let branch = Branch {
+            name,
+            system: system.clone(),
+            points,
+            ending,
+        };
+        diagram.branches.push(branch.classified());
+    }
+    diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
+}
+
+/// The image of an even state, with x and y exchanged or moved by half a cell, that is nearest to
+/// the amplitudes `z`.
+fn images(state: &State, z: &[f64]) -> Option<State> {
+    let n = z.len().isqrt();
+    let image = |exchange: bool, flip: [bool; 2]| {
+        let at = |i: usize| {
+            let (k, l) = (i / n, i % n);
+            let odd = (flip[0] && k % 2 == 1) != (flip[1] && l % 2 == 1);
+            let from = state.amplitudes[if exchange { l * n + k } else { i }];
+            if odd { -from } else { from }
+        };
+        (0..z.len()).map(at).collect::<Vec<f64>>()
+    };
+    let all = [false, true].into_iter().flat_map(|exchange| {
+        [[false; 2], [true, false], [false, true], [true; 2]]
+            .into_iter()
+            .map(move |flip| (exchange, flip))
+    });
+    let far = |image: &[f64]| {
+        let mut d = image.to_vec();
+        add(&mut d, -1.0, z);
+        dot(&d, &d)
+    };
+    all.map(|(exchange, flip)| image(exchange, flip))
+        .min_by(|a, b| far(a).total_cmp(&far(b)))
+        .map(|amplitudes| State {
+            amplitudes,
+            ..state.clone()
+        })
+}

@@ -1,0 +1,332 @@
+//! One branch followed to its end, with its folds and bifurcations located.
+
+use super::{Ending, Kind, Point};
+use crate::numerics::vector::{add, dot};
+use crate::physics::pattern::Pattern;
+use crate::physics::system::{Fields, State};
+use crate::solver::Lost;
+use crate::solver::continuation::Knot;
+use crate::solver::index::{Counts, Index};
+use crate::solver::mechanics::Mechanics;
+
+/// First step, and the longest (ranges): shorter than any branch of the paper's, so that none is
+/// jumped over.
+const FIRST: f64 = 0.05;
+const LONGEST: f64 = 0.7;
+/// A branch is lost when the step falls below this (ranges).
+const SHORTEST: f64 = 1e-5;
+/// Error of the prediction (ranges) that the step length aims at.
+const AIM: f64 = 0.03;
+/// Largest deviation from the prediction in units of the step, beyond which another branch was
+/// found; and the least cosine between the tangents before and after.
+const STRAY: f64 = 0.3;
+const TURN: f64 = 0.7;
+/// Energy that a step may miss: as a share of how far its work is uncertain, and in units of the
+/// surface energy per range of it.
+const AUDIT: [f64; 2] = [0.2, 1e-3];
+/// Accuracy of the arc length of folds and bifurcations (ranges): the u0 of a fold is exact to its
+/// square.
+const LOCATED: f64 = 1e-5;
+/// Most trials to locate one.
+const TRIALS: usize = 40;
+/// Steps shorter than this (ranges) are not halved to tell two events apart.
+const APART: f64 = 1e-3;
+/// Most points of one branch: a mesh that traps edges has hundreds of folds, which say nothing of
+/// the body.
+const POINTS: usize = 1500;
+
+/// Follows branches of one pattern.
+pub(super) struct Tracer<'a> {
+    pub mechanics: &'a mut Mechanics,
+    pub index: &'a mut Index,
+    /// Told of every new knot.
+    pub report: &'a mut dyn FnMut(&Knot),
+}
+
+/// A knot with its counts; none where a branch begins at a bifurcation.
+struct Place {
+    knot: Knot,
+    counts: Option<Counts>,
+}
+
+/// What ends a branch at the second of two knots, or how far the next step may go (length).
+pub(super) type End<'e> = &'e mut dyn FnMut(&Knot, &Knot) -> Result<f64, Ending>;
+
+impl Tracer<'_> {
+    /// Follows the branch that leaves `from` along its tangent until `end` says that it ends
+    /// between two knots. Where `from` is a point of this branch it is the first one; where another
+    /// branch is left there it is none.
+    pub fn follow(&mut self, from: Knot, begins: bool, end: End<'_>) -> (Vec<Point>, Ending) {
+        let mut points = Vec::new();
+        let ending = self.walk(from, begins, end, &mut points);
+        (points, ending.unwrap_or_else(Ending::Lost))
+    }
+
+    fn walk(
+        &mut self,
+        from: Knot,
+        begins: bool,
+        end: End<'_>,
+        points: &mut Vec<Point>,
+    ) -> Result<Ending, Lost> {
+        let range = self.mechanics.system.law().range;
+        let mut here = Place {
+            knot: from,
+            counts: None,
+        };
+        if begins {
+            let State {
+                amplitudes,
+                mean_displacement,
+                ..
+            } = here.knot.state.clone();
+            let arc = here.knot.arc;
+            here = self.place(amplitudes, mean_displacement, &here.knot.tangent)?;
+            here.knot.arc = arc;
+            points.push(here.point());
+        }
+        let mut behind: Option<Knot> = None;
+        let mut step = FIRST * range;
+        while points.len() < POINTS {
+            let found = self.step(behind.as_ref(), &here, step);
+            let resolved = match found {
+                Err(Lost::Cancelled) => return Err(Lost::Cancelled),
+                Err(_) => None,
+                // Two events of one step that hide each other are told apart by a shorter one.
+                Ok((next, _)) if step > APART * range && hidden(&here, &next) => None,
+                Ok(found) => Some(found),
+            };
+            let Some((next, error)) = resolved else {
+                step *= 0.4;
+                if step < SHORTEST * range {
+                    return Err(Lost::Gone);
+                }
+                continue;
+            };
+            let longer = (AIM * range / error.max(1e-12 * range)).powf(0.3);
+            step = (step * longer.clamp(0.4, 2.0)).min(LONGEST * range);
+            (self.report)(&next.knot);
+            points.extend(self.events(&here, &next)?);
+            points.push(next.point());
+            match end(&here.knot, &next.knot) {
+                Ok(longest) => step = step.min(longest),
+                Err(ending) => return Ok(ending),
+            }
+            behind = Some(std::mem::replace(&mut here, next).knot);
+        }
+        Ok(Ending::Budget)
+    }
+
+    /// The place a step onwards, and the error of its prediction (length).
+    fn step(
+        &mut self,
+        behind: Option<&Knot>,
+        here: &Place,
+        step: f64,
+    ) -> Result<(Place, f64), Lost> {
+        let here = &here.knot;
+        let (guess, u0) = predict(behind, here, step);
+        let mut next = self.place(guess.clone(), u0, &here.tangent)?;
+        let error = distance(&guess, u0, &next.knot.state);
+        let State {
+            mean_displacement,
+            amplitudes,
+            ..
+        } = &here.state;
+        let chord = distance(amplitudes, *mean_displacement, &next.knot.state);
+        let turned = dot(&next.knot.tangent, &here.tangent);
+        // An arc is longer than its chord by 1/24 of the square of its angle.
+        next.knot.arc = here.arc + chord * (1.0 + (1.0 - turned).max(0.0) / 12.0);
+        let on = error < STRAY * step && turned > TURN && self.balanced(here, &next.knot);
+        on.then_some((next, error)).ok_or(Lost::Gone)
+    }
+
+    fn place(&mut self, z: Vec<f64>, u0: f64, direction: &[f64]) -> Result<Place, Lost> {
+        let (knot, fields) = self.mechanics.knot(z, u0, direction)?;
+        let counts = self
+            .index
+            .count(self.mechanics, &knot.state.amplitudes, &fields)?;
+        Ok(Place {
+            knot,
+            counts: Some(counts),
+        })
+    }
+
+    /// Along a branch dV = stress du0: a step across to another branch pays with energy.
+    fn balanced(&self, a: &Knot, b: &Knot) -> bool {
+        let h = b.arc - a.arc;
+        let work = [a, b].map(|knot| knot.state.stress * knot.rate() * h);
+        let missing = (b.state.energy - a.state.energy - 0.5 * (work[0] + work[1])).abs();
+        let law = self.mechanics.system.law();
+        missing
+            <= AUDIT[0] * (work[0] - work[1]).abs() + AUDIT[1] * law.surface_energy * h / law.range
+    }
+
+    /// Folds and bifurcations between two places, in their order.
+    fn events(&mut self, a: &Place, b: &Place) -> Result<Vec<Point>, Lost> {
+        let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
+            return Ok(Vec::new());
+        };
+        let rates = [a.knot.rate(), b.knot.rate()];
+        let fold = rates[0] * rates[1] < 0.0;
+        // Each with the change of the index.
+        let mut found: Vec<(Point, isize)> = Vec::new();
+        for class in before.classes() {
+            let (from, to) = (before.of(class), after.of(class));
+            let change = before.copies(class) as isize * if to > from { 1 } else { -1 };
+            let mut ranks = from.min(to)..from.max(to);
+            if fold && class == 0 {
+                // One of the pattern's own modes changes its sign there.
+                ranks.next_back();
+                let rate = |tracer: &mut Self, s: f64| {
+                    let (knot, _) = tracer.between(&a.knot, &b.knot, s)?;
+                    Ok((knot.rate(), knot))
+                };
+                let knot = self.zero([&a.knot, &b.knot], rates.map(Some), rate)?;
+                found.push((
+                    knot.point(Kind::Fold, [0; 2]),
+                    change * isize::from(from != to),
+                ));
+            }
+            for rank in ranks {
+                let point = self.bifurcation([&a.knot, &b.knot], [class, rank], from > to)?;
+                found.push((point, change));
+            }
+        }
+        found.sort_by(|(p, _), (q, _)| p.arc.total_cmp(&q.arc));
+        let mut index = before.total();
+        let counted = found.into_iter().map(|(point, change)| {
+            let after = index.saturating_add_signed(change);
+            Point {
+                index: [std::mem::replace(&mut index, after), after],
+                ..point
+            }
+        });
+        Ok(counted.collect())
+    }
+
+    /// Where the eigenvalue of a class with so many smaller ones vanishes between two knots.
+    fn bifurcation(
+        &mut self,
+        [a, b]: [&Knot; 2],
+        which: [usize; 2],
+        rises: bool,
+    ) -> Result<Point, Lost> {
+        let mut mode = Vec::new();
+        // Rising by the way; only the sign is known at the knots.
+        let sign = if rises { 1.0 } else { -1.0 };
+        let value = |tracer: &mut Self, s: f64| {
+            let (knot, fields) = tracer.between(a, b, s)?;
+            let Tracer {
+                mechanics, index, ..
+            } = tracer;
+            let (value, found) =
+                index.eigenvalue(mechanics, &knot.state.amplitudes, &fields, which)?;
+            mode = found;
+            Ok((sign * value, knot))
+        };
+        let knot = self.zero([a, b], [None; 2], value)?;
+        Ok(Point {
+            class: self.index.class(which[0]),
+            mode,
+            ..knot.point(Kind::Bifurcation, [0; 2])
+        })
+    }
+
+    /// The zero between two knots of a `value` of opposite signs there, which may be unknown
+    /// (negative first): by secants, and by halves where they creep.
+    fn zero(
+        &mut self,
+        [a, b]: [&Knot; 2],
+        ends: [Option<f64>; 2],
+        mut value: impl FnMut(&mut Self, f64) -> Result<(f64, Knot), Lost>,
+    ) -> Result<Knot, Lost> {
+        let goal = LOCATED * self.mechanics.system.law().range;
+        let mut bracket = [(a.arc, ends[0]), (b.arc, ends[1])];
+        let first = ends[0].unwrap_or(-1.0);
+        let mut best = None;
+        for trial in 0..TRIALS {
+            let [low, high] = bracket;
+            let s = match slope(bracket) {
+                Some((slope, value)) if trial % 3 != 2 => low.0 - value / slope,
+                _ => 0.5 * (low.0 + high.0),
+            };
+            let (v, at) = value(self, s)?;
+            best = Some(at);
+            bracket[usize::from(v * first <= 0.0)] = (s, Some(v));
+            let left = slope(bracket).map_or(f64::INFINITY, |(slope, _)| (v / slope).abs());
+            if left < goal || bracket[1].0 - bracket[0].0 < goal {
+                break;
+            }
+        }
+        best.ok_or(Lost::Gone)
+    }
+
+    /// The branch between two knots at arc length `s`.
+    fn between(&mut self, a: &Knot, b: &Knot, s: f64) -> Result<(Knot, Fields), Lost> {
+        let (guess, u0) = Knot::between(a, b, s);
+        let nearer = if s - a.arc < b.arc - s { a } else { b };
+        let (mut knot, fields) = self.mechanics.knot(guess, u0, &nearer.tangent)?;
+        knot.arc = s;
+        Ok((knot, fields))
+    }
+}
+
+/// Slope of a bracket whose values are known, and the value at its low end.
+fn slope([low, high]: [(f64, Option<f64>); 2]) -> Option<(f64, f64)> {
+    let (a, b) = (low.1?, high.1?);
+    Some(((b - a) / (high.0 - low.0), a))
+}
+
+/// True if a fold between two places hides, or hides itself behind, a change among the pattern's
+/// own modes.
+fn hidden(a: &Place, b: &Place) -> bool {
+    let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
+        return false;
+    };
+    let fold = a.knot.rate() * b.knot.rate() < 0.0;
+    let changes = before.of(0).abs_diff(after.of(0));
+    fold && changes != 1
+}
+
+impl Place {
+    fn point(&self) -> Point {
+        let total = self.counts.as_ref().map_or(0, Counts::total);
+        self.knot.clone().point(Kind::Regular, [total; 2])
+    }
+}
+
+impl Knot {
+    fn point(self, kind: Kind, index: [usize; 2]) -> Point {
+        Point {
+            kind,
+            index,
+            arc: self.arc,
+            rates: [self.rate(), self.stress_rate],
+            residual: self.residual,
+            state: self.state,
+            pattern: Pattern::Other,
+            class: None,
+            mode: Vec::new(),
+        }
+    }
+}
+
+/// Hermite extrapolation from two knots, or along the tangent of one.
+fn predict(behind: Option<&Knot>, here: &Knot, step: f64) -> (Vec<f64>, f64) {
+    if let Some(behind) = behind {
+        return Knot::between(behind, here, here.arc + step);
+    }
+    let mut z = here.state.amplitudes.clone();
+    add(&mut z, step, &here.tangent);
+    z[0] = 0.0;
+    (z, here.state.mean_displacement + step * here.rate())
+}
+
+/// Root mean square distance of two surfaces.
+fn distance(z: &[f64], u0: f64, from: &State) -> f64 {
+    let mut d = z.to_vec();
+    add(&mut d, -1.0, &from.amplitudes);
+    d[0] = u0 - from.mean_displacement;
+    dot(&d, &d).sqrt()
+}

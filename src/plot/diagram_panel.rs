@@ -1,0 +1,176 @@
+//! A diagram of branches: mean stress against mean displacement, x = u0/rho and y =
+//! stress/sigma_max, tension positive. Stable pieces are solid, unstable ones dashed, a fold is a
+//! square, a bifurcation a circle, equal energies are a diamond.
+
+use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use crate::follow::diagram::{Branch, Diagram, Kind, Point};
+use crate::physics::law::Law;
+use crate::physics::pattern::Pattern;
+
+/// Points of a curve between two computed ones.
+const BETWEEN: usize = 8;
+/// What is left free at the ends of both axes, in shares of what is shown.
+const MARGIN: [f64; 2] = [0.02, 0.06];
+/// Stable pieces narrower than this share of the axis bear no name, which would not fit.
+const NAMED: f64 = 0.05;
+
+/// The picture of a diagram under the scene's title.
+pub fn page(diagram: &Diagram, law: &Law, title: &str) -> Page<'static> {
+    let mut caption = vec![counts(diagram)];
+    caption.extend(
+        diagram
+            .missing
+            .iter()
+            .map(|words| format!("Missing: {words}.")),
+    );
+    if diagram.cancelled {
+        caption.push("Stopped before all was found.".to_owned());
+    }
+    Page::new(title, caption, vec![diagram_panel(diagram, law)])
+}
+
+/// What was found, in words.
+pub fn counts(diagram: &Diagram) -> String {
+    let many = |count: usize, one: &str, more: &str| {
+        format!("{count} {}", if count == 1 { one } else { more })
+    };
+    let of = |kind: Kind| diagram.events().filter(|(_, p)| p.kind == kind).count();
+    format!(
+        "{}, {}, {}, {} of equal energy",
+        many(diagram.branches.len(), "branch", "branches"),
+        many(of(Kind::Fold), "fold", "folds"),
+        many(of(Kind::Bifurcation), "bifurcation", "bifurcations"),
+        many(diagram.equal_energies.len(), "pair", "pairs"),
+    )
+}
+
+/// The diagram itself.
+pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
+    let shown = |u0: f64, stress: f64| [u0 / law.range, stress / law.traction_max()];
+    let at = |p: &Point| shown(p.state.mean_displacement, p.state.stress);
+    let places = |kind: Kind| {
+        let of_kind = diagram.events().filter(|(_, p)| p.kind == kind);
+        of_kind.map(|(_, p)| at(p)).collect::<Vec<_>>()
+    };
+    let equal = diagram.equal_energies.iter();
+    let equal = equal
+        .flat_map(|e| e.stresses.map(|stress| shown(e.mean_displacement, stress)))
+        .collect();
+    let curves: Vec<Series> = diagram
+        .branches
+        .iter()
+        .flat_map(|branch| pieces(branch, law))
+        .collect();
+    let symbols = |name: &str, symbol: Symbol, points: Vec<[f64; 2]>| {
+        Series::symbols(name, symbol, Colour::Ink, points)
+    };
+    let marks = [
+        symbols("fold", Symbol::Square, places(Kind::Fold)),
+        symbols("bifurcation", Symbol::Circle, places(Kind::Bifurcation)),
+        symbols("equal energy", Symbol::Diamond, equal).filled(),
+    ];
+    let [x, y] = [0, 1].map(|k| {
+        let values = curves.iter().flat_map(|s| &s.points).map(|p| p[k]);
+        let (low, high) = values
+            .filter(|v| v.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+                (a.min(v), b.max(v))
+            });
+        let [low, high] = if low < high { [low, high] } else { [0.0, 1.0] };
+        let room = MARGIN[k] * (high - low);
+        [low - room, high + room]
+    });
+    let width = x[1] - x[0];
+    Panel {
+        x: Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
+        y: Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+        labels: diagram
+            .branches
+            .iter()
+            .flat_map(|branch| names(branch, width, &at))
+            .collect(),
+        series: curves
+            .into_iter()
+            .chain(marks.into_iter().filter(|s| !s.points.is_empty()))
+            .collect(),
+        ..Panel::default()
+    }
+}
+
+/// Colour of a branch, and its name in the legend.
+fn look(branch: &Branch) -> (Colour, &'static str) {
+    let name = branch.name.split('_').next().unwrap_or_default();
+    match name {
+        "flat" => (Colour::FLAT, "flat state"),
+        "ridge" => (Colour::Green, "ridge"),
+        "square" => (Colour::Purple, "square pattern"),
+        "mixed" => (Colour::Red, "mixed state"),
+        _ => (Colour::Teal, "states"),
+    }
+}
+
+/// A branch as stable and unstable curves.
+fn pieces(branch: &Branch, law: &Law) -> Vec<Series> {
+    let (colour, name) = look(branch);
+    let mut pieces: Vec<Series> = Vec::new();
+    for pair in branch.points.windows(2) {
+        let stable = pair[0].index[1] == 0;
+        let role = if stable {
+            Role::Simulation
+        } else {
+            Role::Unstable
+        };
+        let curve = (0..=BETWEEN).map(|i| between(&pair[0], &pair[1], i, law));
+        match pieces.last_mut() {
+            Some(piece) if piece.role == role => piece.points.extend(curve.skip(1)),
+            _ => {
+                let name = format!("{name}{}", if stable { "" } else { ", unstable" });
+                pieces.push(Series::line(&name, role, colour, curve.collect()));
+            }
+        }
+    }
+    pieces
+}
+
+/// u0/rho and stress/sigma_max at a share `i` of the way between two points: cubics in the arc
+/// length.
+fn between(a: &Point, b: &Point, i: usize, law: &Law) -> [f64; 2] {
+    let (h, t) = (b.arc - a.arc, i as f64 / BETWEEN as f64);
+    let cubic = |a: f64, b: f64, rate_a: f64, rate_b: f64| {
+        let rise = b - a;
+        let (p, q) = (rate_a * h, rate_b * h);
+        a + t * (p + t * (3.0 * rise - 2.0 * p - q + t * (p + q - 2.0 * rise)))
+    };
+    let (s, z) = (&a.state, &b.state);
+    let u0 = cubic(
+        s.mean_displacement,
+        z.mean_displacement,
+        a.rates[0],
+        b.rates[0],
+    );
+    let stress = cubic(s.stress, z.stress, a.rates[1], b.rates[1]);
+    [u0 / law.range, stress / law.traction_max()]
+}
+
+/// The pattern in the middle of each stable piece that is wide enough.
+fn names(branch: &Branch, width: f64, at: &dyn Fn(&Point) -> [f64; 2]) -> Vec<Label> {
+    let (colour, _) = look(branch);
+    let unnamed = [Pattern::Flat, Pattern::Other];
+    let stable = |p: &Point| p.index.contains(&0) && !unnamed.contains(&p.pattern);
+    branch
+        .points
+        .chunk_by(|a, b| stable(a) == stable(b) && a.pattern == b.pattern)
+        .filter(|piece| stable(&piece[0]))
+        .filter_map(|piece| {
+            let (first, last) = (at(&piece[0]), at(&piece[piece.len() - 1]));
+            let middle = at(&piece[piece.len() / 2]);
+            let wide = (first[0] - last[0]).abs() > NAMED * width;
+            wide.then(|| Label {
+                at: middle,
+                text: piece[0].pattern.word().to_owned(),
+                colour,
+                side: [1, 1],
+            })
+        })
+        .collect()
+}
