@@ -6,8 +6,10 @@ use super::{
     tell_replaced, unwritten, warn,
 };
 use crate::plot::chart_panel::page;
+use crate::storage::export::write_chart_csv;
 use crate::storage::folder::Folder;
-use crate::storage::{Failure, chart as table, drawing, presets, scene_file};
+use crate::storage::summary::write_chart_json;
+use crate::storage::{Failure, drawing, presets, scene_file};
 use crate::study::chart::{Chart, Effort, News, Verdict, run};
 
 /// What is written, the file that says that all is there last.
@@ -48,10 +50,10 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
     let page = page(&chart, &scene.title);
     let written = [
-        table::write_chart_csv(&csv, &chart),
+        write_chart_csv(&csv, &chart),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page),
-        table::write_chart_json(&json, &arguments.scene, &scene, &chart),
+        write_chart_json(&json, &arguments.scene, &scene, &chart),
     ];
     let failures: Vec<Failure> = written.into_iter().filter_map(Result::err).collect();
     let code = exit_code(&chart, &arguments.out);

@@ -11,7 +11,7 @@ use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
-use crate::storage::{Failure, drawing as paint};
+use crate::storage::{Failure, drawing, export};
 use crate::worker::figures::{self, Progress};
 use std::path::Path;
 
@@ -207,7 +207,7 @@ fn report(gathered: &Gathered, size: Size, cancel: &Cancel, out: &Folder) -> Vec
         missing,
     };
     let written = [
-        paint::write_findings_csv(&findings, of_figures.chain(of_tables)),
+        export::write_findings_csv(&findings, of_figures.chain(of_tables)),
         write_report(&page, &report),
     ];
     written.into_iter().filter_map(Result::err).collect()
@@ -239,9 +239,9 @@ fn is_of(stem: &str, name: &str) -> bool {
 fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("{}.{end}", stem(figure.number)));
     let written = [
-        paint::write_figure_csv(&name("csv"), figure),
-        paint::write_page_svg(&name("svg"), &figure.page()),
-        paint::write_page_png(&name("png"), &figure.page()),
+        export::write_figure_csv(&name("csv"), figure),
+        drawing::write_page_svg(&name("svg"), &figure.page()),
+        drawing::write_page_png(&name("png"), &figure.page()),
     ];
     written.into_iter().filter_map(Result::err).collect()
 }
@@ -316,9 +316,9 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
 fn write_table(out: &Folder, table: &Table) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("table-{}.{end}", table.number));
     let written = [
-        paint::write_table_csv(&name("csv"), table),
-        paint::write_table_svg(&name("svg"), table),
-        paint::write_table_png(&name("png"), table),
+        export::write_table_csv(&name("csv"), table),
+        drawing::write_table_svg(&name("svg"), table),
+        drawing::write_table_png(&name("png"), table),
     ];
     written.into_iter().filter_map(Result::err).collect()
 }

@@ -10,13 +10,12 @@ mod figure;
 mod progress;
 mod report;
 mod run;
-mod window;
 
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::storage::{Failure, files, line, presets, process, scene_file};
+use crate::storage::{Failure, files, line, presets, scene_file};
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -272,17 +271,41 @@ fn tell_replaced(count: usize, folder: &std::path::Path) {
     }
 }
 
+// The way to the window: the one place outside `ui` that asks for the feature `gui`.
+
+/// Why there is no window.
+enum NoWindow {
+    /// Nothing to open it on.
+    NoDisplay(String),
+    /// There is a display, yet it did not open.
+    #[cfg_attr(not(feature = "gui"), expect(dead_code, reason = "needs a window"))]
+    Broken(String),
+}
+
+/// Opens the window and returns when it is closed.
+#[cfg(feature = "gui")]
+fn open_window() -> Result<(), NoWindow> {
+    crate::ui::display_available().map_err(NoWindow::NoDisplay)?;
+    crate::ui::run().map_err(NoWindow::Broken)
+}
+
+/// Says that there is none in this build.
+#[cfg(not(feature = "gui"))]
+fn open_window() -> Result<(), NoWindow> {
+    Err(NoWindow::NoDisplay("this build has none".to_owned()))
+}
+
 /// The window, or where there is no display the default scene without it.
 fn window_or_default_scene() -> u8 {
-    match window::open() {
+    match open_window() {
         Ok(()) => DONE,
-        Err(window::NoWindow::Broken(reason)) => {
+        Err(NoWindow::Broken(reason)) => {
             warn(format_args!(
                 "the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"
             ));
             BAD_INPUT
         }
-        Err(window::NoWindow::NoDisplay(reason)) => {
+        Err(NoWindow::NoDisplay(reason)) => {
             warn(format_args!(
                 "no window here ({reason}): running the scene fig2 into tackscope-out/ instead"
             ));
@@ -305,8 +328,9 @@ fn window_or_default_scene() -> u8 {
 /// A token that the first request from outside raises; one that comes later than a moment after it
 /// ends the program at once.
 fn cancel_on_signal() -> Cancel {
+    let status = files::read_bytes(Path::new("/proc/self/status"), 1 << 16).unwrap_or_default();
     signals::cancel_on_signal(
-        process::ignored_signals(),
+        &String::from_utf8_lossy(&status),
         files::at_rest,
         i32::from(INTERRUPTED),
     )

@@ -9,7 +9,10 @@ use crate::plot::loop_panel::tests::{invented_loop, law};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Role, Series, Symbol};
 use crate::plot::{chart_panel, loop_panel};
 use crate::scene::Model;
-use crate::storage::chart::tests::invented;
+use crate::storage::export::tests::invented;
+use crate::storage::export::{
+    FIGURE_COLUMNS, write_figure_csv, write_findings_csv, write_table_csv,
+};
 use crate::study::chart::Chart;
 use ndarray::Array2;
 
