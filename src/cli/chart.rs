@@ -127,6 +127,7 @@ fn closing_words(arguments: &ChartArguments, chart: &Chart) -> String {
         arguments.out.display(),
     );
     format!(
-        "{points} points measured, {failed} of them failed in a way that is named, {skipped} skipped: written to {out}"
+        "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
+         skipped: written to {out}"
     )
 }

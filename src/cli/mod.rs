@@ -44,8 +44,9 @@ const SECONDS_MAX: f64 = 1e6;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not converged, 130 interrupted by Ctrl-C, SIGTERM \
-                  or SIGHUP (3 and 130: what was computed is written)."
+    after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not \
+        converged, 130 interrupted by Ctrl-C, SIGTERM or SIGHUP (3 and 130: what was computed is \
+        written)."
 )]
 struct CommandLine {
     #[command(subcommand)]
@@ -129,7 +130,13 @@ struct ChartArguments {
     #[arg(long)]
     quick: bool,
     /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
-    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 180.0,
+        conflicts_with = "quick"
+    )]
+    #[arg(value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 }
 
@@ -151,7 +158,8 @@ struct RunArguments {
     #[arg(long, value_enum, default_value_t = Asked(None))]
     model: Asked,
     /// Seed in place of the scene's: it chooses between equivalent patterns
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Points a side in place of the scene's (a line cell stays a line)
     #[arg(long, value_name = "N")]
@@ -301,7 +309,8 @@ fn window_or_default_scene() -> u8 {
         Ok(()) => DONE,
         Err(NoWindow::Broken(reason)) => {
             warn(format_args!(
-                "the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"
+                "the window could not be opened ({reason}): try tackscope run fig2 --out DIR \
+                 instead"
             ));
             BAD_INPUT
         }

@@ -348,8 +348,11 @@ fn is_gap_picture(name: &str) -> bool {
         .unwrap_or_default()
         .split('-')
         .collect();
-    matches!(parts.as_slice(), [number, "approach" | "retraction", pattern]
-        if number.parse::<usize>().is_ok() && [Flat, Bulge, Ridge, Dimple, Contact, Other].iter().any(|p| p.word() == *pattern))
+    let [number, "approach" | "retraction", pattern] = parts[..] else {
+        return false;
+    };
+    let patterns = [Flat, Bulge, Ridge, Dimple, Contact, Other];
+    number.parse::<usize>().is_ok() && patterns.iter().any(|p| p.word() == pattern)
 }
 
 #[cfg(test)]

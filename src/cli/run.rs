@@ -182,7 +182,8 @@ fn compare(
             } => {
                 code = NOT_CONVERGED;
                 warn(format_args!(
-                    "the verification did not converge at u0 = {mean_displacement}: {reason}: the error is not known"
+                    "the verification did not converge at u0 = {mean_displacement}: {reason}: the \
+                     error is not known"
                 ));
             }
         }

@@ -14,8 +14,9 @@ use crate::scene::{Scene, Turn};
 pub(super) const ENTRY: Entry = Entry {
     number: 10,
     title: "The dimple: p(u₀) tends to one curve as the range shrinks",
-    look_for: "In units of the cell and the surface energy both ranges fall on nearly one curve, that of an adhesion without range. \
-               Watch the dimple end: on the way up it stretches into a ridge long before its own fold.",
+    look_for: "In units of the cell and the surface energy both ranges fall on nearly one curve, \
+        that of an adhesion without range. Watch the dimple end: on the way up it stretches into a \
+        ridge long before its own fold.",
     scene: scenes::figure_2,
     compute,
 };
@@ -95,13 +96,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (small, large) = (scenes::figure_2(), scenes::figure_3());
     let wide = dimple(&small, 64, &mut task.part(0.0, 0.1))?;
     let narrow = dimple(&large, task.choose(192, 256), &mut task.part(0.1, 1.0))?;
-    Ok(Figure {
-        number: 10,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel(&wide, &narrow)],
-        words: words(&wide, &narrow),
-        findings: findings(&wide, &narrow),
-    })
+    Ok(ENTRY.figure(
+        vec![panel(&wide, &narrow)],
+        words(&wide, &narrow),
+        findings(&wide, &narrow),
+    ))
 }
 
 /// u~ where the dimple ends.
@@ -164,10 +163,12 @@ fn words(wide: &Branch, narrow: &Branch) -> String {
     let [low, high] = COMPARED;
     let pattern = circular::dimple();
     format!(
-        "The dimple's pressure against displacement in reduced units, where an adhesion without range has one curve for all cells. It \
-         is left by at most {far:.3} (ρ̃ = {:.4}) and {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow \
-         p̃ = -(1.7930 ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its fold at ũ₀ = {:.4}, but \
-         stretches already at {:.3}; with range it ends at {:.3} and {:.3}.",
+        "The dimple's pressure against displacement in reduced units, where an adhesion without \
+         range has one curve for all cells. It is left by at most {far:.3} (ρ̃ = {:.4}) and \
+         {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow p̃ = -(1.7930 \
+         ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its \
+         fold at ũ₀ = {:.4}, but stretches already at {:.3}; with range it ends at {:.3} and \
+         {:.3}.",
         wide.range,
         narrow.range,
         pattern.fold().displacement,
@@ -180,15 +181,8 @@ fn words(wide: &Branch, narrow: &Branch) -> String {
 fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
     let (far, near) = (deviation(wide), deviation(narrow));
     let [low, high] = COMPARED;
-    let finding = |quantity: String, found, expected, source: &str, tolerance| Finding {
-        quantity,
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance,
-    };
     vec![
-        finding(
+        Finding::new(
             format!(
                 "largest |p̃ - exact| on {low} < ũ₀ < {high}, ρ̃ = {:.4}",
                 wide.range
@@ -198,7 +192,7 @@ fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
             "no range",
             None,
         ),
-        finding(
+        Finding::new(
             format!(
                 "the same, ρ̃ = {:.4}: less than three quarters of it",
                 narrow.range
@@ -208,15 +202,15 @@ fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
             "no range",
             Some(0.75 * far),
         ),
-        finding(
+        Finding::new(
             format!("ũ₀ where the dimple ends, ρ̃ = {:.4}", narrow.range),
             end(narrow),
             circular::dimple().elliptic_limit().displacement,
             "it stretches, no range",
             None,
         ),
-        finding(
-            "ũ₀ of the fold of a round dimple".to_owned(),
+        Finding::new(
+            "ũ₀ of the fold of a round dimple",
             circular::dimple().fold().displacement,
             0.4891,
             "radial fold, boundary elements",

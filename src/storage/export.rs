@@ -14,8 +14,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// First line of `loop.csv`.
-pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,\
-    residual,stiffness_min,energy,model,milliseconds";
+pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,\
+    pattern,residual,stiffness_min,energy,model,milliseconds";
 
 /// First line of `events.csv`.
 pub const EVENT_COLUMNS: &str = "branch,mean_displacement,from,to,released_energy,cause";
@@ -479,7 +479,10 @@ pub(super) mod tests {
             lines[1]
         );
         assert!(
-            lines[4].contains(",NaN: time step beyond its limit,\"NaN: time step beyond its limit, with \"\"quotes\"\"\""),
+            lines[4].contains(
+                ",NaN: time step beyond its limit,\"NaN: time step beyond its limit, \
+                with \"\"quotes\"\"\""
+            ),
             "{}",
             lines[4]
         );

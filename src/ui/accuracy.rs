@@ -16,7 +16,13 @@ const NEAR: f32 = 10.0;
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     controls(ui, state, actions);
     let Some(chart) = state.chart.as_ref().and_then(|job| job.so_far.as_ref()) else {
-        ui.label(RichText::new("Every method on this scene's loop, against a finer solution. Quick takes half a minute.").weak());
+        ui.label(
+            RichText::new(
+                "Every method on this scene's loop, against a finer solution. Quick \
+            takes half a minute.",
+            )
+            .weak(),
+        );
         return;
     };
     let drawn = ChartPanel::new(&chart.rows, chart.floor, state.view.cost);

@@ -305,7 +305,8 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         (
             None,
             "plan",
-            "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry",
+            "the least that meets the accuracy: a quarter wherever patterns keep their mirror \
+             symmetry",
         ),
         (Some(Strategy::WHOLE), "whole cell", "nothing is left out"),
         (

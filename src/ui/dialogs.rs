@@ -296,16 +296,25 @@ fn help(ctx: &Context, actions: &mut Vec<Action>) {
         .open(&mut open)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .show(ctx, |ui| {
-            egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-                for (key, what) in keys::SHEET {
-                    ui.label(RichText::new(key).strong());
-                    ui.label(what);
-                    ui.end_row();
-                }
-            });
+            egui::Grid::new("keys")
+                .num_columns(2)
+                .spacing([18.0, 4.0])
+                .show(ui, |ui| {
+                    for (key, what) in keys::SHEET {
+                        ui.label(RichText::new(key).strong());
+                        ui.label(what);
+                        ui.end_row();
+                    }
+                });
             ui.separator();
-            ui.label("u₀ is the mean displacement: down is closer. ◀ approach, ▶ retraction, arrows are jumps.");
-            ui.label("Stress counts positive where the surfaces pull at each other. Dark on the map is contact.");
+            ui.label(
+                "u₀ is the mean displacement: down is closer. ◀ approach, ▶ retraction, \
+                arrows are jumps.",
+            );
+            ui.label(
+                "Stress counts positive where the surfaces pull at each other. Dark on the \
+                map is contact.",
+            );
         });
     if !open {
         actions.push(Action::ToggleHelp);

@@ -13,22 +13,26 @@ const ROWS: usize = 200;
 fn why(cause: Cause) -> &'static str {
     match cause {
         Cause::FlatLimit => {
-            "The flat surface could not stay flat: with depth the pull grew faster there than the longest wave of the cell resists."
+            "The flat surface could not stay flat: with depth the pull grew faster there than the \
+             longest wave of the cell resists."
         }
         Cause::Fold => {
             "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind."
         }
         Cause::SymmetryBreaking => {
-            "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of another symmetry grows."
+            "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of \
+             another symmetry grows."
         }
         Cause::Mesh => {
-            "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such jump."
+            "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such \
+             jump."
         }
         Cause::Transition => {
             "One pattern passes into the other by and by: nothing jumps, and nothing is lost."
         }
         Cause::PatternChange => {
-            "The pattern was another one at the next u₀. This method does not ask where and why it changed."
+            "The pattern was another one at the next u₀. This method does not ask where and why it \
+             changed."
         }
     }
 }

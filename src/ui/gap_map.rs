@@ -6,7 +6,7 @@ use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::{Island, Pattern};
-use crate::plot::extent;
+use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
@@ -43,7 +43,7 @@ impl MapCache {
             return;
         };
         let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let top = extent::gap_scale(&state.scene, &state.model);
+        let top = scale::gap_scale(&state.scene, &state.model);
         let view = state.view;
         let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
             Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
@@ -135,7 +135,8 @@ pub fn show(
         .hover_pos()
         .and_then(|at| reading(state, cache, band, at));
     let resting =
-        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click to free it.".to_owned();
+        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click \
+         to free it.".to_owned();
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -287,7 +288,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         pos2(map.right() + 22.0, map.bottom() - 2.0),
     );
     let rho = state.rho();
-    let top = extent::gap_scale(&state.scene, &state.model) / rho;
+    let top = scale::gap_scale(&state.scene, &state.model) / rho;
     let steps = 64;
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);

@@ -100,16 +100,38 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: bool) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let scene = ui.add_enabled(state.paper.entry().is_some(), egui::Button::new("Open this scene"));
-        if scene.on_hover_text("play this figure by hand, with theory over it (Ctrl+Z brings the old scene back)").clicked() {
+        let scene = ui.add_enabled(
+            state.paper.entry().is_some(),
+            egui::Button::new(
+                "Open this \
+            scene",
+            ),
+        );
+        if scene
+            .on_hover_text(
+                "play this figure by hand, with theory over it (Ctrl+Z brings the \
+            old scene back)",
+            )
+            .clicked()
+        {
             actions.push(Action::OpenPageScene);
         }
         let mut overlay = state.paper.overlay;
-        let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over the live plot";
-        if ui.checkbox(&mut overlay, "Overlay theory").on_hover_text(hover).changed() {
+        let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over \
+            the live plot";
+        if ui
+            .checkbox(&mut overlay, "Overlay theory")
+            .on_hover_text(hover)
+            .changed()
+        {
             actions.push(Action::OverlayTheory(overlay));
         }
-        if !large && ui.button("Enlarge").on_hover_text("a window of its own").clicked() {
+        if !large
+            && ui
+                .button("Enlarge")
+                .on_hover_text("a window of its own")
+                .clicked()
+        {
             actions.push(Action::EnlargePage(true));
         }
     });

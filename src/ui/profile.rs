@@ -6,7 +6,7 @@ use super::gap_picture::GapPicture;
 use super::theme;
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
-use crate::plot::extent;
+use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{
     Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
@@ -56,7 +56,7 @@ fn heights(state: &ViewState) -> (f64, f64) {
     let rho = state.rho();
     match state.model.indenter {
         Indenter::Flat => {
-            let top = extent::gap_scale(&state.scene, &state.model);
+            let top = scale::gap_scale(&state.scene, &state.model);
             (-0.22 * top, 1.22 * top)
         }
         _ => {

@@ -43,7 +43,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         legend(ui, &palette);
     });
     let Some(map) = job.and_then(|job| job.so_far.as_ref()) else {
-        ui.label(RichText::new("Which time steps does GFMD survive on the way down? Measure, and compare with the bound.").weak());
+        ui.label(
+            RichText::new(
+                "Which time steps does GFMD survive on the way down? Measure, and \
+            compare with the bound.",
+            )
+            .weak(),
+        );
         return;
     };
     let (left, right) = (state.axes().0[0], state.axes().1[0]);

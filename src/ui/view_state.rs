@@ -13,8 +13,8 @@ use super::history::History;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
-use crate::plot::extent;
 use crate::plot::loop_panel::{flat_state, loss};
+use crate::plot::scale;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
@@ -96,7 +96,7 @@ impl ViewState {
     /// The scene's first value that is not allowed.
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let limits = extent::limits(&scene, &model);
+        let limits = scale::limits(&scene, &model);
         Ok(Self {
             plots: Plots::new(flat_state(&model, limits.into())),
             scene: Arc::new(scene),
@@ -163,7 +163,7 @@ impl ViewState {
             }
         };
         let at_start = self.target == self.limits.1;
-        self.limits = extent::limits(&scene, &model);
+        self.limits = scale::limits(&scene, &model);
         if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
             self.target = self.limits.1;
         }

@@ -170,7 +170,8 @@ mod tests {
         assert_eq!(done[0], Some(Ok(())));
         assert_eq!(done[1], Some(Err(Stopped::Failed("no".to_owned()))));
         assert!(
-            matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its own"))
+            matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its \
+                own"))
         );
         assert_eq!(done[3], Some(Ok(())));
     }

@@ -370,7 +370,9 @@ impl Session {
                 }
                 sink(Event::Failed(Failure {
                     message: format!("Not converged: {reason}."),
-                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower mu_rho), or another seed.".into(),
+                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower \
+                        mu_rho), or another seed."
+                        .into(),
                 }));
                 self.rest(sink);
             }

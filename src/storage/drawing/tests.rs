@@ -402,13 +402,7 @@ fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
     );
     write_table_png(&out("t.png"), &table).expect("a PNG");
     assert!(image::open(out("t.png")).expect("a picture").width() >= 1600);
-    let finding = |found, tolerance| Finding {
-        quantity: "p".to_owned(),
-        found,
-        expected: 1.0,
-        source: "Eq. 8".to_owned(),
-        tolerance,
-    };
+    let finding = |found, tolerance| Finding::new("p", found, 1.0, "Eq. 8", tolerance);
     let findings = [
         finding(1.25, Some(0.5)),
         finding(3.0, Some(0.5)),

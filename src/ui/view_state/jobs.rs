@@ -179,7 +179,8 @@ impl ViewState {
                 Strategy::Walk(_) => format!("the scene now runs as {point}"),
                 Strategy::Atlas => {
                     format!(
-                        "the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead"
+                        "the scene now runs as {point}; the walk solves what is shown, the atlas \
+                         says what is ahead"
                     )
                 }
             });

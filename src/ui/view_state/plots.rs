@@ -6,8 +6,8 @@ use crate::follow::record::{Direction, LoopRecord};
 use crate::follow::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
-use crate::plot::extent;
 use crate::plot::panel::Series;
+use crate::plot::scale;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
@@ -157,7 +157,7 @@ impl ViewState {
         if let Some(fit) = self.plots.fit {
             return fit;
         }
-        let (low, high) = extent::stress_scale(&self.scene, &self.model);
+        let (low, high) = scale::stress_scale(&self.scene, &self.model);
         let (left, right) = (self.limits.0 / self.rho(), self.limits.1 / self.rho());
         let margin = 0.03 * (right - left);
         ([left - margin, low], [right + margin, high])
@@ -272,7 +272,7 @@ impl ViewState {
             .max(-2.0 * lowest)
             / gamma;
         if top > 0.0 && !(top / self.plots.well_scale > 0.12 && top <= self.plots.well_scale) {
-            self.plots.well_scale = extent::nice(1.2 * top);
+            self.plots.well_scale = scale::nice(1.2 * top);
         }
         self.run.well = Some(well);
     }
