@@ -1,6 +1,6 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask, Tab, ViewOptions};
+use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::view_state::ViewState;
@@ -26,7 +26,8 @@ pub struct App {
     solver: Box<dyn SolverHandle>,
     map: MapCache,
     dialogs: Dialogs,
-    announced: (String, f64),
+    /// When a jump was last announced (seconds).
+    announced: f64,
     /// The file that is being opened.
     opening: Option<(PathBuf, Opening)>,
 }
@@ -54,7 +55,7 @@ impl App {
             solver: Box::new(solver),
             map: MapCache::default(),
             dialogs: Dialogs::new(chooser),
-            announced: (String::new(), f64::NEG_INFINITY),
+            announced: f64::NEG_INFINITY,
             opening: None,
         }
     }
@@ -143,8 +144,9 @@ impl App {
             .last()
             .map(|jump| self.state.say_jump(jump))
             .unwrap_or_default();
-        if words != self.announced.0 && now - self.announced.1 >= ANNOUNCE_EVERY {
-            self.announced = (words, now);
+        let told = &mut self.state.messages.announced;
+        if words != *told && now - self.announced >= ANNOUNCE_EVERY {
+            (*told, self.announced) = (words, now);
         }
     }
 
@@ -186,29 +188,13 @@ impl App {
             .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
-            let whole = ui.available_height();
-            let share = if state.view.tab == Tab::Paper {
-                0.36
-            } else if whole < 600.0 {
-                0.54
-            } else {
-                0.62
-            };
-            let height = (share * whole).max(if state.view.tab == Tab::Paper {
-                215.0
-            } else {
-                230.0
-            });
-            loop_plot::show(ui, state, actions, height);
+            loop_plot::show(ui, state, actions);
             ui.separator();
-            tabs::show(ui, state, actions, &self.announced.0);
+            tabs::show(ui, state, actions);
         });
         CentralPanel::default().show(ui, |ui| {
-            let (width, height) = (ui.available_width(), ui.available_height());
-            let map = (height * 0.76).min(width).max(150.0);
-            gap_map::show(ui, state, &self.map, actions, map);
-            let rest = ui.available_height().clamp(70.0, 300.0);
-            profile::show(ui, state, self.map.picture.as_ref(), rest);
+            gap_map::show(ui, state, actions, &self.map);
+            profile::show(ui, state, self.map.picture.as_ref());
         });
     }
 

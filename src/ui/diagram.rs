@@ -37,17 +37,35 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .y_axis_min_width(30.0)
 }
 
-/// Such a plot in the rest of the space; its axes lose their names where there is little of it.
-pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
+/// Such a plot in the rest of the space, with the names of its axes, which it loses where there is
+/// little of it; `hover` says in words where the pointer is (x, y).
+pub fn small<'a>(
+    ui: &Ui,
+    id: &'static str,
+    [x, y]: [&'static str; 2],
+    hover: impl Fn(f64, f64) -> String + 'a,
+) -> Plot<'a> {
     let height = ui.available_height().max(80.0);
     let plot = fixed(id)
         .height(height)
-        .grid_color(ui.visuals().text_color().gamma_multiply(0.45));
+        .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
+        .x_grid_spacer(|input| grid(input, 7.0))
+        .label_formatter(move |at| {
+            let [x, y] = pointed(at);
+            Some(hover(x, y))
+        });
     if height < NAMED {
         plot
     } else {
         plot.x_axis_label(x).y_axis_label(y)
     }
+}
+
+/// Where the pointer is.
+fn pointed(at: &HoverPosition<'_>) -> [f64; 2] {
+    let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
+        at;
+    [position.x, position.y]
 }
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes
@@ -147,9 +165,8 @@ pub fn show(
         .x_axis_formatter(move |mark, _| across.word(mark))
         .y_axis_formatter(move |mark, _| up.word(mark))
         .label_formatter(move |at| {
-            let (HoverPosition::NearDataPoint { position: p, .. }
-            | HoverPosition::Elsewhere { position: p }) = at;
-            hover(value(x, p.x), value(y, p.y))
+            let [across, up] = pointed(at);
+            hover(value(x, across), value(y, up))
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([x.low, y.low], [x.high, y.high]));

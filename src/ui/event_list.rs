@@ -1,4 +1,4 @@
-//! The list of jumps, newest first. `announced` is the jump last read aloud.
+//! The list of jumps, newest first.
 
 use super::action::Action;
 use super::theme;
@@ -41,7 +41,7 @@ fn why(cause: Cause) -> &'static str {
 const NARROW: f32 = 350.0;
 
 /// Sum and table.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
     let sum = ui.label(
         RichText::new(format!(
@@ -54,13 +54,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
     // Invisible, only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(sum.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
-        node.set_description(announced.to_owned());
+        node.set_description(state.messages.announced.clone());
     });
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());
         return;
     }
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     let selected = state
         .run
         .selection

@@ -5,15 +5,15 @@ use super::gap_map;
 use super::gap_picture::GapPicture;
 use super::theme;
 use super::view_state::ViewState;
+use super::widgets::described;
 use crate::physics::indenter::Indenter;
 use crate::plot::scale;
 use crate::plot::ticks;
-use egui::{
-    Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-/// Draws the profile over the width and height given.
-pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height: f32) {
+/// Draws the profile in the rest of the column.
+pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
+    let height = ui.available_height().clamp(70.0, 300.0);
     let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
     let (low, high) = heights(state);
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height
         None => "Profile: waiting for the solver …".to_owned(),
     };
     let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    described(&response, &name);
     ui.painter()
         .rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
     if let (Some(picture), Some(cut)) = (picture, cut) {
@@ -109,7 +109,7 @@ fn bodies(
     };
     let soft = along(&|i| gap[i] + height[i]);
     let rigid = along(&|i| height[i]);
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     fill(ui, &soft, frame.top(), palette.elastomer);
     fill(ui, &rigid, frame.bottom(), palette.indenter);
     let painter = ui.painter().with_clip_rect(frame);

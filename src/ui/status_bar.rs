@@ -14,7 +14,7 @@ use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     if let Some(failure) = &state.messages.failure {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("⚠").color(palette.warn).strong());
@@ -44,14 +44,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         model(ui, state);
         if let Some(live) = &state.plots.live {
             part(ui, "");
-            let colour = theme::palette(theme::ground(ui)).live;
+            let colour = theme::palette(ui).live;
             ui.label(RichText::new(live.words()).color(colour));
         }
     });
 }
 
 fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
     ui.label(RichText::new(now.pattern.word()).strong());
     let (text, colour) = if relaxing {

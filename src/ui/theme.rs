@@ -53,8 +53,13 @@ pub fn ground(ui: &egui::Ui) -> Ground {
     }
 }
 
+/// The colours of the present theme.
+pub fn palette(ui: &egui::Ui) -> Palette {
+    palette_on(ground(ui))
+}
+
 /// The colours on a ground.
-pub fn palette(ground: Ground) -> Palette {
+pub fn palette_on(ground: Ground) -> Palette {
     let of = |colour: Colour| rgb(colour.on(ground));
     let pick = |light: Rgb, dark: Rgb| rgb(if ground == Ground::Dark { dark } else { light });
     Palette {

@@ -9,7 +9,6 @@ pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 
 use super::action::{Tab, ViewOptions};
-use super::history::History;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
@@ -77,6 +76,8 @@ pub struct Messages {
     pub notice: Option<String>,
     /// True until the first jump.
     pub hint: bool,
+    /// The jump that was last read aloud.
+    pub announced: String,
 }
 
 /// What the solver was told; a command is the difference to what the window shows.
@@ -115,6 +116,7 @@ impl ViewState {
                 failure: None,
                 notice: None,
                 hint: true,
+                announced: String::new(),
             },
             view: ViewOptions::default(),
             history: History::default(),
@@ -395,5 +397,60 @@ impl ViewState {
             jump.released_energy,
             jump.cause_words()
         )
+    }
+}
+
+/// Most edits that can be taken back.
+const DEPTH: usize = 200;
+
+/// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
+/// however many values it passes.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    undo: Vec<Arc<Scene>>,
+    redo: Vec<Arc<Scene>>,
+    in_gesture: bool,
+}
+
+impl History {
+    /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
+    pub fn remember(&mut self, before: Arc<Scene>) {
+        if !self.in_gesture {
+            self.undo.push(before);
+            if self.undo.len() > DEPTH {
+                self.undo.remove(0);
+            }
+        }
+        self.in_gesture = true;
+        self.redo.clear();
+    }
+
+    /// The pointer is up: the next edit is another one.
+    pub fn end_gesture(&mut self) {
+        self.in_gesture = false;
+    }
+
+    /// The scene before `present`, if any.
+    pub fn undo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
+        let scene = self.undo.pop()?;
+        self.redo.push(present);
+        Some(scene)
+    }
+
+    /// The scene after `present`, if any.
+    pub fn redo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
+        let scene = self.redo.pop()?;
+        self.undo.push(present);
+        Some(scene)
+    }
+
+    /// True if there is something to take back.
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// True if there is something to do again.
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
     }
 }
