@@ -12,7 +12,7 @@ use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, T
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
 use crate::storage::{Failure, drawing, export};
-use crate::worker::figures::{self, Progress};
+use crate::worker::background::{self, Progress};
 use std::path::Path;
 
 /// Room that the files of a figure need, in bytes.
@@ -134,7 +134,7 @@ fn gather(
 ) -> Gathered {
     let mut gathered = Gathered::default();
     let mut shares = vec![0.0; entries.len()];
-    figures::compute(entries, size, cancel, &mut |progress| match progress {
+    background::compute(entries, size, cancel, &mut |progress| match progress {
         Progress::Working { index, done, what } => {
             shares[index] = done;
             monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);

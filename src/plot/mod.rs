@@ -3,7 +3,7 @@
 //!
 //! [`loop_panel`] and [`chart_panel`] make panels of results, the figures of `paper` make their
 //! own. [`style`] is the one code of colours, strokes and symbols, [`panel::entries`] says what
-//! they are called, [`scale`] says what an axis shows and where a value stands on it, [`ticks`] which
+//! they are called, [`scale`] what an axis shows and where a value stands on it, [`ticks`] which
 //! numbers it bears, [`typeset`] how formulas in words are set. Stress over u0 has x = u0/rho and
 //! y = stress/sigma_max, tension positive. May use `study` and below; no drawing, files, or
 //! threads.

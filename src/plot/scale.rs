@@ -1,6 +1,6 @@
-//! What an axis shows, and where a value stands on it: the same on paper and in the window. It shows
-//! its data; or, of a scene, what is fixed before anything is computed (u0, gap and stress), so that
-//! axes and colours keep their meaning while u0 moves.
+//! What an axis shows, and where a value stands on it: the same on paper and in the window. It
+//! shows its data; or, of a scene, what is fixed before anything is computed (u0, gap and stress),
+//! so that axes and colours keep their meaning while u0 moves.
 
 use super::panel::{Axis, Panel};
 use crate::physics::indenter::Indenter;

@@ -1,5 +1,5 @@
-//! The paper, figure by figure: diagrams with gap maps and smaller diagrams inside, what to look for,
-//! numbers held against numbers, and what the print got wrong.
+//! The paper, figure by figure: diagrams with gap maps and smaller diagrams inside, what to look
+//! for, numbers held against numbers, and what the print got wrong.
 
 use super::action::Action;
 use super::diagram;

@@ -44,15 +44,15 @@ fn speak(
     })
 }
 
-/// Has these keys go to the slider while it has the focus, which they would move away.
+/// Lets these keys reach the slider that has the focus; else they would move the focus away.
 fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
     if response.has_focus() {
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keys));
     }
 }
 
-/// The slider of the mean displacement: up is away, so dragging down lowers the body. Two marks: where
-/// it should go, and where it is.
+/// The slider of the mean displacement: up is away, so dragging down lowers the body. Two marks:
+/// where it should go, and where it is.
 pub fn u0(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let tall = ui.ctx().content_rect().height() > 740.0;
     let height = if tall { 236.0 } else { 180.0 };
