@@ -15,6 +15,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::folder::Folder;
 use crate::storage::{Failure, files, line, presets, scene_file};
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
@@ -80,15 +81,25 @@ enum Command {
     Presets,
 }
 
+/// Where results go, and what is said of them.
+#[derive(Args, Clone, Debug)]
+struct Output {
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR", value_parser = folder())]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
 /// What `tackscope figure` is told.
 #[derive(Args, Clone, Debug)]
 struct FigureArguments {
     /// The figure's number in the paper, or all
     #[arg(value_name = "N|all")]
     figure: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
+    #[command(flatten)]
+    output: Output,
     /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and
     /// findings.csv
     #[arg(long)]
@@ -96,9 +107,6 @@ struct FigureArguments {
     /// Coarse meshes and few points: seconds in place of minutes
     #[arg(long)]
     quick: bool,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 /// What `tackscope table` is told.
@@ -107,12 +115,8 @@ struct TableArguments {
     /// The table's number in the paper
     #[arg(value_name = "N")]
     table: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// What `tackscope chart` is told.
@@ -120,12 +124,8 @@ struct TableArguments {
 struct ChartArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
     /// Only coarse meshes and long steps: seconds in place of minutes
     #[arg(long)]
     quick: bool,
@@ -145,12 +145,8 @@ struct ChartArguments {
 struct RunArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
     /// Which method follows the branches
     #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
     method: MethodKind,
@@ -263,20 +259,48 @@ fn explain(words: &clap::Error) -> Result<u8, Failure> {
     text.lines().try_for_each(say).map(|()| DONE)
 }
 
-/// Tells every file that could not be written; true if there was one.
-fn unwritten(failures: &[Failure]) -> bool {
-    failures.iter().for_each(warn);
-    !failures.is_empty()
+impl Output {
+    /// Takes the folder and removes what an earlier run has left in it and in its `inner` folders,
+    /// which [`Folder::clear`] does, and says so; `room` in bytes.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, or an earlier result that cannot be removed.
+    fn claim(
+        &self,
+        inner: &[&str],
+        room: u64,
+        ours: impl Fn(&str) -> bool,
+    ) -> Result<Folder, Failure> {
+        let folder = Folder::claim(&self.out, inner, room)?;
+        if folder.clear(inner, ours)? > 0 && !self.quiet {
+            let place = self.out.display();
+            warn(format_args!(
+                "{place} held an earlier run, which this one replaces"
+            ));
+        }
+        Ok(folder)
+    }
+
+    /// The end of a command: tells every file that could not be written, or else, on standard
+    /// output, what was done; returns the exit code.
+    ///
+    /// # Errors
+    /// A standard output that cannot be written.
+    fn close(&self, unwritten: &[Failure], code: u8, done: &str) -> Result<u8, Failure> {
+        unwritten.iter().for_each(warn);
+        if !unwritten.is_empty() {
+            return Ok(BAD_INPUT);
+        }
+        if !self.quiet {
+            say(&format!("{done}: written to {}", self.out.display()))?;
+        }
+        Ok(code)
+    }
 }
 
-/// Says that results of an earlier run were in the way.
-fn tell_replaced(count: usize, folder: &std::path::Path) {
-    if count > 0 {
-        warn(format_args!(
-            "{} held an earlier run, which this one replaces",
-            folder.display()
-        ));
-    }
+/// What of all that was written could not be.
+fn failures(written: impl IntoIterator<Item = Result<(), Failure>>) -> Vec<Failure> {
+    written.into_iter().filter_map(Result::err).collect()
 }
 
 // The way to the window: the one place outside `ui` that asks for the feature `gui`.
@@ -320,8 +344,10 @@ fn window_or_default_scene() -> u8 {
             ));
             code(run::run(&RunArguments {
                 scene: "fig2".to_owned(),
-                out: PathBuf::from("tackscope-out"),
-                quiet: false,
+                output: Output {
+                    out: PathBuf::from("tackscope-out"),
+                    quiet: false,
+                },
                 method: MethodKind::NewtonKrylov,
                 seed: None,
                 points: None,

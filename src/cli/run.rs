@@ -2,17 +2,13 @@
 
 use super::progress::Monitor;
 use super::report::{self, Timed};
-use super::{
-    BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say,
-    tell_replaced, unwritten, warn,
-};
+use super::{DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, warn};
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::part::Strategy;
-use crate::scene::{Model, Points, Scene};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
-use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, presets, scene_file};
 use crate::study::error_bar::{measured_error, reference};
@@ -51,15 +47,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let plan = plan_of(&scene, &model, asked);
 
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(
-        &arguments.out,
-        &[report::GAPS],
-        report::room(&scene, &model),
-    )?;
-    let earlier = folder.clear(&[report::GAPS], report::is_result)?;
-    if !arguments.quiet {
-        tell_replaced(earlier, &arguments.out);
-    }
+    let output = &arguments.output;
+    let room = report::room(&scene, &model);
+    let folder = output.claim(&[report::GAPS], room, report::is_result)?;
     let summary_path = folder.join(report::SUMMARY);
     let method = arguments.method.word();
     write_summary(
@@ -79,26 +69,20 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         failures.extend(write_summary(&summary_path, &told).err());
         code = compared;
     }
-    if !arguments.quiet {
+    if !output.quiet {
         told.warnings.iter().for_each(warn);
     }
     if let Some(reason) = &told.end.stop_reason {
         warn(format_args!(
             "{} at {reason}; what was computed is in {}",
             told.end.stop,
-            arguments.out.display()
+            output.out.display()
         ));
     }
     if let (Some(reason), Some(remedy)) = (&told.end.open_reason, &told.end.open_remedy) {
         warn(format_args!("loop not closed: {reason}; {remedy}"));
     }
-    if unwritten(&failures) {
-        return Ok(BAD_INPUT);
-    }
-    if !arguments.quiet {
-        say(&closing_words(arguments, &told, &main.run))?;
-    }
-    Ok(code)
+    output.close(&failures, code, &closing_words(&told, &main.run))
 }
 
 /// Refuses options that contradict each other.
@@ -202,11 +186,7 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
     let mut place = arguments.scene.clone();
     if let Some(n) = arguments.points {
         place.push_str(&format!(" with --points {n}"));
-        scene.cell.points = if matches!(scene.cell.points, Points::Line(_)) {
-            Points::Line(n)
-        } else {
-            Points::Square(n)
-        };
+        scene.cell.points = scene.cell.points.resized(n);
     }
     if let Some(step) = arguments.step {
         place.push_str(&format!(" with --step {step}"));
@@ -235,7 +215,7 @@ fn timed(
         model.mu_rho,
         method.title()
     );
-    let mut monitor = Monitor::new(arguments.quiet, &heading);
+    let mut monitor = Monitor::new(arguments.output.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
     let run = run_planned(scene, method, plan, cancel, &mut |news| {
         monitor.tell(&news, scene.drive.step);
@@ -259,7 +239,7 @@ fn exit_code(outcome: &Outcome) -> u8 {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> String {
+fn closing_words(told: &Summary, run: &LoopRun) -> String {
     let loss = told.loss.dissipated_energy.0;
     let loss = match (&told.end.open_reason, loss.is_finite()) {
         (Some(reason), _) => format!("loop not closed: {reason}"),
@@ -282,10 +262,7 @@ fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> Str
         _ => String::new(),
     };
     let (states, tally) = (run.record.states.len(), run.record.tally());
-    format!(
-        "{loss}, {tally}, {states} states{ratio}: written to {}",
-        arguments.out.display()
-    )
+    format!("{loss}, {tally}, {states} states{ratio}")
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::follow::walk::{Observed, Progress, Walk};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
+use crate::plot::scale::ends;
 use crate::solver::methods::MethodKind;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -116,12 +117,7 @@ fn strongest_pull(task: &mut Task<'_>) -> Result<(Grid, Profile), Stopped> {
 
 /// `rows`: x, height of the indenter, height of the elastomer's surface.
 fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
-    let extent = |k: usize| {
-        rows.iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| {
-                (a.min(row[k]), b.max(row[k]))
-            })
-    };
+    let extent = |k: usize| ends(rows.iter().map(|row| row[k]));
     let ((left, right), (low, _), (_, high)) = (extent(0), extent(1), extent(2));
     let (bottom, top) = (low - 0.6, high + 1.2);
     let line = |k: usize| Series {

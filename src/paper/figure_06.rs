@@ -7,6 +7,7 @@ use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 6,
@@ -51,9 +52,8 @@ fn exact(u: f64) -> f64 {
 fn thick_error() -> f64 {
     let end = ridge::critical().displacement;
     let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
-    (1..=600)
-        .map(|i| cube_root(end * f64::from(i) / 600.0))
-        .fold(0.0, f64::max)
+    let reached = steps(0.0, end, 600).skip(1);
+    reached.map(cube_root).fold(0.0, f64::max)
 }
 
 /// The exact ridge, its expansions, and the points `found` by boundary elements.

@@ -1,14 +1,15 @@
 //! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
 
 use super::figure::{Figure, Finding};
+use super::loops::units_of;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Part};
-use crate::physics::theory::units::Units;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 use crate::scene::{Scene, Turn};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -49,15 +50,10 @@ fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, S
         .iter()
         .find(|branch| branch.pattern == Pattern::Dimple);
     let branch = known.ok_or_else(|| failed("there is no dimple".to_owned()))?;
-    let units = Units {
-        length: model.grid.length,
-        surface_energy: model.law.surface_energy,
-    };
+    let units = units_of(&model);
     let (low, high) = branch.extent();
-    let points = (0..=POINTS).map(|i| {
-        let u0 = low + (high - low) * i as f64 / POINTS as f64;
-        [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]
-    });
+    let points = steps(low, high, POINTS)
+        .map(|u0| [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]);
     Ok(Branch {
         range: units.reduce(model.law.range),
         points: points.collect(),
@@ -112,13 +108,12 @@ fn end(branch: &Branch) -> f64 {
 fn panel(wide: &Branch, narrow: &Branch) -> Panel {
     let pattern = circular::dimple();
     let fold = pattern.fold();
-    let sizes = (1..=POINTS).map(|i| 0.02 + (fold.size - 0.02) * i as f64 / POINTS as f64);
-    let exact = sizes
+    let exact = steps(0.02, fold.size, POINTS)
+        .skip(1)
         .map(|size| pattern.state(size))
         .map(|s| [s.displacement, s.pressure])
         .collect();
-    let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
-    let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
+    let power = |law: fn(f64) -> f64| steps(0.0, 0.5, POINTS).map(|u| [u, law(u)]).collect();
     let symbols = |branch: &Branch, symbol, colour| {
         let points = branch.points.iter().step_by(POINTS / 25).copied().collect();
         Series::symbols(&format!("ρ̃ = {:.4}", branch.range), symbol, colour, points)

@@ -6,6 +6,7 @@ use super::tips::{self, TIP, Tip};
 use super::{Entry, scenes};
 use crate::physics::theory::units::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
+use crate::plot::scale::steps;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 12,
@@ -86,7 +87,7 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let path = |touch: f64, end: f64, contact: &dyn Fn(f64) -> [f64; 2]| {
         // A little into compression.
         let last = 0.206;
-        let branch = (0..=POINTS).map(|i| contact(end + (last - end) * i as f64 / POINTS as f64));
+        let branch = steps(end, last, POINTS).map(contact);
         let away = [
             [far, 0.0],
             [0.0, 0.0],

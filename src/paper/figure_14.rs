@@ -8,6 +8,7 @@ use crate::follow::record::LoopRecord;
 use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 use crate::scene::Model;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -159,7 +160,7 @@ fn panel(surfaces: &[Surface]) -> Panel {
     for surface in surfaces {
         let Some(law) = best(surface) else { continue };
         let own = law.strongest().1;
-        let curve = (0..=300).map(|i| low + (5.0 - low) * f64::from(i) / 300.0);
+        let curve = steps(low, 5.0, 300);
         let points = curve
             .map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own])
             .collect();

@@ -14,6 +14,7 @@ use crate::physics::theory::flat;
 use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series};
+use crate::plot::scale::{ends, steps};
 use crate::scene::{Model, Points, Scene};
 use ndarray::Array2;
 
@@ -114,12 +115,9 @@ fn figure_3(task: &mut Task<'_>) -> Result<Figure, Stopped> {
 /// The diagram of a loop as the paper draws it: pressure instead of stress, and gap maps.
 fn panel(run: &LoopRun, law: &Law) -> Panel {
     let curve = Curve::of(&run.record, law);
-    let ends = curve.points().map(|p| p[0]);
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {
-        (a.min(u), b.max(u))
-    });
-    let flat_curve = (0..=POINTS).map(|i| low + (high - low) * i as f64 / POINTS as f64);
-    let flat_curve = flat_curve.map(|u| [u, law.at(u * law.range).traction / law.traction_max()]);
+    let (low, high) = ends(curve.points().map(|p| p[0]));
+    let flat_curve =
+        steps(low, high, POINTS).map(|u| [u, law.at(u * law.range).traction / law.traction_max()]);
     let flat = Series::line(
         "flat surface",
         Role::Guide,

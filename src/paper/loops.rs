@@ -87,6 +87,14 @@ pub(super) fn units(length: f64) -> Units {
     }
 }
 
+/// The units of a scene.
+pub(super) fn units_of(model: &Model) -> Units {
+    Units {
+        length: model.grid.length,
+        surface_energy: model.law.surface_energy,
+    }
+}
+
 /// A line cell of side `length` on `points`, driven from `start` to `turn` and back in steps of
 /// `step` (all three u~).
 pub(super) fn line_cell(

@@ -6,6 +6,18 @@ use super::panel::{Axis, Panel};
 use crate::physics::indenter::Indenter;
 use crate::scene::{Model, Scene, Turn};
 
+/// The least and the largest of some numbers; infinite, the wrong way round, if there are none.
+pub fn ends(numbers: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let both = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
+    numbers.into_iter().fold(none, both)
+}
+
+/// From one number to another in so many equal steps, both included.
+pub fn steps(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..=count).map(move |i| from + (to - from) * i as f64 / count as f64)
+}
+
 /// Share of the range that is left free at both ends where the data decide.
 const MARGIN: f64 = 0.04;
 
@@ -30,9 +42,7 @@ impl Scale {
         let (low, high) = match given {
             Some((low, high)) if low.is_finite() && high.is_finite() && high > low => (low, high),
             _ => {
-                let finite = data.map(shown).filter(|v| v.is_finite());
-                let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
-                let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+                let (low, high) = ends(data.map(shown).filter(|v| v.is_finite()));
                 let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
                 let span = high - low;
                 let size = low.abs().max(high.abs());

@@ -57,6 +57,16 @@ pub enum Points {
     Line(usize),
 }
 
+impl Points {
+    /// So many points a side in place of these: a line cell stays a line.
+    pub fn resized(self, n: usize) -> Self {
+        match self {
+            Points::Line(_) => Points::Line(n),
+            Points::Auto | Points::Square(_) => Points::Square(n),
+        }
+    }
+}
+
 /// The cohesive law with its scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawChoice {

@@ -5,6 +5,7 @@
 //! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
 use super::{Failure, files, scene_file};
+use crate::plot::scale::ends;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
 use ndarray::Array2;
@@ -38,13 +39,8 @@ pub type Scale = (f64, f64);
 
 /// The scale that shows all these gaps in the same colours.
 pub fn common_scale<'a>(gaps: impl IntoIterator<Item = &'a Array2<f64>>) -> Scale {
-    let finite = gaps
-        .into_iter()
-        .flat_map(|gap| gap.iter().copied())
-        .filter(|g| g.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), g| {
-        (low.min(g), high.max(g))
-    })
+    let all = gaps.into_iter().flat_map(|gap| gap.iter().copied());
+    ends(all.filter(|g| g.is_finite()))
 }
 
 /// Writes the gap as a PNG in colours of its own: smallest gap dark, largest bright; y points up.

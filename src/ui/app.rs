@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use crate::worker::protocol::{Command, Envelope, Failure};
+use crate::worker::protocol::{Command, Envelope};
 use egui::containers::PanelState;
 use egui::scroll_area::ScrollSource;
 use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
@@ -34,6 +34,9 @@ pub struct App {
 
 /// The reading of a scene, which may take as long as the file system likes.
 type Opening = Job<Result<Scene, storage::Failure>>;
+
+/// What to do where a file was refused.
+const OTHER_PATH: &str = "Choose another path, or mend the file.";
 
 /// The least room in which the panels stand beside each other (points).
 const LAYOUT: Vec2 = vec2(760.0, 480.0);
@@ -108,28 +111,24 @@ impl App {
         let Some((path, mut job)) = self.opening.take() else {
             return;
         };
+        let messages = &mut self.state.messages;
         match (job.so_far.take(), end) {
             (Some(Ok(scene)), _) => {
                 self.dialogs.close();
                 self.state.open_scene(scene);
-                if self.state.messages.failure.is_none() {
-                    self.state.messages.notice = Some(format!("{} opened", path.display()));
+                let messages = &mut self.state.messages;
+                if messages.failure.is_none() {
+                    messages.notice = Some(format!("{} opened", path.display()));
                 }
             }
             (Some(Err(failure)), _) => {
-                self.state.messages.notice = None;
-                self.fail(&failure, "Choose another path, or mend the file.");
+                messages.notice = None;
+                messages.fail(failure, OTHER_PATH);
             }
             (None, end) => {
-                let message = format!(
-                    "{} could not be read: {}",
-                    path.display(),
-                    end.err().unwrap_or_default()
-                );
-                self.state.messages.failure = Some(Failure {
-                    message,
-                    remedy: "Please report the file.".to_owned(),
-                });
+                let (path, why) = (path.display(), end.err().unwrap_or_default());
+                let message = format!("{path} could not be read: {why}");
+                messages.fail(message, "Please report the file.");
             }
         }
     }
@@ -261,7 +260,9 @@ impl App {
             }
             Action::PasteScene(text) => match scene_file::pasted(&text) {
                 Ok(scene) => state.open_scene(scene),
-                Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
+                Err(failure) => state
+                    .messages
+                    .fail(failure, "Copy a whole scene file, from format = 1 on."),
             },
             Action::RestoreLayout => {
                 ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
@@ -279,7 +280,10 @@ impl App {
         };
         match scene_file::parse(preset.text, preset.name) {
             Ok(scene) => self.state.open_scene(scene),
-            Err(failure) => self.fail(&failure, "This preset is broken; choose another one."),
+            Err(failure) => {
+                let remedy = "This preset is broken; choose another one.";
+                self.state.messages.fail(failure, remedy);
+            }
         }
     }
 
@@ -324,15 +328,8 @@ impl App {
                 self.state.messages.failure = None;
                 self.state.messages.notice = Some(format!("{} written", path.display()));
             }
-            Err(failure) => self.fail(&failure, "Choose another path, or mend the file."),
+            Err(failure) => self.state.messages.fail(failure, OTHER_PATH),
         }
-    }
-
-    fn fail(&mut self, failure: &storage::Failure, remedy: &str) {
-        self.state.messages.failure = Some(Failure {
-            message: failure.to_string(),
-            remedy: remedy.to_owned(),
-        });
     }
 }
 

@@ -176,11 +176,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                         .selectable_label(model.grid.nx == n, n.to_string())
                         .clicked()
                     {
-                        let points = if line {
-                            Points::Line(n)
-                        } else {
-                            Points::Square(n)
-                        };
+                        let points = scene.cell.points.resized(n);
                         actions.push(Action::edit(edit::with_points(scene, model, points)));
                     }
                 }

@@ -80,6 +80,16 @@ pub struct Messages {
     pub announced: String,
 }
 
+impl Messages {
+    /// Says what went wrong, and what to do about it.
+    pub fn fail(&mut self, message: impl ToString, remedy: &str) {
+        self.failure = Some(Failure {
+            message: message.to_string(),
+            remedy: remedy.to_owned(),
+        });
+    }
+}
+
 /// What the solver was told; a command is the difference to what the window shows.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
@@ -155,12 +165,8 @@ impl ViewState {
         let model = match scene.model() {
             Ok(model) => model,
             Err(error) => {
-                let remedy =
-                    "The scene stays as it was; choose a value that is allowed.".to_owned();
-                self.messages.failure = Some(Failure {
-                    message: error.to_string(),
-                    remedy,
-                });
+                let remedy = "The scene stays as it was; choose a value that is allowed.";
+                self.messages.fail(error, remedy);
                 return false;
             }
         };

@@ -2,7 +2,7 @@
 //! loses, of dimple, bulge, and the Hertzian tip.
 
 use super::{Erratum, Evidence, LOOP};
-use crate::paper::loops::planned;
+use crate::paper::loops::{planned, units_of};
 use crate::paper::scenes;
 use crate::paper::task::{Stopped, Task};
 use crate::physics::grid::Grid;
@@ -12,7 +12,7 @@ use crate::physics::mesh_rule;
 use crate::physics::system::System;
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
-use crate::physics::theory::{flat, ridge, units::Units};
+use crate::physics::theory::{flat, ridge};
 use crate::scene::Points;
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, SQRT_2};
 
@@ -324,10 +324,7 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
     );
     let (run, model) = planned(&scene, &mut task.part(0.6, 1.0), LOOP)?;
     let law = &model.law;
-    let units = Units {
-        length: model.grid.length,
-        surface_energy: law.surface_energy,
-    };
+    let units = units_of(&model);
     let approach = flat::limits(law, units.length).map_or(f64::NAN, |limits| limits.1);
     let (from, to) = (units.reduce(approach), ridge::critical());
     let thick = to.energy - ridge::alpha(from).map_or(f64::NAN, |alpha| ridge::energy(alpha, from));
