@@ -38,12 +38,8 @@ fn chosen(word: &str) -> Result<Vec<&'static Entry>, Failure> {
 
 fn unknown(what: &str, word: &str, numbers: impl Iterator<Item = usize>, more: &str) -> Failure {
     let list: Vec<String> = numbers.map(|n| n.to_string()).collect();
-    Failure::Value {
-        file: "command line".to_owned(),
-        key: what.to_owned(),
-        value: word.to_owned(),
-        allowed: format!("{}{more}", list.join(", ")),
-    }
+    let allowed = format!("{}{more}", list.join(", "));
+    Failure::value("command line", what, word, &allowed)
 }
 
 /// What came of the figures.

@@ -28,14 +28,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let refused = |error: Refusal| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
     if let Some(reason) = refusal(&scene, &model, arguments.model.0) {
-        return Err(Failure::Value {
-            file: place.clone(),
-            key: "--model".to_owned(),
-            value: Strategy::Atlas.word().to_owned(),
-            allowed: format!(
-                "this scene has no atlas, since {reason}; leave --model out, or take whole"
-            ),
-        });
+        let allowed =
+            format!("this scene has no atlas, since {reason}; leave --model out, or take whole");
+        return Err(Failure::value(
+            &place,
+            "--model",
+            Strategy::Atlas.word(),
+            &allowed,
+        ));
     }
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
@@ -87,23 +87,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
 
 /// Refuses options that contradict each other.
 fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
-    let refuse = |key: &str, value: String, allowed: &str| {
-        Err(Failure::Value {
-            file: "command line".to_owned(),
-            key: key.to_owned(),
-            value,
-            allowed: allowed.to_owned(),
-        })
-    };
+    let refuse =
+        |key, value: &str, allowed| Err(Failure::value("command line", key, value, allowed));
     if arguments.yardstick && arguments.method == MethodKind::Gfmd {
         let allowed = "the yardstick is gfmd itself; leave one of the two out";
-        return refuse("--yardstick", "with --method gfmd".to_owned(), allowed);
+        return refuse("--yardstick", "with --method gfmd", allowed);
     }
     if arguments.model.0 == Some(Strategy::Atlas) && arguments.method != MethodKind::NewtonKrylov {
         let value = format!("atlas with --method {}", arguments.method.word());
         return refuse(
             "--model",
-            value,
+            &value,
             "only newton follows the branches of an atlas; leave one of the two out",
         );
     }

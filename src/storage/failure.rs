@@ -114,6 +114,16 @@ impl Failure {
         Self::refused(path, &reason.to_string(), remedy)
     }
 
+    /// A value that is not allowed; `file` is where it stands, `allowed` a clause.
+    pub fn value(file: &str, key: &str, value: &str, allowed: &str) -> Self {
+        Self::Value {
+            file: file.to_owned(),
+            key: key.to_owned(),
+            value: value.to_owned(),
+            allowed: allowed.to_owned(),
+        }
+    }
+
     /// A file that cannot be read, or not as what it should be.
     pub(super) fn unreadable(path: &Path, reason: &str, remedy: &str) -> Self {
         Self::Read {

@@ -139,13 +139,10 @@ fn table(out: &mut String, table: &Table) {
     let number = table.number;
     let _ = writeln!(
         out,
-        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>\n<table>\n<thead><tr>",
+        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>",
         set(&table.title)
     );
-    for column in &table.columns {
-        let _ = write!(out, "<th>{}</th>", set(column));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
+    head(out, &table.columns);
     for row in &table.rows {
         let cells: String = row
             .iter()
@@ -159,6 +156,13 @@ fn table(out: &mut String, table: &Table) {
     out.push_str("</section>\n");
 }
 
+/// The beginning of a table: its columns.
+fn head(out: &mut String, columns: &[impl AsRef<str>]) {
+    let cell = |column: &_| format!("<th>{}</th>", set(AsRef::as_ref(column)));
+    let cells: String = columns.iter().map(cell).collect();
+    let _ = writeln!(out, "<table>\n<thead><tr>{cells}</tr></thead>\n<tbody>");
+}
+
 fn paragraph(out: &mut String, words: &str) {
     if !words.is_empty() {
         let _ = writeln!(out, "<p>{}</p>", set(words));
@@ -169,10 +173,16 @@ fn findings(out: &mut String, findings: &[Finding]) {
     if findings.is_empty() {
         return;
     }
-    out.push_str(
-        "<table>\n<thead><tr><th>quantity</th><th>found</th><th>expected</th>\
-         <th>source</th><th>deviation</th><th>agrees</th></tr></thead>\n\
-         <tbody>\n",
+    head(
+        out,
+        &[
+            "quantity",
+            "found",
+            "expected",
+            "source",
+            "deviation",
+            "agrees",
+        ],
     );
     for finding in findings {
         let (class, word) = match finding.agrees() {
@@ -219,10 +229,7 @@ fn errata(out: &mut String, errata: &[Erratum]) {
         if erratum.evidence.is_empty() {
             continue;
         }
-        out.push_str(
-            "<table>\n<thead><tr><th>evidence</th><th>found</th><th>by the \
-             print</th><th>right</th></tr></thead>\n<tbody>\n",
-        );
+        head(out, &["evidence", "found", "by the print", "right"]);
         for evidence in &erratum.evidence {
             let [found, printed, right] =
                 [evidence.found, evidence.printed, evidence.right].map(number);

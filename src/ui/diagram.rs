@@ -8,7 +8,7 @@ use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
-use egui::{Align2, AsIdSalt, Color32, RichText, Ui, vec2};
+use egui::{Align, Align2, AsIdSalt, Color32, RichText, Ui, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
     MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
@@ -244,24 +244,13 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             continue;
         }
         // An anchor is the side of the word at the place: the other one than that on which the word
-        // stands.
-        let anchor = match label.side {
-            [0, 0] => Align2::CENTER_CENTER,
-            [1, up] => {
-                if up > 0 {
-                    Align2::LEFT_BOTTOM
-                } else {
-                    Align2::LEFT_TOP
-                }
-            }
-            [_, up] => {
-                if up > 0 {
-                    Align2::RIGHT_BOTTOM
-                } else {
-                    Align2::RIGHT_TOP
-                }
-            }
+        // stands; and places count upwards, letters downwards.
+        let anchor = |side: i8| match side {
+            1 => Align::Min,
+            0 => Align::Center,
+            _ => Align::Max,
         };
+        let anchor = Align2([anchor(label.side[0]), anchor(-label.side[1])]);
         let words = RichText::new(format!(" {} ", plain(&label.text))).small();
         let text =
             Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));

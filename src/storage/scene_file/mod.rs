@@ -67,12 +67,7 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), Failure> {
 
 /// The refusal of a value by the scene itself, with the file it came from.
 pub fn refused(file: &str, error: Refusal) -> Failure {
-    Failure::Value {
-        file: file.to_owned(),
-        key: error.key,
-        value: error.value,
-        allowed: error.allowed,
-    }
+    Failure::value(file, &error.key, &error.value, &error.allowed)
 }
 
 /// The scene file of a scene; [`parse`] gives the same scene back.

@@ -34,12 +34,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
             .inside("indenter")?
             .map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
         drive: drive(&root.required("drive", "start, turn and step")?)?,
-        accuracy: accuracy(
-            &root
-                .inside("accuracy")?
-                .unwrap_or_else(|| root.empty("accuracy")),
-        )?,
-        seed: noise(&root.inside("noise")?.unwrap_or_else(|| root.empty("noise")))?,
+        accuracy: accuracy(&root.optional("accuracy")?)?,
+        seed: noise(&root.optional("noise")?)?,
     };
     scene
         .validate()
@@ -87,12 +83,7 @@ fn points(section: &Section<'_>) -> Result<Points, Failure> {
     let value = section.given(&parameter::POINTS)?;
     let parsed = match value {
         Value::String(word) if word == "auto" => Some(Points::Auto),
-        Value::Array(sides) => match sides
-            .iter()
-            .map(whole)
-            .collect::<Option<Vec<_>>>()
-            .as_deref()
-        {
+        Value::Array(sides) => match wholes(sides).as_deref() {
             Some([n, 1]) => Some(Points::Line(*n)),
             Some([n, m]) if n == m => Some(Points::Square(*n)),
             _ => None,
@@ -192,12 +183,7 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
 fn counts(section: &Section<'_>, parameter: &Parameter) -> Result<[usize; 2], Failure> {
     let value = section.given(parameter)?;
     let parsed = match value {
-        Value::Array(both) => match both
-            .iter()
-            .map(whole)
-            .collect::<Option<Vec<_>>>()
-            .as_deref()
-        {
+        Value::Array(both) => match wholes(both).as_deref() {
             Some([x, y]) => Some([*x, *y]),
             _ => None,
         },
@@ -252,6 +238,10 @@ fn whole(value: &Value) -> Option<usize> {
     value.as_integer().and_then(|n| usize::try_from(n).ok())
 }
 
+fn wholes(values: &[Value]) -> Option<Vec<usize>> {
+    values.iter().map(whole).collect()
+}
+
 /// One table, with what an error needs to name its place.
 struct Section<'a> {
     file: &'a str,
@@ -282,14 +272,14 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A table `[name]` that is not there: everything in it has its default.
-    fn empty(&self, name: &'static str) -> Section<'a> {
+    /// The table `[name]`; where it is not there everything in it has its default.
+    fn optional(&self, name: &'static str) -> Result<Section<'a>, Failure> {
         static NOTHING: LazyLock<Table> = LazyLock::new(Table::new);
-        Section {
+        Ok(self.inside(name)?.unwrap_or(Section {
             file: self.file,
             name,
             table: &NOTHING,
-        }
+        }))
     }
 
     /// The table `[name]`, which must be there.
@@ -390,12 +380,8 @@ impl<'a> Section<'a> {
 
     /// The refusal of a value; `allowed` is a clause.
     fn refuse(&self, key: &str, value: &Value, allowed: &str) -> Failure {
-        Failure::Value {
-            file: self.file.to_owned(),
-            key: self.dotted(key),
-            value: quote(&value.to_string()),
-            allowed: allowed.to_owned(),
-        }
+        let value = quote(&value.to_string());
+        Failure::value(self.file, &self.dotted(key), &value, allowed)
     }
 
     /// The refusal of a word that is none of `words`.

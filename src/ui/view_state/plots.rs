@@ -133,23 +133,13 @@ impl ViewState {
             .chain(self.plots.ghosts.iter().flat_map(Curve::points))
             .chain(kept)
             .collect();
-        let Some(&first) = points.first() else {
-            self.plots.fit = None;
-            return;
+        let side = |k: usize| {
+            let (low, high) = scale::ends(points.iter().map(|p| p[k]));
+            let margin = 0.06 * (high - low).max(1e-3);
+            (low - margin, high + margin)
         };
-        let (mut low, mut high) = (first, first);
-        for p in points {
-            for k in 0..2 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        for k in 0..2 {
-            let margin = 0.06 * (high[k] - low[k]).max(1e-3);
-            low[k] -= margin;
-            high[k] += margin;
-        }
-        self.plots.fit = Some((low, high));
+        let ((left, right), (low, high)) = (side(0), side(1));
+        self.plots.fit = (!points.is_empty()).then_some(([left, low], [right, high]));
     }
 
     /// Axes of the plot: (lower left, upper right) in u0/rho and stress/sigma_max.
