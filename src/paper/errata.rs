@@ -40,6 +40,23 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// A number found here, the same by the print and by what is right, and how near the found one
+    /// must be; see the fields.
+    pub(super) fn new(
+        quantity: &'static str,
+        found: f64,
+        [printed, right]: [f64; 2],
+        tolerance: f64,
+    ) -> Self {
+        Self {
+            quantity,
+            found,
+            printed,
+            right,
+            tolerance,
+        }
+    }
+
     /// The found number agrees with what is right, and lies far from the print: by five tolerances
     /// or more.
     pub fn decides(&self) -> bool {

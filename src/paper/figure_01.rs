@@ -120,17 +120,13 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
     let extent = |k: usize| ends(rows.iter().map(|row| row[k]));
     let ((left, right), (low, _), (_, high)) = (extent(0), extent(1), extent(2));
     let (bottom, top) = (low - 0.6, high + 1.2);
-    let line = |k: usize| Series {
-        colour: Colour::Ink,
-        role: Role::Theory,
-        points: rows.iter().map(|row| [row[0], row[k]]).collect(),
-        ..Series::default()
+    let line = |k: usize| {
+        let points = rows.iter().map(|row| [row[0], row[k]]);
+        Series::line("", Role::Theory, Colour::Ink, points.collect())
     };
-    let guide = |y: f64| Series {
-        role: Role::Guide,
-        colour: Colour::Grey,
-        points: vec![[left, y], [right, y]],
-        ..Series::default()
+    let guide = |y: f64| {
+        let points = vec![[left, y], [right, y]];
+        Series::line("", Role::Guide, Colour::Grey, points)
     };
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];

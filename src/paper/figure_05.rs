@@ -31,7 +31,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         y: Axis::logarithmic("elastic energy v̂ (E* u₀²/L)").from_to(0.15, 300.0),
         series: lines()
             .into_iter()
-            .chain([symbols(&energies, |alpha| 1.0 - alpha)])
+            .chain([symbols("boundary elements", &energies, |alpha| 1.0 - alpha)])
             .collect(),
         insets: vec![Inset {
             place: [0.08, 0.52, 0.42, 0.42],
@@ -98,16 +98,11 @@ fn lines() -> Vec<Series> {
     ]
 }
 
-fn symbols(samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
+fn symbols(name: &str, samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
     let points = samples
         .iter()
         .map(|(alpha, found)| [x(*alpha), found.value]);
-    Series::symbols(
-        "boundary elements",
-        Symbol::Circle,
-        Colour::Ink,
-        points.collect(),
-    )
+    Series::symbols(name, Symbol::Circle, Colour::Ink, points.collect())
 }
 
 fn inset(slopes: &[Sample]) -> Panel {
@@ -134,10 +129,7 @@ fn inset(slopes: &[Sample]) -> Panel {
                 range,
                 |alpha| FLATTENING_PRINTED.slope_at(alpha),
             ),
-            Series {
-                name: String::new(),
-                ..symbols(slopes, |alpha| alpha)
-            },
+            symbols("", slopes, |alpha| alpha),
         ],
         ..Panel::default()
     }

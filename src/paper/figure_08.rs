@@ -8,7 +8,7 @@ use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
-use crate::plot::panel::{Axis, Panel, Role, Series, letter};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
 use crate::scene::part::Part;
 use crate::scene::{Range, Scene};
 
@@ -51,14 +51,10 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             Part::Whole,
             &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64),
         )?;
-        let exact = Series {
-            name: "exact, no range".to_owned(),
-            role: Role::Theory,
-            points: (1..=300)
-                .filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement))
-                .collect(),
-            ..Series::default()
-        };
+        let points = (1..=300)
+            .filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement))
+            .collect();
+        let exact = Series::line("exact, no range", Role::Theory, Colour::Ink, points);
         panels.push(Panel {
             title: format!("({}) μ_ρ = {mu_rho}", letter(i)),
             x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),

@@ -251,13 +251,12 @@ fn lines() -> Vec<Series> {
         .map(|i| 0.8 * (f64::from(i) / 200.0).powi(3))
         .collect();
     let zero = ridge::zero_range_dissipation();
-    let mut series = vec![Series {
-        name: "without range, 1.0876".to_owned(),
-        role: Role::Guide,
-        colour: Colour::Grey,
-        points: vec![[0.0, zero], [0.8, zero]],
-        ..Series::default()
-    }];
+    let mut series = vec![Series::line(
+        "without range, 1.0876",
+        Role::Guide,
+        Colour::Grey,
+        vec![[0.0, zero], [0.8, zero]],
+    )];
     for (shape, whole, leading) in [
         (MORSE_LAW, Colour::Red, Colour::Orange),
         (COSINE_LAW, Colour::Blue, Colour::Teal),

@@ -129,7 +129,7 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
 }
 
-/// The scene with one thing changed.
+/// Asks for the scene with one thing changed.
 fn change(state: &ViewState, actions: &mut Vec<Action>, change: impl FnOnce(&mut Scene)) {
     let mut scene = (*state.scene).clone();
     change(&mut scene);

@@ -10,6 +10,7 @@ use crate::physics::indenter::Indenter;
 use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use ndarray::{Array2, Axis};
 
 /// Draws the profile in the rest of the column.
 pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
@@ -77,11 +78,11 @@ fn bodies(
     frame: Rect,
     (low, high): (f64, f64),
 ) {
-    let gap: Vec<f64> = if along_x {
-        picture.gap.row(index).to_vec()
-    } else {
-        picture.gap.column(index).to_vec()
+    let lane = |field: &Array2<f64>| {
+        let axis = Axis(usize::from(!along_x));
+        field.index_axis(axis, index).to_vec()
     };
+    let gap = lane(&picture.gap);
     let n = gap.len();
     // The map is not rolled on uneven ground, so that the height belongs to the same row.
     let height: Vec<f64> = match state
@@ -90,13 +91,7 @@ fn bodies(
         .as_ref()
         .and_then(|ready| ready.height.as_ref())
     {
-        Some(h) if h.dim() == picture.gap.dim() => {
-            if along_x {
-                h.row(index).to_vec()
-            } else {
-                h.column(index).to_vec()
-            }
-        }
+        Some(h) if h.dim() == picture.gap.dim() => lane(h),
         _ => vec![0.0; n],
     };
     let y_of = |z: f64| {

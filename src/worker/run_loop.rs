@@ -230,7 +230,7 @@ const REST: Duration = Duration::from_millis(150);
 /// A scene whose loop is wanted, with its run.
 type Wanted = Envelope<Arc<Scene>>;
 
-/// Handle of the thread.
+/// Handle of the live loop's thread.
 struct Live {
     mailbox: Option<Sender<Wanted>>,
     quit: Cancel,

@@ -53,29 +53,25 @@ pub(super) fn equation_9() -> Erratum {
         because: "A mesh that obeys Eq. 9 to the letter is unstable on the scale of its own \
             spacing.",
         evidence: vec![
-            Evidence {
-                quantity: "mu_rho by Eq. 10 of a Morse law with the range of Eq. 9 (the print \
-                    recommends 0.5)",
-                found: mesh_rule::mu_rho(&morse(range), spacing),
-                printed: mesh_rule::SAFE,
-                right: PI.sqrt(),
-                tolerance: 1e-12,
-            },
-            Evidence {
-                quantity: "largest mu_rho that a line's stiffest wave bears, from the spectrum of \
-                    a mesh",
-                found: limit(Grid::line(POINTS as f64, POINTS)),
-                printed: PI.sqrt(),
-                right: FRAC_PI_2.sqrt(),
-                tolerance: 1e-12,
-            },
-            Evidence {
-                quantity: "the same of a square mesh",
-                found: limit(Grid::square(POINTS as f64, POINTS)),
-                printed: PI.sqrt(),
-                right: (SQRT_2 * FRAC_PI_2).sqrt(),
-                tolerance: 1e-12,
-            },
+            Evidence::new(
+                "mu_rho by Eq. 10 of a Morse law with the range of Eq. 9 (the print recommends \
+                 0.5)",
+                mesh_rule::mu_rho(&morse(range), spacing),
+                [mesh_rule::SAFE, PI.sqrt()],
+                1e-12,
+            ),
+            Evidence::new(
+                "largest mu_rho that a line's stiffest wave bears, from the spectrum of a mesh",
+                limit(Grid::line(POINTS as f64, POINTS)),
+                [PI.sqrt(), FRAC_PI_2.sqrt()],
+                1e-12,
+            ),
+            Evidence::new(
+                "the same of a square mesh",
+                limit(Grid::square(POINTS as f64, POINTS)),
+                [PI.sqrt(), (SQRT_2 * FRAC_PI_2).sqrt()],
+                1e-12,
+            ),
         ],
     }
 }
@@ -96,14 +92,12 @@ pub(super) fn equation_33() -> Erratum {
         right: "max(-gamma'') <= E*/(4 da) at the recommended mu_rho = 0.5",
         because: "E*/da is mu_rho = 1, at which edges of contact already jump from one mesh point \
             to the next.",
-        evidence: vec![Evidence {
-            quantity: "max(-gamma'') da/E* of a Morse law with mu_rho = 0.5, searched for on a \
-                fine raster",
-            found: softening,
-            printed: 1.0,
-            right: 0.25,
-            tolerance: 1e-6,
-        }],
+        evidence: vec![Evidence::new(
+            "max(-gamma'') da/E* of a Morse law with mu_rho = 0.5, searched for on a fine raster",
+            softening,
+            [1.0, 0.25],
+            1e-6,
+        )],
     }
 }
 
@@ -126,21 +120,19 @@ pub(super) fn equation_31() -> Erratum {
         because: "As printed, gamma'' jumps by a factor of two at contact. The program offers \
             both; the paper's is the default.",
         evidence: vec![
-            Evidence {
-                quantity: "gamma''(0-)/gamma''(0+) of the law as printed, from differences of its \
-                    traction (continuous: 1)",
-                found: jump(false),
-                printed: 1.0,
-                right: 2.0,
-                tolerance: 1e-5,
-            },
-            Evidence {
-                quantity: "the same of the variant with continuous stiffness (printed: 2)",
-                found: jump(true),
-                printed: 2.0,
-                right: 1.0,
-                tolerance: 1e-5,
-            },
+            Evidence::new(
+                "gamma''(0-)/gamma''(0+) of the law as printed, from differences of its traction \
+                 (continuous: 1)",
+                jump(false),
+                [1.0, 2.0],
+                1e-5,
+            ),
+            Evidence::new(
+                "the same of the variant with continuous stiffness (printed: 2)",
+                jump(true),
+                [2.0, 1.0],
+                1e-5,
+            ),
         ],
     }
 }
@@ -149,14 +141,13 @@ pub(super) fn equation_31() -> Erratum {
 pub(super) fn wave_number() -> Evidence {
     let length = POINTS as f64;
     let [smallest, _] = stiffness(Grid::line(length, POINTS));
-    Evidence {
-        quantity: "smallest wave number q_1 of a cell times its side, from the stiffness q E*/2 of \
-            its longest wave",
-        found: 2.0 * smallest * length,
-        printed: 1.0 / (2.0 * PI),
-        right: 2.0 * PI,
-        tolerance: 1e-12,
-    }
+    Evidence::new(
+        "smallest wave number q_1 of a cell times its side, from the stiffness q E*/2 of its \
+         longest wave",
+        2.0 * smallest * length,
+        [1.0 / (2.0 * PI), 2.0 * PI],
+        1e-12,
+    )
 }
 
 pub(super) fn equation_22() -> Erratum {
@@ -170,20 +161,18 @@ pub(super) fn equation_22() -> Erratum {
         because: "The sign of 8c follows from Eq. A6e, and the constant from the stress under a \
             thin ridge, which goes as 1/sqrt(1 - x^2/a^2) and not as its inverse.",
         evidence: vec![
-            Evidence {
-                quantity: "vhat of a ridge with 0.1 % of the cell in contact, exact",
-                found: ridge::elastic_energy(1.0 - share)[0],
-                printed: thin(8.0 * 0.3079),
-                right: thin(-4.0 * LN_2),
-                tolerance: 1e-7,
-            },
-            Evidence {
-                quantity: "c that the exact vhat gives there",
-                found: (PI / ridge::elastic_energy(1.0 - share)[0] + 4.0 * (PI * share).ln()) / 8.0,
-                printed: 0.3079,
-                right: 0.5 * LN_2,
-                tolerance: 1e-6,
-            },
+            Evidence::new(
+                "vhat of a ridge with 0.1 % of the cell in contact, exact",
+                ridge::elastic_energy(1.0 - share)[0],
+                [thin(8.0 * 0.3079), thin(-4.0 * LN_2)],
+                1e-7,
+            ),
+            Evidence::new(
+                "c that the exact vhat gives there",
+                (PI / ridge::elastic_energy(1.0 - share)[0] + 4.0 * (PI * share).ln()) / 8.0,
+                [0.3079, 0.5 * LN_2],
+                1e-6,
+            ),
         ],
     }
 }
@@ -197,20 +186,18 @@ pub(super) fn equation_24() -> Erratum {
         because: "The exact energy of a periodic ridge, vhat = -pi/(4 ln cos(pi alpha/2)), has its \
             zero of vhat'' at alpha_c = 0.91006.",
         evidence: vec![
-            Evidence {
-                quantity: "vhat where vhat'' = 0, by finding the root",
-                found: end.elastic_energy[0],
-                printed: 0.4204,
-                right: 0.400642787,
-                tolerance: 1e-8,
-            },
-            Evidence {
-                quantity: "vhat''' there",
-                found: end.elastic_energy[3],
-                printed: -145.0,
-                right: -131.922250,
-                tolerance: 1e-5,
-            },
+            Evidence::new(
+                "vhat where vhat'' = 0, by finding the root",
+                end.elastic_energy[0],
+                [0.4204, 0.400642787],
+                1e-8,
+            ),
+            Evidence::new(
+                "vhat''' there",
+                end.elastic_energy[3],
+                [-145.0, -131.922250],
+                1e-5,
+            ),
         ],
     }
 }
@@ -225,13 +212,12 @@ pub(super) fn equation_25() -> Erratum {
         right: "p/E* = -(4 gamma^2/(pi L E*^2 u0))^{1/3}",
         because: "Only with the square is the bracket a pure number, and only so does it agree \
             with Eq. 26.",
-        evidence: vec![Evidence {
-            quantity: "p at four times the modulus over p, same u0, exact ridge at u~ = 0.00001",
-            found: pressure(2.0 * displacement) / pressure(displacement),
-            printed: 4f64.powf(2.0 / 3.0),
-            right: 4f64.cbrt(),
-            tolerance: 1e-4,
-        }],
+        evidence: vec![Evidence::new(
+            "p at four times the modulus over p, same u0, exact ridge at u~ = 0.00001",
+            pressure(2.0 * displacement) / pressure(displacement),
+            [4f64.powf(2.0 / 3.0), 4f64.cbrt()],
+            1e-4,
+        )],
     }
 }
 
@@ -251,20 +237,18 @@ pub(super) fn equation_27() -> Erratum {
         because: "p_c~ is -2 u_c~^2 vhat_c. Near its largest value u~ is a parabola in p~, which \
             leaves a square root.",
         evidence: vec![
-            Evidence {
-                quantity: "p~ of the exact ridge where it flattens",
-                found: ridge::pressure(end.displacement).unwrap_or(f64::NAN),
-                printed: -0.3937,
-                right: -0.354996680,
-                tolerance: 1e-7,
-            },
-            Evidence {
-                quantity: "(p~ - p_c~)/sqrt(u_c~ - u~) next to that point, extrapolated",
-                found: root,
-                printed: -0.360,
-                right: -0.641317722,
-                tolerance: 1e-4,
-            },
+            Evidence::new(
+                "p~ of the exact ridge where it flattens",
+                ridge::pressure(end.displacement).unwrap_or(f64::NAN),
+                [-0.3937, -0.354996680],
+                1e-7,
+            ),
+            Evidence::new(
+                "(p~ - p_c~)/sqrt(u_c~ - u~) next to that point, extrapolated",
+                root,
+                [-0.360, -0.641317722],
+                1e-4,
+            ),
         ],
     }
 }
@@ -300,14 +284,13 @@ pub(super) fn equation_30c() -> Erratum {
         right: "1.08756",
         because: "3/2 alpha_c takes the asymptote of a thick ridge up to its end, where it is far \
             off.",
-        evidence: vec![Evidence {
-            quantity: "energy over gamma that a ridge of zero range loses: area under the exact \
-                p~(u~), by Simpson's rule",
-            found: area_under_ridge(),
-            printed: 1.365,
-            right: 1.087557130,
-            tolerance: 2e-4,
-        }],
+        evidence: vec![Evidence::new(
+            "energy over gamma that a ridge of zero range loses: area under the exact p~(u~), by \
+             Simpson's rule",
+            area_under_ridge(),
+            [1.365, 1.087557130],
+            2e-4,
+        )],
     }
 }
 
@@ -336,14 +319,13 @@ pub(super) fn text_at_equation_30(task: &mut Task<'_>) -> Result<Erratum, Stoppe
         right: "it is added; it is negative",
         because: "On the way in, the flat surface is already drawn towards the ground: that much \
             less is lost when it jumps.",
-        evidence: vec![Evidence {
-            quantity: "energy over gamma that a loop of a line cell of 1024 ranges loses, computed",
-            found: run.record.released_energy_sum(),
-            printed: thick - flat,
-            right: thick + flat,
+        evidence: vec![Evidence::new(
+            "energy over gamma that a loop of a line cell of 1024 ranges loses, computed",
+            run.record.released_energy_sum(),
+            [thick - flat, thick + flat],
             // The theory has no range in the ridge itself: good to about a percent.
-            tolerance: 0.015 * (thick + flat).abs(),
-        }],
+            0.015 * (thick + flat).abs(),
+        )],
     })
 }
 
@@ -364,22 +346,19 @@ pub(super) fn equation_28() -> Erratum {
         because: "A single opened disc, and a single disc pressed on, are textbook solutions; the \
             lattice adds higher orders only.",
         evidence: vec![
-            Evidence {
-                quantity: "vhat alpha^3 of a small dimple, from a series on the lattice, \
-                    extrapolated",
-                found: at_zero(0.2, 3, dimple),
-                printed: 8.0 / (3.0 * PI).sqrt(),
-                right: 1.5,
-                tolerance: 1e-4,
-            },
-            Evidence {
-                quantity: "vhat/abar of a small bulge, from a series on the lattice, extrapolated \
-                    (print: at abar = 0.02)",
-                found: at_zero(0.02, 1, bulge),
-                printed: SQRT_2 * 0.02f64.sqrt(),
-                right: 0.5,
-                tolerance: 1e-3,
-            },
+            Evidence::new(
+                "vhat alpha^3 of a small dimple, from a series on the lattice, extrapolated",
+                at_zero(0.2, 3, dimple),
+                [8.0 / (3.0 * PI).sqrt(), 1.5],
+                1e-4,
+            ),
+            Evidence::new(
+                "vhat/abar of a small bulge, from a series on the lattice, extrapolated (print: at \
+                 abar = 0.02)",
+                at_zero(0.02, 1, bulge),
+                [SQRT_2 * 0.02f64.sqrt(), 0.5],
+                1e-3,
+            ),
         ],
     }
 }
@@ -395,13 +374,12 @@ pub(super) fn equation_29() -> Erratum {
         printed: "p~ = -(4 u~/3)^{4/5}",
         right: "p~ = -(1.79301 u~)^{4/5}",
         because: "It follows from the energy of a dimple, and inherits its factor.",
-        evidence: vec![Evidence {
-            quantity: "k of p~ = -(k u~)^{4/5} of a small dimple, extrapolated",
-            found: at_zero(0.2, 3, factor),
-            printed: 4.0 / 3.0,
-            right: 1.79300742,
-            tolerance: 1e-3,
-        }],
+        evidence: vec![Evidence::new(
+            "k of p~ = -(k u~)^{4/5} of a small dimple, extrapolated",
+            at_zero(0.2, 3, factor),
+            [4.0 / 3.0, 1.79300742],
+            1e-3,
+        )],
     }
 }
 
@@ -425,21 +403,19 @@ pub(super) fn after_equation_29() -> Erratum {
         because: "Its energy has a minimum against size where it covers enough of the cell for its \
             neighbours to be felt; below 0.403 it gives way to an ellipse.",
         evidence: vec![
-            Evidence {
-                quantity: "largest u~ of a metastable bulge of zero range (print: none)",
-                found: fold.displacement,
-                printed: 0.0,
-                right: 0.620288,
-                tolerance: 1e-5,
-            },
-            Evidence {
-                quantity: "diameter over L at which the energy is least at u~ = 0.5, on a raster \
-                    of 0.001 (print: none)",
-                found: lowest.unwrap_or(f64::NAN),
-                printed: 0.0,
-                right: size,
-                tolerance: 1e-3,
-            },
+            Evidence::new(
+                "largest u~ of a metastable bulge of zero range (print: none)",
+                fold.displacement,
+                [0.0, 0.620288],
+                1e-5,
+            ),
+            Evidence::new(
+                "diameter over L at which the energy is least at u~ = 0.5, on a raster of 0.001 \
+                 (print: none)",
+                lowest.unwrap_or(f64::NAN),
+                [0.0, size],
+                1e-3,
+            ),
         ],
     }
 }
@@ -455,20 +431,18 @@ pub(super) fn section_4() -> Erratum {
         right: "0.12746 and 0.06128 for gamma = 0.5859e-3 E* R",
         because: "They are the cube roots of (9/8) pi gamma R^2/E* and (1/8) pi gamma R^2/E*.",
         evidence: vec![
-            Evidence {
-                quantity: "contact radius where the pulling force is largest, searched for",
-                found: turning(&tip, 0.10, 0.16, |tip, a| tip.contact(a).force),
-                printed: 0.1278,
-                right: 0.127460,
-                tolerance: 2e-6,
-            },
-            Evidence {
-                quantity: "contact radius where the displacement is largest, searched for",
-                found: turning(&tip, 0.04, 0.09, |tip, a| tip.contact(a).displacement),
-                printed: 0.06315,
-                right: 0.061277,
-                tolerance: 2e-6,
-            },
+            Evidence::new(
+                "contact radius where the pulling force is largest, searched for",
+                turning(&tip, 0.10, 0.16, |tip, a| tip.contact(a).force),
+                [0.1278, 0.127460],
+                2e-6,
+            ),
+            Evidence::new(
+                "contact radius where the displacement is largest, searched for",
+                turning(&tip, 0.04, 0.09, |tip, a| tip.contact(a).displacement),
+                [0.06315, 0.061277],
+                2e-6,
+            ),
         ],
     }
 }
