@@ -1,13 +1,11 @@
 //! `tackscope chart`: every method on the same loop, speed against accuracy.
 
 use super::progress::Monitor;
-use super::{
-    BAD_INPUT, ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say,
-    tell_replaced, unwritten, warn,
-};
+use super::{ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, failures, warn};
 use crate::plot::chart_panel::page;
-use crate::storage::folder::Folder;
-use crate::storage::{Failure, chart as table, drawing, presets, scene_file};
+use crate::storage::export::write_chart_csv;
+use crate::storage::summary::write_chart_json;
+use crate::storage::{Failure, drawing, presets, scene_file};
 use crate::study::chart::{Chart, Effort, News, Verdict, run};
 
 /// What is written, the file that says that all is there last.
@@ -24,11 +22,8 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let refused = |error| scene_file::refused(&arguments.scene, error);
     scene.validate().map_err(refused)?;
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(&arguments.out, &[], ROOM)?;
-    let earlier = folder.clear(&[], |name| FILES.contains(&name))?;
-    if !arguments.quiet {
-        tell_replaced(earlier, &arguments.out);
-    }
+    let output = &arguments.output;
+    let folder = output.claim(&[], ROOM, |name| FILES.contains(&name))?;
     let effort = if arguments.quick {
         Effort::Quick
     } else {
@@ -37,7 +32,7 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
         }
     };
     let mut monitor = Monitor::new(
-        arguments.quiet,
+        output.quiet,
         &format!("{}: speed against accuracy", scene.title),
     );
     let chart = run(&scene, effort, &cancel, &mut |news| {
@@ -48,20 +43,13 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
     let page = page(&chart, &scene.title);
     let written = [
-        table::write_chart_csv(&csv, &chart),
+        write_chart_csv(&csv, &chart),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page),
-        table::write_chart_json(&json, &arguments.scene, &scene, &chart),
+        write_chart_json(&json, &arguments.scene, &scene, &chart),
     ];
-    let failures: Vec<Failure> = written.into_iter().filter_map(Result::err).collect();
-    let code = exit_code(&chart, &arguments.out);
-    if unwritten(&failures) {
-        return Ok(BAD_INPUT);
-    }
-    if !arguments.quiet {
-        say(&closing_words(arguments, &chart))?;
-    }
-    Ok(code)
+    let code = exit_code(&chart, &output.out);
+    output.close(&failures(written), code, &closing_words(&chart))
 }
 
 fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
@@ -113,18 +101,15 @@ fn tell(monitor: &mut Monitor, news: &News<'_>) {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &ChartArguments, chart: &Chart) -> String {
+fn closing_words(chart: &Chart) -> String {
     let failed = chart
         .rows
         .iter()
         .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
         .count();
-    let (points, skipped, out) = (
-        chart.rows.len(),
-        chart.skipped.len(),
-        arguments.out.display(),
-    );
+    let (points, skipped) = (chart.rows.len(), chart.skipped.len());
     format!(
-        "{points} points measured, {failed} of them failed in a way that is named, {skipped} skipped: written to {out}"
+        "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
+         skipped"
     )
 }

@@ -2,15 +2,15 @@
 
 use super::progress::Monitor;
 use super::{
-    BAD_INPUT, DONE, DiagramArguments, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, say,
-    tell_replaced, unwritten, warn,
+    DONE, DiagramArguments, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, failures,
+    scene_with_points, warn,
 };
 use crate::follow::diagram::Diagram;
 use crate::plot::diagram_panel::{counts, page};
 use crate::plot::ticks::digits;
 use crate::scene::part::{Part, Strategy};
-use crate::storage::folder::Folder;
-use crate::storage::{Failure, diagram as table, drawing, scene_file};
+use crate::storage::export::{write_branches_csv, write_points_csv};
+use crate::storage::{Failure, drawing, scene_file};
 use crate::study::plan::plan;
 
 /// What is written.
@@ -23,7 +23,7 @@ const ROOM: u64 = 4_000_000;
 /// # Errors
 /// A scene that is refused, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
-    let (scene, place) = super::scene_with_points(&arguments.scene, arguments.points)?;
+    let (scene, place) = scene_with_points(&arguments.scene, arguments.points)?;
     let refused = |error| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
     let part = match plan(&scene, &model, None).strategy {
@@ -31,13 +31,10 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         Strategy::Atlas => Part::Whole,
     };
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(&arguments.out, &[], ROOM)?;
-    let earlier = folder.clear(&[], |name| FILES.contains(&name))?;
-    if !arguments.quiet {
-        tell_replaced(earlier, &arguments.out);
-    }
+    let output = &arguments.output;
+    let folder = output.claim(&[], ROOM, |name| FILES.contains(&name))?;
     let monitor = Monitor::new(
-        arguments.quiet,
+        output.quiet,
         &format!("{}: every branch of equilibria", scene.title),
     );
     let mut under_way = String::new();
@@ -54,30 +51,27 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
     let page = page(&found, &model.law, &scene.title);
     let written = [
-        table::write_branches_csv(&branches, &found),
-        table::write_points_csv(&points, &found),
+        write_branches_csv(&branches, &found),
+        write_points_csv(&points, &found),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page),
     ];
-    let failures: Vec<Failure> = written.into_iter().filter_map(Result::err).collect();
-    found
-        .missing
-        .iter()
-        .for_each(|words| warn(format_args!("missing: {words}")));
-    if unwritten(&failures) {
-        return Ok(BAD_INPUT);
+    let code = exit_code(&found, &output.out);
+    output.close(&failures(written), code, &counts(&found))
+}
+
+fn exit_code(found: &Diagram, out: &std::path::Path) -> u8 {
+    for words in &found.missing {
+        warn(format_args!("missing: {words}"));
     }
-    let out = arguments.out.display();
     if found.cancelled {
+        let out = out.display();
         warn(format_args!("interrupted; what was found is in {out}"));
-        return Ok(INTERRUPTED);
+        return INTERRUPTED;
     }
-    if !arguments.quiet {
-        say(&format!("{}: written to {out}", counts(&found)))?;
-    }
-    Ok(if found.is_complete() {
+    if found.is_complete() {
         DONE
     } else {
         NOT_CONVERGED
-    })
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::progress::Monitor;
 use super::{
-    BAD_INPUT, DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal,
-    say, tell_replaced, unwritten, warn,
+    DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, failures,
+    warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
@@ -11,9 +11,8 @@ use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
-use crate::storage::{Failure, drawing as paint};
-use crate::worker::figures::{self, Progress};
-use std::path::Path;
+use crate::storage::{Failure, drawing, export};
+use crate::worker::background::{self, Progress};
 
 /// Room that the files of a figure need, in bytes.
 const ROOM: u64 = 1_000_000;
@@ -39,12 +38,8 @@ fn chosen(word: &str) -> Result<Vec<&'static Entry>, Failure> {
 
 fn unknown(what: &str, word: &str, numbers: impl Iterator<Item = usize>, more: &str) -> Failure {
     let list: Vec<String> = numbers.map(|n| n.to_string()).collect();
-    Failure::Value {
-        file: "command line".to_owned(),
-        key: what.to_owned(),
-        value: word.to_owned(),
-        allowed: format!("{}{more}", list.join(", ")),
-    }
+    let allowed = format!("{}{more}", list.join(", "));
+    Failure::value("command line", what, word, &allowed)
 }
 
 /// What came of the figures.
@@ -61,28 +56,25 @@ struct Gathered {
 /// An unknown number, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     let entries = chosen(&arguments.figure)?;
-    let out = &arguments.out;
+    let output = &arguments.output;
+    let out = &output.out;
     let size = if arguments.quick {
         Size::Quick
     } else {
         Size::Full
     };
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(out, &[], ROOM * entries.len() as u64)?;
-    let earlier = folder.clear(&[], |name| {
+    let folder = output.claim(&[], ROOM * entries.len() as u64, |name| {
         let summed_up = arguments.report && SUMMED_UP.contains(&name);
         summed_up || entries.iter().any(|entry| is_of(&stem(entry.number), name))
     })?;
-    if !arguments.quiet {
-        tell_replaced(earlier, out);
-    }
     let what = if entries.len() == 1 {
         "1 figure".to_owned()
     } else {
         format!("{} figures", entries.len())
     };
     let monitor = Monitor::new(
-        arguments.quiet,
+        output.quiet,
         &format!("{what} of the paper, computed anew into {}", out.display()),
     );
     let mut gathered = gather(&entries, size, &cancel, &monitor, &folder);
@@ -90,8 +82,8 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     gathered.figures.sort_by_key(|(entry, _)| entry.number);
     gathered.missing.sort_by_key(|(number, _)| *number);
     if arguments.report {
-        let failures = report(&gathered, size, &cancel, &folder);
-        gathered.unwritten.extend(failures);
+        let unwritten = report(&gathered, size, &cancel, &folder);
+        gathered.unwritten.extend(unwritten);
     }
     for (number, why) in gathered
         .missing
@@ -107,13 +99,7 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
             out.display()
         ));
     }
-    if unwritten(&gathered.unwritten) {
-        return Ok(BAD_INPUT);
-    }
-    if !arguments.quiet {
-        say(&closing_words(&gathered, out))?;
-    }
-    Ok(code)
+    output.close(&gathered.unwritten, code, &closing_words(&gathered))
 }
 
 fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
@@ -134,7 +120,7 @@ fn gather(
 ) -> Gathered {
     let mut gathered = Gathered::default();
     let mut shares = vec![0.0; entries.len()];
-    figures::compute(entries, size, cancel, &mut |progress| match progress {
+    background::compute(entries, size, cancel, &mut |progress| match progress {
         Progress::Working { index, done, what } => {
             shares[index] = done;
             monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
@@ -206,11 +192,10 @@ fn report(gathered: &Gathered, size: Size, cancel: &Cancel, out: &Folder) -> Vec
         errata: &errata,
         missing,
     };
-    let written = [
-        paint::write_findings_csv(&findings, of_figures.chain(of_tables)),
+    failures([
+        export::write_findings_csv(&findings, of_figures.chain(of_tables)),
         write_report(&page, &report),
-    ];
-    written.into_iter().filter_map(Result::err).collect()
+    ])
 }
 
 /// ", 3 of 4 findings agree", or nothing.
@@ -238,16 +223,15 @@ fn is_of(stem: &str, name: &str) -> bool {
 /// Writes the files of a figure; returns those that could not be written.
 fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("{}.{end}", stem(figure.number)));
-    let written = [
-        paint::write_figure_csv(&name("csv"), figure),
-        paint::write_page_svg(&name("svg"), &figure.page()),
-        paint::write_page_png(&name("png"), &figure.page()),
-    ];
-    written.into_iter().filter_map(Result::err).collect()
+    failures([
+        export::write_figure_csv(&name("csv"), figure),
+        drawing::write_page_svg(&name("svg"), &figure.page()),
+        drawing::write_page_png(&name("png"), &figure.page()),
+    ])
 }
 
 /// The one line on standard output.
-fn closing_words(gathered: &Gathered, out: &Path) -> String {
+fn closing_words(gathered: &Gathered) -> String {
     let findings: Vec<Finding> = gathered
         .figures
         .iter()
@@ -261,9 +245,8 @@ fn closing_words(gathered: &Gathered, out: &Path) -> String {
     };
     let count = gathered.figures.len();
     format!(
-        "{count} figure{}{missing}{words}: written to {}",
-        if count == 1 { "" } else { "s" },
-        out.display()
+        "{count} figure{}{missing}{words}",
+        if count == 1 { "" } else { "s" }
     )
 }
 
@@ -282,28 +265,16 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
             "",
         )
     })?;
-    let out = &arguments.out;
+    let output = &arguments.output;
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(out, &[], ROOM)?;
-    let earlier = folder.clear(&[], |name| is_of(&format!("table-{}", entry.number), name))?;
-    if !arguments.quiet {
-        tell_replaced(earlier, out);
-    }
+    let folder = output.claim(&[], ROOM, |name| {
+        is_of(&format!("table-{}", entry.number), name)
+    })?;
     match (entry.compute)(&mut Task::new(Size::Full, &cancel, &mut |_, _| {})) {
         Ok(table) => {
-            if unwritten(&write_table(&folder, &table)) {
-                return Ok(BAD_INPUT);
-            }
-            if !arguments.quiet {
-                let findings = findings_in_words(&table.findings);
-                say(&format!(
-                    "Table {}: {}{findings}: written to {}",
-                    entry.number,
-                    entry.title,
-                    out.display()
-                ))?;
-            }
-            Ok(DONE)
+            let findings = findings_in_words(&table.findings);
+            let done = format!("Table {}: {}{findings}", entry.number, entry.title);
+            output.close(&write_table(&folder, &table), DONE, &done)
         }
         Err(Stopped::Cancelled) => Ok(INTERRUPTED),
         Err(why) => {
@@ -315,12 +286,11 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
 
 fn write_table(out: &Folder, table: &Table) -> Vec<Failure> {
     let name = |end: &str| out.join(format!("table-{}.{end}", table.number));
-    let written = [
-        paint::write_table_csv(&name("csv"), table),
-        paint::write_table_svg(&name("svg"), table),
-        paint::write_table_png(&name("png"), table),
-    ];
-    written.into_iter().filter_map(Result::err).collect()
+    failures([
+        export::write_table_csv(&name("csv"), table),
+        drawing::write_table_svg(&name("svg"), table),
+        drawing::write_table_png(&name("png"), table),
+    ])
 }
 
 #[cfg(test)]

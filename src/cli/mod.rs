@@ -11,14 +11,14 @@ mod figure;
 mod progress;
 mod report;
 mod run;
-mod window;
 
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
+use crate::scene::Scene;
 use crate::scene::part::Strategy;
-use crate::scene::{Points, Scene};
 use crate::solver::methods::MethodKind;
-use crate::storage::{Failure, files, line, presets, process, scene_file};
+use crate::storage::folder::Folder;
+use crate::storage::{Failure, files, line, presets, scene_file};
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -47,8 +47,9 @@ const SECONDS_MAX: f64 = 1e6;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not converged, 130 interrupted by Ctrl-C, SIGTERM \
-                  or SIGHUP (3 and 130: what was computed is written)."
+    after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not \
+        converged, 130 interrupted by Ctrl-C, SIGTERM or SIGHUP (3 and 130: what was computed is \
+        written)."
 )]
 struct CommandLine {
     #[command(subcommand)]
@@ -88,15 +89,25 @@ enum Command {
     Presets,
 }
 
+/// Where results go, and what is said of them.
+#[derive(Args, Clone, Debug)]
+struct Output {
+    /// The folder to write into; made if it is not there
+    #[arg(long, value_name = "DIR", value_parser = folder())]
+    out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
 /// What `tackscope figure` is told.
 #[derive(Args, Clone, Debug)]
 struct FigureArguments {
     /// The figure's number in the paper, or all
     #[arg(value_name = "N|all")]
     figure: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
+    #[command(flatten)]
+    output: Output,
     /// Also write report.html (pictures, findings, Table 1, what the print got wrong) and
     /// findings.csv
     #[arg(long)]
@@ -104,9 +115,6 @@ struct FigureArguments {
     /// Coarse meshes and few points: seconds in place of minutes
     #[arg(long)]
     quick: bool,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 /// What `tackscope table` is told.
@@ -115,12 +123,8 @@ struct TableArguments {
     /// The table's number in the paper
     #[arg(value_name = "N")]
     table: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// What `tackscope diagram` is told.
@@ -128,12 +132,8 @@ struct TableArguments {
 struct DiagramArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
     /// Points a side in place of the scene's (a line cell stays a line)
     #[arg(long, value_name = "N")]
     points: Option<usize>,
@@ -144,17 +144,19 @@ struct DiagramArguments {
 struct ChartArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
     /// Only coarse meshes and long steps: seconds in place of minutes
     #[arg(long)]
     quick: bool,
     /// Processor time to spend, in seconds; what does not fit is skipped, and said to be
-    #[arg(long, value_name = "S", default_value_t = 180.0, conflicts_with = "quick", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 180.0,
+        conflicts_with = "quick"
+    )]
+    #[arg(value_parser = seconds, allow_negative_numbers = true)]
     seconds: f64,
 }
 
@@ -163,12 +165,8 @@ struct ChartArguments {
 struct RunArguments {
     /// A built-in scene (see `tackscope presets`) or the path of a scene file
     scene: String,
-    /// The folder to write into; made if it is not there
-    #[arg(long, value_name = "DIR", value_parser = folder())]
-    out: PathBuf,
-    /// Say nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
     /// Which method follows the branches
     #[arg(long, value_enum, default_value_t = MethodKind::NewtonKrylov)]
     method: MethodKind,
@@ -176,7 +174,8 @@ struct RunArguments {
     #[arg(long, value_enum, default_value_t = Asked(None))]
     model: Asked,
     /// Seed in place of the scene's: it chooses between equivalent patterns
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Points a side in place of the scene's (a line cell stays a line)
     #[arg(long, value_name = "N")]
@@ -270,10 +269,7 @@ fn scene_with_points(name: &str, points: Option<usize>) -> Result<(Scene, String
     let Some(n) = points else {
         return Ok((scene, name.to_owned()));
     };
-    scene.cell.points = match scene.cell.points {
-        Points::Line(_) => Points::Line(n),
-        _ => Points::Square(n),
-    };
+    scene.cell.points = scene.cell.points.resized(n);
     Ok((scene, format!("{name} with --points {n}")))
 }
 
@@ -295,40 +291,95 @@ fn explain(words: &clap::Error) -> Result<u8, Failure> {
     text.lines().try_for_each(say).map(|()| DONE)
 }
 
-/// Tells every file that could not be written; true if there was one.
-fn unwritten(failures: &[Failure]) -> bool {
-    failures.iter().for_each(warn);
-    !failures.is_empty()
+impl Output {
+    /// Takes the folder and removes what an earlier run has left in it and in its `inner` folders,
+    /// which [`Folder::clear`] does, and says so; `room` in bytes.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, or an earlier result that cannot be removed.
+    fn claim(
+        &self,
+        inner: &[&str],
+        room: u64,
+        ours: impl Fn(&str) -> bool,
+    ) -> Result<Folder, Failure> {
+        let folder = Folder::claim(&self.out, inner, room)?;
+        if folder.clear(inner, ours)? > 0 && !self.quiet {
+            let place = self.out.display();
+            warn(format_args!(
+                "{place} held an earlier run, which this one replaces"
+            ));
+        }
+        Ok(folder)
+    }
+
+    /// The end of a command: tells every file that could not be written, or else, on standard
+    /// output, what was done; returns the exit code.
+    ///
+    /// # Errors
+    /// A standard output that cannot be written.
+    fn close(&self, unwritten: &[Failure], code: u8, done: &str) -> Result<u8, Failure> {
+        unwritten.iter().for_each(warn);
+        if !unwritten.is_empty() {
+            return Ok(BAD_INPUT);
+        }
+        if !self.quiet {
+            say(&format!("{done}: written to {}", self.out.display()))?;
+        }
+        Ok(code)
+    }
 }
 
-/// Says that results of an earlier run were in the way.
-fn tell_replaced(count: usize, folder: &std::path::Path) {
-    if count > 0 {
-        warn(format_args!(
-            "{} held an earlier run, which this one replaces",
-            folder.display()
-        ));
-    }
+/// What of all that was written could not be.
+fn failures(written: impl IntoIterator<Item = Result<(), Failure>>) -> Vec<Failure> {
+    written.into_iter().filter_map(Result::err).collect()
+}
+
+// The way to the window: the one place outside `ui` that asks for the feature `gui`.
+
+/// Why there is no window.
+enum NoWindow {
+    /// Nothing to open it on.
+    NoDisplay(String),
+    /// There is a display, yet it did not open.
+    #[cfg_attr(not(feature = "gui"), expect(dead_code, reason = "needs a window"))]
+    Broken(String),
+}
+
+/// Opens the window and returns when it is closed.
+#[cfg(feature = "gui")]
+fn open_window() -> Result<(), NoWindow> {
+    crate::ui::display_available().map_err(NoWindow::NoDisplay)?;
+    crate::ui::run().map_err(NoWindow::Broken)
+}
+
+/// Says that there is none in this build.
+#[cfg(not(feature = "gui"))]
+fn open_window() -> Result<(), NoWindow> {
+    Err(NoWindow::NoDisplay("this build has none".to_owned()))
 }
 
 /// The window, or where there is no display the default scene without it.
 fn window_or_default_scene() -> u8 {
-    match window::open() {
+    match open_window() {
         Ok(()) => DONE,
-        Err(window::NoWindow::Broken(reason)) => {
+        Err(NoWindow::Broken(reason)) => {
             warn(format_args!(
-                "the window could not be opened ({reason}): try tackscope run fig2 --out DIR instead"
+                "the window could not be opened ({reason}): try tackscope run fig2 --out DIR \
+                 instead"
             ));
             BAD_INPUT
         }
-        Err(window::NoWindow::NoDisplay(reason)) => {
+        Err(NoWindow::NoDisplay(reason)) => {
             warn(format_args!(
                 "no window here ({reason}): running the scene fig2 into tackscope-out/ instead"
             ));
             code(run::run(&RunArguments {
                 scene: "fig2".to_owned(),
-                out: PathBuf::from("tackscope-out"),
-                quiet: false,
+                output: Output {
+                    out: PathBuf::from("tackscope-out"),
+                    quiet: false,
+                },
                 method: MethodKind::NewtonKrylov,
                 seed: None,
                 points: None,
@@ -344,8 +395,9 @@ fn window_or_default_scene() -> u8 {
 /// A token that the first request from outside raises; one that comes later than a moment after it
 /// ends the program at once.
 fn cancel_on_signal() -> Cancel {
+    let status = files::read_bytes(Path::new("/proc/self/status"), 1 << 16).unwrap_or_default();
     signals::cancel_on_signal(
-        process::ignored_signals(),
+        &String::from_utf8_lossy(&status),
         files::at_rest,
         i32::from(INTERRUPTED),
     )

@@ -1,5 +1,6 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
+use super::failures;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop};
@@ -327,7 +328,7 @@ pub(super) fn write_results(
         let picture = picture::write_gap_png_scaled(&path, &landing.gap, scale);
         written.push(picture.and_then(|()| picture::attach_scene(&path, scene)));
     }
-    written.into_iter().filter_map(Result::err).collect()
+    failures(written)
 }
 
 /// `1-approach-bulge.png` for the first landing, and so on.
@@ -348,8 +349,11 @@ fn is_gap_picture(name: &str) -> bool {
         .unwrap_or_default()
         .split('-')
         .collect();
-    matches!(parts.as_slice(), [number, "approach" | "retraction", pattern]
-        if number.parse::<usize>().is_ok() && [Flat, Bulge, Ridge, Dimple, Contact, Other].iter().any(|p| p.word() == *pattern))
+    let [number, "approach" | "retraction", pattern] = parts[..] else {
+        return false;
+    };
+    let patterns = [Flat, Bulge, Ridge, Dimple, Contact, Other];
+    number.parse::<usize>().is_ok() && patterns.iter().any(|p| p.word() == pattern)
 }
 
 #[cfg(test)]

@@ -3,8 +3,7 @@
 use super::progress::Monitor;
 use super::report::{self, Timed};
 use super::{
-    BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, say,
-    scene_with_points, tell_replaced, unwritten, warn,
+    DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, scene_with_points, warn,
 };
 use crate::follow::run::{LoopRun, Outcome};
 use crate::numerics::cancel::Cancel;
@@ -12,7 +11,6 @@ use crate::physics::parameter::Refusal;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
-use crate::storage::folder::Folder;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, scene_file};
 use crate::study::error_bar::{measured_error, reference};
@@ -32,14 +30,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let refused = |error: Refusal| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
     if let Some(reason) = refusal(&scene, &model, arguments.model.0) {
-        return Err(Failure::Value {
-            file: place.clone(),
-            key: "--model".to_owned(),
-            value: Strategy::Atlas.word().to_owned(),
-            allowed: format!(
-                "this scene has no atlas, since {reason}; leave --model out, or take whole"
-            ),
-        });
+        let allowed =
+            format!("this scene has no atlas, since {reason}; leave --model out, or take whole");
+        return Err(Failure::value(
+            &place,
+            "--model",
+            Strategy::Atlas.word(),
+            &allowed,
+        ));
     }
     // The other methods are there to be compared on the cell they were made for.
     let newton = arguments.method == MethodKind::NewtonKrylov;
@@ -51,15 +49,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     let plan = plan_of(&scene, &model, asked);
 
     let cancel = cancel_on_signal();
-    let folder = Folder::claim(
-        &arguments.out,
-        &[report::GAPS],
-        report::room(&scene, &model),
-    )?;
-    let earlier = folder.clear(&[report::GAPS], report::is_result)?;
-    if !arguments.quiet {
-        tell_replaced(earlier, &arguments.out);
-    }
+    let output = &arguments.output;
+    let room = report::room(&scene, &model);
+    let folder = output.claim(&[report::GAPS], room, report::is_result)?;
     let summary_path = folder.join(report::SUMMARY);
     let method = arguments.method.word();
     write_summary(
@@ -79,47 +71,35 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         failures.extend(write_summary(&summary_path, &told).err());
         code = compared;
     }
-    if !arguments.quiet {
+    if !output.quiet {
         told.warnings.iter().for_each(warn);
     }
     if let Some(reason) = &told.end.stop_reason {
         warn(format_args!(
             "{} at {reason}; what was computed is in {}",
             told.end.stop,
-            arguments.out.display()
+            output.out.display()
         ));
     }
     if let (Some(reason), Some(remedy)) = (&told.end.open_reason, &told.end.open_remedy) {
         warn(format_args!("loop not closed: {reason}; {remedy}"));
     }
-    if unwritten(&failures) {
-        return Ok(BAD_INPUT);
-    }
-    if !arguments.quiet {
-        say(&closing_words(arguments, &told, &main.run))?;
-    }
-    Ok(code)
+    output.close(&failures, code, &closing_words(&told, &main.run))
 }
 
 /// Refuses options that contradict each other.
 fn check_options(arguments: &RunArguments) -> Result<(), Failure> {
-    let refuse = |key: &str, value: String, allowed: &str| {
-        Err(Failure::Value {
-            file: "command line".to_owned(),
-            key: key.to_owned(),
-            value,
-            allowed: allowed.to_owned(),
-        })
-    };
+    let refuse =
+        |key, value: &str, allowed| Err(Failure::value("command line", key, value, allowed));
     if arguments.yardstick && arguments.method == MethodKind::Gfmd {
         let allowed = "the yardstick is gfmd itself; leave one of the two out";
-        return refuse("--yardstick", "with --method gfmd".to_owned(), allowed);
+        return refuse("--yardstick", "with --method gfmd", allowed);
     }
     if arguments.model.0 == Some(Strategy::Atlas) && arguments.method != MethodKind::NewtonKrylov {
         let value = format!("atlas with --method {}", arguments.method.word());
         return refuse(
             "--model",
-            value,
+            &value,
             "only newton follows the branches of an atlas; leave one of the two out",
         );
     }
@@ -182,7 +162,8 @@ fn compare(
             } => {
                 code = NOT_CONVERGED;
                 warn(format_args!(
-                    "the verification did not converge at u0 = {mean_displacement}: {reason}: the error is not known"
+                    "the verification did not converge at u0 = {mean_displacement}: {reason}: the \
+                     error is not known"
                 ));
             }
         }
@@ -225,7 +206,7 @@ fn timed(
         model.mu_rho,
         method.title()
     );
-    let mut monitor = Monitor::new(arguments.quiet, &heading);
+    let mut monitor = Monitor::new(arguments.output.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
     let run = run_planned(scene, method, plan, cancel, &mut |news| {
         monitor.tell(&news, scene.drive.step);
@@ -249,7 +230,7 @@ fn exit_code(outcome: &Outcome) -> u8 {
 }
 
 /// The one line on standard output.
-fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> String {
+fn closing_words(told: &Summary, run: &LoopRun) -> String {
     let loss = told.loss.dissipated_energy.0;
     let loss = match (&told.end.open_reason, loss.is_finite()) {
         (Some(reason), _) => format!("loop not closed: {reason}"),
@@ -272,10 +253,7 @@ fn closing_words(arguments: &RunArguments, told: &Summary, run: &LoopRun) -> Str
         _ => String::new(),
     };
     let (states, tally) = (run.record.states.len(), run.record.tally());
-    format!(
-        "{loss}, {tally}, {states} states{ratio}: written to {}",
-        arguments.out.display()
-    )
+    format!("{loss}, {tally}, {states} states{ratio}")
 }
 
 #[cfg(test)]

@@ -194,11 +194,11 @@ mod tests {
         ) {
             // Diagonally dominant with signs that differ.
             let at = |i: usize, j: usize| {
-                entries[8 * i + j] + if i == j { if i % 2 == 0 { 9.0 } else { -9.0 } } else { 0.0 }
+                entries[8 * i + j] + if i == j { [9.0, -9.0][i % 2] } else { 0.0 }
             };
             let product = |x: &[f64], out: &mut [f64]| {
-                for i in 0..8 {
-                    out[i] = (0..8).map(|j| at(i, j) * x[j]).sum();
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = (0..8).map(|j| at(i, j) * x[j]).sum();
                 }
             };
             let mut b = vec![0.0; 8];

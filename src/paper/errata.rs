@@ -4,9 +4,7 @@
 //! The numbers are computed on the spot and from neither formula: by finding a root, by
 //! integrating, by measuring a law or a mesh, by running a loop.
 
-mod circles;
-mod meshes;
-mod ridges;
+mod evidence;
 
 use super::task::{Stopped, Task};
 
@@ -42,6 +40,23 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// A number found here, the same by the print and by what is right, and how near the found one
+    /// must be; see the fields.
+    pub(super) fn new(
+        quantity: &'static str,
+        found: f64,
+        [printed, right]: [f64; 2],
+        tolerance: f64,
+    ) -> Self {
+        Self {
+            quantity,
+            found,
+            printed,
+            right,
+            tolerance,
+        }
+    }
+
     /// The found number agrees with what is right, and lies far from the print: by five tolerances
     /// or more.
     pub fn decides(&self) -> bool {
@@ -50,6 +65,9 @@ impl Evidence {
     }
 }
 
+/// What is said while the loop behind one of them is run.
+const LOOP: &str = "errata: a loop of a line cell";
+
 /// All of them, in the paper's order.
 ///
 /// # Errors
@@ -57,26 +75,26 @@ impl Evidence {
 pub fn errata(task: &mut Task<'_>) -> Result<Vec<Erratum>, Stopped> {
     task.tell(0.0, "errata: meshes and laws")?;
     let mut list = vec![
-        meshes::equation_9(),
-        ridges::equation_22(),
-        ridges::equation_24(),
-        ridges::equation_25(),
-        ridges::equation_27(),
+        evidence::equation_9(),
+        evidence::equation_22(),
+        evidence::equation_24(),
+        evidence::equation_25(),
+        evidence::equation_27(),
     ];
     task.tell(0.2, "errata: circular patterns")?;
     list.extend([
-        circles::equation_28(),
-        circles::equation_29(),
-        circles::after_equation_29(),
+        evidence::equation_28(),
+        evidence::equation_29(),
+        evidence::after_equation_29(),
     ]);
-    task.tell(0.6, "errata: a loop of a line cell")?;
+    task.tell(0.6, LOOP)?;
     list.extend([
-        ridges::equation_30c(),
-        ridges::text_at_equation_30(task)?,
-        meshes::equation_31(),
-        meshes::equation_33(),
+        evidence::equation_30c(),
+        evidence::text_at_equation_30(task)?,
+        evidence::equation_31(),
+        evidence::equation_33(),
     ]);
-    list.extend([circles::section_4(), notation()]);
+    list.extend([evidence::section_4(), notation()]);
     Ok(list)
 }
 
@@ -84,10 +102,13 @@ pub fn errata(task: &mut Task<'_>) -> Result<Vec<Erratum>, Stopped> {
 fn notation() -> Erratum {
     Erratum {
         place: "Appendix: A1, A3, A8, A10, A11",
-        printed: "σ_0 and u_0 without 1/abar and 1/alpha; q_n = n/(2 pi L); factors of two; alpha for 1 - alpha",
-        right: "A1 with 1/abar, A8 with 1/alpha; q_n = 2 pi n/L; the amplitudes of Eqs 4 and A5; alpha is the share out of contact",
-        because: "The mean of the printed profile is abar σ_0 and not σ_0, and its wave numbers are not those of a cell of side L.",
-        evidence: vec![meshes::wave_number()],
+        printed: "σ_0 and u_0 without 1/abar and 1/alpha; q_n = n/(2 pi L); factors of two; alpha \
+            for 1 - alpha",
+        right: "A1 with 1/abar, A8 with 1/alpha; q_n = 2 pi n/L; the amplitudes of Eqs 4 and A5; \
+            alpha is the share out of contact",
+        because: "The mean of the printed profile is abar σ_0 and not σ_0, and its wave numbers \
+            are not those of a cell of side L.",
+        evidence: vec![evidence::wave_number()],
     }
 }
 

@@ -1,7 +1,41 @@
 //! What the paper shows as values: its figures, made of diagrams, its table, and numbers held
 //! against numbers from elsewhere.
 
+use super::task::{Stopped, Task};
 use crate::plot::panel::{Page, Panel};
+use crate::scene::Scene;
+
+/// A place in the gallery.
+pub struct Entry {
+    /// The figure's number in the paper.
+    pub number: usize,
+    /// One line.
+    pub title: &'static str,
+    /// What to look for, in two sentences.
+    pub look_for: &'static str,
+    /// The scene that a click on it opens.
+    pub scene: fn() -> Scene,
+    /// Computes it.
+    pub compute: fn(&mut Task<'_>) -> Result<Figure, Stopped>,
+}
+
+impl Entry {
+    /// Its figure: number and title are those of the gallery.
+    pub(super) fn figure(
+        &self,
+        panels: Vec<Panel>,
+        words: impl Into<String>,
+        findings: Vec<Finding>,
+    ) -> Figure {
+        Figure {
+            number: self.number,
+            title: self.title.to_owned(),
+            panels,
+            words: words.into(),
+            findings,
+        }
+    }
+}
 
 /// One figure of the paper, computed.
 #[derive(Clone, Debug, Default)]
@@ -48,17 +82,17 @@ pub struct Finding {
 impl Finding {
     /// A number beside the same from `source`; see the fields.
     pub fn new(
-        quantity: &str,
+        quantity: impl Into<String>,
         found: f64,
         expected: f64,
-        source: &str,
+        source: impl Into<String>,
         tolerance: Option<f64>,
     ) -> Self {
         Self {
-            quantity: quantity.to_owned(),
+            quantity: quantity.into(),
             found,
             expected,
-            source: source.to_owned(),
+            source: source.into(),
             tolerance,
         }
     }
@@ -68,6 +102,16 @@ impl Finding {
         self.tolerance
             .map(|tolerance| (self.found - self.expected).abs() <= tolerance)
     }
+}
+
+/// The place of a table.
+pub struct TableEntry {
+    /// The table's number in the paper.
+    pub number: usize,
+    /// One line.
+    pub title: &'static str,
+    /// Computes it.
+    pub compute: fn(&mut Task<'_>) -> Result<Table, Stopped>,
 }
 
 /// A table as text.

@@ -5,15 +5,17 @@ use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::record::Direction;
 use crate::follow::walk::{Observed, Progress, Walk};
+use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
+use crate::plot::scale::ends;
 use crate::solver::methods::MethodKind;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 1,
     title: "The model: an elastomer above a rigid indenter",
-    look_for: "The elastomer's lower surface u bends freely, only its mean u0 is prescribed. The gap g = u - h decides how strongly \
-               each point is pulled or pushed.",
+    look_for: "The elastomer's lower surface u bends freely, only its mean u0 is prescribed. The \
+        gap g = u - h decides how strongly each point is pulled or pushed.",
     scene: scenes::figure_1,
     compute,
 };
@@ -49,35 +51,29 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     // The cell closes on itself.
     rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
     let findings = vec![
-        Finding {
-            quantity: "mean of the drawn surface".to_owned(),
-            found: mean,
-            expected: profile.mean_displacement,
-            source: "the prescribed u0".to_owned(),
-            tolerance: Some(1e-9),
-        },
-        Finding {
-            quantity: "mean stress/E*".to_owned(),
-            found: profile.stress,
-            expected: traction,
-            source: "mean of the law's traction over the drawn gap".to_owned(),
-            tolerance: Some(1e-9),
-        },
+        Finding::new(
+            "mean of the drawn surface",
+            mean,
+            profile.mean_displacement,
+            "the prescribed u0",
+            Some(1e-9),
+        ),
+        Finding::new(
+            "mean stress/E*",
+            profile.stress,
+            traction,
+            "mean of the law's traction over the drawn gap",
+            Some(1e-9),
+        ),
     ];
     let words = format!(
-        "A solved state, not a sketch: a periodic row of cylinders of radius R pulls an elastomer of period L = 2R, γ = {} E*R and \
-         ρ = {} R, at the largest mean stress of its retraction. u₀ is the mean of the lower surface, measured from the indenter's \
-         highest point.",
+        "A solved state, not a sketch: a periodic row of cylinders of radius R pulls an elastomer \
+         of period L = 2R, γ = {} E*R and ρ = {} R, at the largest mean stress of its retraction. \
+         u₀ is the mean of the lower surface, measured from the indenter's highest point.",
         law.surface_energy / radius(&scene.indenter),
         law.range / radius(&scene.indenter),
     );
-    Ok(Figure {
-        number: 1,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel(&rows, mean)],
-        words,
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel(&rows, mean)], words, findings))
 }
 
 fn radius(indenter: &Indenter) -> f64 {
@@ -88,12 +84,12 @@ fn radius(indenter: &Indenter) -> f64 {
 }
 
 /// The state of largest mean stress on retraction.
-fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Profile), Stopped> {
+fn strongest_pull(task: &mut Task<'_>) -> Result<(Grid, Profile), Stopped> {
     let scene = scenes::figure_1();
     let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), task.cancel)
         .map_err(|error| Stopped::Failed(error.to_string()))?;
     let mut best = Profile::default();
-    for target in [super::scenes::turn(&scene), scene.drive.start] {
+    for target in [scenes::turn(&scene), scene.drive.start] {
         walk.set_target(target);
         loop {
             task.tell(
@@ -121,40 +117,24 @@ fn strongest_pull(task: &mut Task<'_>) -> Result<(crate::physics::grid::Grid, Pr
 
 /// `rows`: x, height of the indenter, height of the elastomer's surface.
 fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
-    let extent = |k: usize| {
-        rows.iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), row| {
-                (a.min(row[k]), b.max(row[k]))
-            })
-    };
+    let extent = |k: usize| ends(rows.iter().map(|row| row[k]));
     let ((left, right), (low, _), (_, high)) = (extent(0), extent(1), extent(2));
     let (bottom, top) = (low - 0.6, high + 1.2);
-    let line = |k: usize| Series {
-        colour: Colour::Ink,
-        role: Role::Theory,
-        points: rows.iter().map(|row| [row[0], row[k]]).collect(),
-        ..Series::default()
+    let line = |k: usize| {
+        let points = rows.iter().map(|row| [row[0], row[k]]);
+        Series::line("", Role::Theory, Colour::Ink, points.collect())
     };
-    let guide = |y: f64| Series {
-        role: Role::Guide,
-        colour: Colour::Grey,
-        points: vec![[left, y], [right, y]],
-        ..Series::default()
+    let guide = |y: f64| {
+        let points = vec![[left, y], [right, y]];
+        Series::line("", Role::Guide, Colour::Grey, points)
     };
     // Half way out, where the gap is wide.
     let at = rows[rows.len() * 13 / 16];
     let middle = 0.5 * (at[1] + at[2]);
-    let arrow = |from: f64, to: f64| Arrow {
+    let arrow = |x: f64, from: f64, to: f64| Arrow {
         name: "",
-        tail: [at[0], from],
-        head: [at[0], to],
-        colour: Colour::Ink,
-        direction: Direction::Approach,
-    };
-    let left_arrow = |from: f64, to: f64| Arrow {
-        name: "",
-        tail: [0.8 * left, from],
-        head: [0.8 * left, to],
+        tail: [x, from],
+        head: [x, to],
         colour: Colour::Ink,
         direction: Direction::Approach,
     };
@@ -183,10 +163,10 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
         ],
         series: vec![line(1), line(2), guide(mean), guide(0.0)],
         arrows: vec![
-            arrow(middle, at[1]),
-            arrow(middle, at[2]),
-            left_arrow(0.0, mean),
-            left_arrow(mean, 0.0),
+            arrow(at[0], middle, at[1]),
+            arrow(at[0], middle, at[2]),
+            arrow(0.8 * left, 0.0, mean),
+            arrow(0.8 * left, mean, 0.0),
         ],
         labels: vec![
             label(0.0, high + 0.6, "elastomer"),

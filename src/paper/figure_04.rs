@@ -27,8 +27,9 @@ use rand_pcg::Pcg64;
 pub(super) const ENTRY: Entry = Entry {
     number: 4,
     title: "Where the flat surface gives way",
-    look_for: "Below L = L_c the flat surface never gives way. Above it, approach and retraction give way at different separations, and \
-               the distance between them grows with the logarithm of the cell.",
+    look_for: "Below L = L_c the flat surface never gives way. Above it, approach and retraction \
+        give way at different separations, and the distance between them grows with the logarithm \
+        of the cell.",
     scene: || {
         scenes::flat(
             "Fig. 4: a cell of two critical lengths",
@@ -79,12 +80,14 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         let (lower, upper) = flat::limits(&law, cell * critical).unwrap_or((f64::NAN, f64::NAN));
         let names = ["retraction", "approach"];
         findings.extend(names.iter().zip(found).zip([lower, upper]).map(
-            |((name, found), expected)| Finding {
-                quantity: format!("u_c/ρ on {name} at L/L_c = {cell}"),
-                found,
-                expected,
-                source: "Eq. 8".to_owned(),
-                tolerance: Some(TOLERANCE),
+            |((name, found), expected)| {
+                Finding::new(
+                    format!("u_c/ρ on {name} at L/L_c = {cell}"),
+                    found,
+                    expected,
+                    "Eq. 8",
+                    Some(TOLERANCE),
+                )
             },
         ));
     }
@@ -94,16 +97,16 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     for &gap in gaps.iter().chain([&law.softest_gap()]) {
         grown += usize::from(small.gives_way(gap, task.cancel)?);
     }
-    findings.push(Finding {
-        quantity: format!(
+    findings.push(Finding::new(
+        format!(
             "separations, of {} tried, at which noise grows in a cell of {SMALL} L_c",
             gaps.len() + 1
         ),
-        found: grown as f64,
-        expected: 0.0,
-        source: "Eq. 7".to_owned(),
-        tolerance: Some(0.0),
-    });
+        grown as f64,
+        0.0,
+        "Eq. 7",
+        Some(0.0),
+    ));
     let worst = findings
         .iter()
         .map(|f| (f.found - f.expected).abs())
@@ -130,19 +133,19 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         ],
         ..Panel::default()
     };
-    Ok(Figure {
-        number: 4,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel],
-        words: format!(
-            "A flat surface is stable while γ″(u₀) + πE*/L is positive, which for a Morse law ends at u_c = −ρ ln([1 ∓ (1 − L_c/L)^½]/4) with \
-             L_c = 4πρ²E*/γ (Eq. 8; the upper sign on approach). Both limits start from ρ ln 4 at L = L_c; for long cells the lower tends to \
-             ρ ln 2 and the upper grows as ρ ln(8 L/L_c). Symbols are a second method that knows nothing of Eq. 8: the surface is given \
-             noise of a millionth of ρ, moves by mass-weighted GFMD without a thermostat on {points} x {points} points, and u₀ is bisected on \
-             whether the noise grows or dies. Largest difference: {worst:.4} ρ."
-        ),
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel], words(points, worst), findings))
+}
+
+fn words(points: usize, worst: f64) -> String {
+    format!(
+        "A flat surface is stable while γ″(u₀) + πE*/L is positive, which for a Morse law ends \
+             at u_c = −ρ ln([1 ∓ (1 − L_c/L)^½]/4) with L_c = 4πρ²E*/γ (Eq. 8; the upper sign on \
+             approach). Both limits start from ρ ln 4 at L = L_c; for long cells the lower tends \
+             to ρ ln 2 and the upper grows as ρ ln(8 L/L_c). Symbols are a second method that \
+             knows nothing of Eq. 8: the surface is given noise of a millionth of ρ, moves by \
+             mass-weighted GFMD without a thermostat on {points} x {points} points, and u₀ is \
+             bisected on whether the noise grows or dies. Largest difference: {worst:.4} ρ."
+    )
 }
 
 /// Eq. 8: the limits on approach and on retraction.

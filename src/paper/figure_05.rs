@@ -13,8 +13,8 @@ use crate::plot::panel::{Axis, Colour, Content, Inset, Panel, Role, Series, Symb
 pub(super) const ENTRY: Entry = Entry {
     number: 5,
     title: "Elastic energy of a ridge at zero range",
-    look_for: "Boundary elements fall on the exact curve, which joins the two limits of a thick and a thin ridge. In the inset the \
-               slope has a maximum: there a thin ridge flattens.",
+    look_for: "Boundary elements fall on the exact curve, which joins the two limits of a thick \
+        and a thin ridge. In the inset the slope has a maximum: there a thin ridge flattens.",
     scene: scenes::ridge_line,
     compute,
 };
@@ -31,7 +31,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         y: Axis::logarithmic("elastic energy v̂ (E* u₀²/L)").from_to(0.15, 300.0),
         series: lines()
             .into_iter()
-            .chain([symbols(&energies, |alpha| 1.0 - alpha)])
+            .chain([symbols("boundary elements", &energies, |alpha| 1.0 - alpha)])
             .collect(),
         insets: vec![Inset {
             place: [0.08, 0.52, 0.42, 0.42],
@@ -41,22 +41,18 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     };
     let findings = findings(&energies, &slopes);
     let words = format!(
-        "Elastic energy of a contact ridge (line cell, zero range) against the share of the cell in contact. Symbols: boundary \
-         elements as in Sect. 3.2, extrapolated over {} meshes; they agree with the exact −π/(4 ln cos(πα/2)) to {:.0e}. Erratum: \
-         Eq. 22 for the thin ridge should read −π/(4 ln(π(1−α)) − 8c) with c = ln(2)/2 = 0.3466, not 0.3079: the appendix takes a \
-         stress that vanishes at the edges, where it is infinite. (With ln(πα) and +8c, as printed, the energy would be negative; the \
-         dashed line is Eq. A7.) The inset shows the slope next to its maximum α_c = 0.91006, where the printed \
-         expansion has v̂_c = 0.420 for 0.4006 and v̂''' = −145 for −131.9.",
+        "Elastic energy of a contact ridge (line cell, zero range) against the share of the cell \
+         in contact. Symbols: boundary elements as in Sect. 3.2, extrapolated over {} meshes; they \
+         agree with the exact −π/(4 ln cos(πα/2)) to {:.0e}. Erratum: Eq. 22 for the thin ridge \
+         should read −π/(4 ln(π(1−α)) − 8c) with c = ln(2)/2 = 0.3466, not 0.3079: the appendix \
+         takes a stress that vanishes at the edges, where it is infinite. (With ln(πα) and +8c, as \
+         printed, the energy would be negative; the dashed line is Eq. A7.) The inset shows the \
+         slope next to its maximum α_c = 0.91006, where the printed expansion has v̂_c = 0.420 for \
+         0.4006 and v̂''' = −145 for −131.9.",
         task.choose(4, 5),
         largest(&energies),
     );
-    Ok(Figure {
-        number: 5,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel],
-        words,
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel], words, findings))
 }
 
 /// A line of `points` + 1 points, x from `low` to `high` in equal ratios.
@@ -102,16 +98,11 @@ fn lines() -> Vec<Series> {
     ]
 }
 
-fn symbols(samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
-    Series {
-        name: "boundary elements".to_owned(),
-        symbol: Some(Symbol::Circle),
-        points: samples
-            .iter()
-            .map(|(alpha, found)| [x(*alpha), found.value])
-            .collect(),
-        ..Series::default()
-    }
+fn symbols(name: &str, samples: &[Sample], x: impl Fn(f64) -> f64) -> Series {
+    let points = samples
+        .iter()
+        .map(|(alpha, found)| [x(*alpha), found.value]);
+    Series::symbols(name, Symbol::Circle, Colour::Ink, points.collect())
 }
 
 fn inset(slopes: &[Sample]) -> Panel {
@@ -138,10 +129,7 @@ fn inset(slopes: &[Sample]) -> Panel {
                 range,
                 |alpha| FLATTENING_PRINTED.slope_at(alpha),
             ),
-            Series {
-                name: String::new(),
-                ..symbols(slopes, |alpha| alpha)
-            },
+            symbols("", slopes, |alpha| alpha),
         ],
         ..Panel::default()
     }

@@ -7,12 +7,14 @@ use super::{Entry, scenes};
 use crate::physics::theory::asymptotes::{self, FLATTENING_PRINTED};
 use crate::physics::theory::ridge;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 6,
     title: "Width of a ridge at zero range",
-    look_for: "Pulling opens the gap beside the ridge faster and faster, until at u₀ = 0.6656 (γL/E*)^½ a tenth of the cell still \
-               sticks and the ridge flattens. The cube-root law of a thick ridge is off by less than a tenth all the way.",
+    look_for: "Pulling opens the gap beside the ridge faster and faster, until at u₀ = 0.6656 \
+        (γL/E*)^½ a tenth of the cell still sticks and the ridge flattens. The cube-root law of a \
+        thick ridge is off by less than a tenth all the way.",
     scene: scenes::ridge_line,
     compute,
 };
@@ -34,13 +36,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         .map(|[u, alpha]| (exact(*u) - alpha).abs())
         .fold(0.0, f64::max);
     let thick = thick_error();
-    Ok(Figure {
-        number: 6,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel(found)],
-        words: words(worst, thick),
-        findings: findings(worst, thick),
-    })
+    Ok(ENTRY.figure(
+        vec![panel(found)],
+        words(worst, thick),
+        findings(worst, thick),
+    ))
 }
 
 /// α of the exact ridge.
@@ -52,9 +52,8 @@ fn exact(u: f64) -> f64 {
 fn thick_error() -> f64 {
     let end = ridge::critical().displacement;
     let cube_root = |u: f64| (asymptotes::ridge_thick_alpha(u) / exact(u) - 1.0).abs();
-    (1..=600)
-        .map(|i| cube_root(end * f64::from(i) / 600.0))
-        .fold(0.0, f64::max)
+    let reached = steps(0.0, end, 600).skip(1);
+    reached.map(cube_root).fold(0.0, f64::max)
 }
 
 /// The exact ridge, its expansions, and the points `found` by boundary elements.
@@ -94,12 +93,7 @@ fn panel(found: Vec<[f64; 2]>) -> Panel {
                 [0.5, (-1.0 / FLATTENING_PRINTED.slope).sqrt()],
                 expansion(FLATTENING_PRINTED),
             ),
-            Series {
-                name: "boundary elements".to_owned(),
-                symbol: Some(Symbol::Circle),
-                points: found,
-                ..Series::default()
-            },
+            Series::symbols("boundary elements", Symbol::Circle, Colour::Ink, found),
         ],
         ..Panel::default()
     }
@@ -107,9 +101,11 @@ fn panel(found: Vec<[f64; 2]>) -> Panel {
 
 fn words(worst: f64, thick: f64) -> String {
     format!(
-        "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 with slopes of v̂ by boundary elements; \
-         they agree with the exact curve to {worst:.0e} in α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to \
-         the end at ũ_c = {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) draws the parabola 5 % too narrow; −131.92 is right.",
+        "Share of the cell out of contact against displacement, at zero range. Symbols: Eq. 17 \
+         with slopes of v̂ by boundary elements; they agree with the exact curve to {worst:.0e} in \
+         α. Eq. 23 for a thick ridge is right and off by at most {:.1} % up to the end at ũ_c = \
+         {:.6}. Erratum: Eq. 24 with v̂‴ = −145 (dashed) draws the parabola 5 % too narrow; \
+         −131.92 is right.",
         100.0 * thick,
         ridge::critical().displacement,
     )

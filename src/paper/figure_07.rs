@@ -2,7 +2,7 @@
 
 use super::Entry;
 use super::figure::{Figure, Finding};
-use super::line_cell::{ends, ridges, run, scene, thinned, units};
+use super::loops::{ends, line_cell, on_part, ridges, thinned, units};
 use super::task::{Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
@@ -16,8 +16,9 @@ use std::f64::consts::PI;
 pub(super) const ENTRY: Entry = Entry {
     number: 7,
     title: "The ridge alone, for two ranges of adhesion",
-    look_for: "Between its ends the ridge follows one curve, whatever the range: that of an adhesion without range. The shorter the \
-               range, the further down it lives and the nearer it comes to that curve's end.",
+    look_for: "Between its ends the ridge follows one curve, whatever the range: that of an \
+        adhesion without range. The shorter the range, the further down it lives and the nearer it \
+        comes to that curve's end.",
     scene: || loop_of(1024.0, 512, 0.1),
     compute,
 };
@@ -30,7 +31,7 @@ const MIDDLE: [f64; 2] = [0.3, 0.5];
 /// The whole loop, in steps of `step` ranges.
 fn loop_of(length: f64, points: usize, step: f64) -> Scene {
     let range = units(length).reduce(1.0);
-    scene(
+    line_cell(
         &format!("Fig. 7: a line cell of {length} ranges"),
         length,
         points,
@@ -47,7 +48,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     ];
     for (i, ((length, name), (colour, down, up))) in CELLS.into_iter().zip(looks).enumerate() {
         let (points, step) = task.choose((length / 4.0, 0.1), (length, 0.05));
-        let run = run(
+        let run = on_part(
             &loop_of(length, points as usize, step),
             Part::Whole,
             &mut task.part(0.5 * i as f64, 0.5 + 0.5 * i as f64),
@@ -91,17 +92,18 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         arrows,
         ..Panel::default()
     };
-    Ok(Figure {
-        number: 7,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel],
-        words: format!(
-            "Loops on line cells, in which dimples and bulges have no room. For {} ≤ ũ₀ ≤ {} the pressure p̃ differs from the exact ridge \
-             without range by at most {:.4} for ρ̃ = 0.1614 and {:.4} for ρ̃ = 0.0807: with half the range the difference falls to {:.2} of \
-             what it was. It should fall as ρ̃², as the length of the cohesive zone does. In place of the paper's dashed line, read off \
-             simulations, stands the closed form v̂ = −π/(4 ln cos(πα/2)). Erratum: Eq. 27 is printed with p̃_c = −0.3937 and p̃^(1/2) = \
-             −0.360; right are −0.3550 and −0.6413 (the root of −2/u″ is missing). The right line is within 1 % of the curve for ũ₀ > 0.655; \
-             the printed one runs along it for 0.57 < ũ₀ < 0.64, like a fit, and misses its end by 11 %.",
+    Ok(ENTRY.figure(
+        vec![panel],
+        format!(
+            "Loops on line cells, in which dimples and bulges have no room. For {} ≤ ũ₀ ≤ {} the \
+             pressure p̃ differs from the exact ridge without range by at most {:.4} for ρ̃ = \
+             0.1614 and {:.4} for ρ̃ = 0.0807: with half the range the difference falls to {:.2} \
+             of what it was. It should fall as ρ̃², as the length of the cohesive zone does. In \
+             place of the paper's dashed line, read off simulations, stands the closed form v̂ = \
+             −π/(4 ln cos(πα/2)). Erratum: Eq. 27 is printed with p̃_c = −0.3937 and p̃^(1/2) = \
+             −0.360; right are −0.3550 and −0.6413 (the root of −2/u″ is missing). The right line \
+             is within 1 % of the curve for ũ₀ > 0.655; the printed one runs along it for 0.57 < \
+             ũ₀ < 0.64, like a fit, and misses its end by 11 %.",
             MIDDLE[0],
             MIDDLE[1],
             middle[0],
@@ -109,7 +111,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             middle[1] / middle[0]
         ),
         findings,
-    })
+    ))
 }
 
 /// |p~ - p~ of the exact ridge| in the middle part, zero elsewhere.
@@ -123,12 +125,14 @@ fn deviation([u, p]: [f64; 2]) -> f64 {
 
 fn judged(name: &str, range: f64, deviation: f64, ends: Option<[f64; 2]>) -> Vec<Finding> {
     let [low, high] = ends.unwrap_or([f64::NAN; 2]);
-    let finding = |quantity: String, found, expected, tolerance| Finding {
-        quantity,
-        found,
-        expected,
-        source: "exact ridge, no range".to_owned(),
-        tolerance,
+    let finding = |quantity: String, found, expected, tolerance| {
+        Finding::new(
+            quantity,
+            found,
+            expected,
+            "exact ridge, no range",
+            tolerance,
+        )
     };
     let end = ridge::critical().displacement;
     // A cohesive zone is as long as a few rho~^2 of the cell, and so are its effects; at the ends
@@ -169,12 +173,14 @@ fn printed() -> Vec<Finding> {
             FLATTENING_PRINTED.pressure_root,
         ),
     ];
-    let finding = |(name, found, expected): (&str, f64, f64)| Finding {
-        quantity: format!("{name} where the ridge flattens"),
-        found,
-        expected,
-        source: "printed at Eq. 27".to_owned(),
-        tolerance: None,
+    let finding = |(name, found, expected): (&str, f64, f64)| {
+        Finding::new(
+            format!("{name} where the ridge flattens"),
+            found,
+            expected,
+            "printed at Eq. 27",
+            None,
+        )
     };
     values.into_iter().map(finding).collect()
 }

@@ -2,21 +2,22 @@
 
 use super::Entry;
 use super::figure::{Figure, Finding};
-use super::line_cell::{ends, reduced, run, scene, units};
+use super::loops::{ends, line_cell, on_part, reduced, units};
 use super::task::{Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::run::LoopRun;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{flat, ridge};
-use crate::plot::panel::{Axis, Panel, Role, Series, letter};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, letter};
 use crate::scene::part::Part;
 use crate::scene::{Range, Scene};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 8,
     title: "Sixteen points for a ridge",
-    look_for: "With μ_ρ = 0.5 the mesh of 16 points still follows the exact ridge smoothly, over a part of it. From 0.75 on the edge of \
-               the contact jumps from point to point: saw teeth, and energy lost to the mesh.",
+    look_for: "With μ_ρ = 0.5 the mesh of 16 points still follows the exact ridge smoothly, over a \
+        part of it. From 0.75 on the edge of the contact jumps from point to point: saw teeth, and \
+        energy lost to the mesh.",
     scene: || loop_of(0.75),
     compute,
 };
@@ -35,7 +36,7 @@ const SUSPECTED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 fn loop_of(mu_rho: f64) -> Scene {
     let title = format!("Fig. 8: a line of {POINTS} points, μ_ρ = {mu_rho}");
-    let mut scene = scene(&title, LENGTH, POINTS, [0.8, 0.02, 0.004]);
+    let mut scene = line_cell(&title, LENGTH, POINTS, [0.8, 0.02, 0.004]);
     scene.law.range = Range::MuRho(mu_rho);
     scene
 }
@@ -45,19 +46,15 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (mut panels, mut findings) = (Vec::new(), Vec::new());
     let mut half = [f64::NAN; 2];
     for (i, (mu_rho, counted)) in PANELS.into_iter().enumerate() {
-        let run = run(
+        let run = on_part(
             &loop_of(mu_rho),
             Part::Whole,
             &mut task.part(0.1 * i as f64, 0.1 + 0.1 * i as f64),
         )?;
-        let exact = Series {
-            name: "exact, no range".to_owned(),
-            role: Role::Theory,
-            points: (1..=300)
-                .filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement))
-                .collect(),
-            ..Series::default()
-        };
+        let points = (1..=300)
+            .filter_map(|i| exact(f64::from(i) / 300.0 * ridge::critical().displacement))
+            .collect();
+        let exact = Series::line("exact, no range", Role::Theory, Colour::Ink, points);
         panels.push(Panel {
             title: format!("({}) μ_ρ = {mu_rho}", letter(i)),
             x: Axis::linear("ũ₀ = u₀/(γL/E*)^½").from_to(0.0, 0.8),
@@ -69,13 +66,13 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             ],
             ..Panel::default()
         });
-        findings.push(Finding {
-            quantity: format!("jumps from ridge to ridge at μ_ρ = {mu_rho}"),
-            found: spurious(&run) as f64,
-            expected: counted,
-            source: "counted by an independent prototype".to_owned(),
-            tolerance: Some(0.0),
-        });
+        findings.push(Finding::new(
+            format!("jumps from ridge to ridge at μ_ρ = {mu_rho}"),
+            spurious(&run) as f64,
+            counted,
+            "counted by an independent prototype",
+            Some(0.0),
+        ));
         if mu_rho == 0.5 {
             half = ends(&run, &units).unwrap_or(half);
         }
@@ -91,30 +88,29 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         "thick ridge closes at ũ₀ = 0.15",
         "thin ridge flattens at ũ₀ = 0.6",
     ];
-    findings.extend(names.iter().zip(found).map(|(name, found)| Finding {
-        quantity: format!("μ_ρ at which the {name}"),
-        found,
-        expected: 0.5,
-        source: "Sect. 3.2.1, with μ_ρ by Eq. 11".to_owned(),
-        tolerance: None,
+    findings.extend(names.iter().zip(found).map(|(name, found)| {
+        Finding::new(
+            format!("μ_ρ at which the {name}"),
+            found,
+            0.5,
+            "Sect. 3.2.1, with μ_ρ by Eq. 11",
+            None,
+        )
     }));
-    Ok(Figure {
-        number: 8,
-        title: ENTRY.title.to_owned(),
-        panels,
-        words: words(half, found, suspected),
-        findings,
-    })
+    Ok(ENTRY.figure(panels, words(half, found, suspected), findings))
 }
 
 fn words(half: [f64; 2], found: [f64; 2], suspected: [f64; 2]) -> String {
     format!(
-        "A line of 16 points with four ranges, μ_ρ by Eqs 10 and 11. With μ_ρ = 0.25 the cell is shorter than L_c and nothing gives way. \
-         With 0.5 the ridge is smooth and lives for {:.3} ≤ ũ₀ ≤ {:.3}, nearly between the limits of the flat surface (Eq. 8), as it must in \
-         a cell of 1.27 L_c. With 0.75 and 1 every point pins the edge of the contact: the jumps from ridge to ridge belong to the mesh \
-         and vanish with a finer one. The text quotes limits of about 0.15 and 0.6 for μ_ρ = 0.5. In the convention of Eq. 11 these \
-         appear at μ_ρ = {:.3} and {:.3}; both ask for nearly the same value, {:.2} times the one stated. A factor √2 in the paper's μ_ρ \
-         (0.707 for 0.5) is suspected and comes close: its limits are {:.3} and {:.3}.",
+        "A line of 16 points with four ranges, μ_ρ by Eqs 10 and 11. With μ_ρ = 0.25 the cell is \
+         shorter than L_c and nothing gives way. With 0.5 the ridge is smooth and lives for {:.3} \
+         ≤ ũ₀ ≤ {:.3}, nearly between the limits of the flat surface (Eq. 8), as it must in a cell \
+         of 1.27 L_c. With 0.75 and 1 every point pins the edge of the contact: the jumps from \
+         ridge to ridge belong to the mesh and vanish with a finer one. The text quotes limits of \
+         about 0.15 and 0.6 for μ_ρ = 0.5. In the convention of Eq. 11 these appear at μ_ρ = {:.3} \
+         and {:.3}; both ask for nearly the same value, {:.2} times the one stated. A factor √2 in \
+         the paper's μ_ρ (0.707 for 0.5) is suspected and comes close: its limits are {:.3} and \
+         {:.3}.",
         half[0],
         half[1],
         found[0],
@@ -166,20 +162,20 @@ fn limits(found: [f64; 2]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for i in 0..2 {
         let quantity = format!("ũ₀ where the ridge {} at μ_ρ = 0.5", names[i]);
-        findings.push(Finding {
-            quantity: quantity.clone(),
-            found: found[i],
-            expected: units.reduce(eq_8[i]),
-            source: "Eq. 8".to_owned(),
+        findings.push(Finding::new(
+            quantity.clone(),
+            found[i],
+            units.reduce(eq_8[i]),
+            "Eq. 8",
             tolerance,
-        });
-        findings.push(Finding {
+        ));
+        findings.push(Finding::new(
             quantity,
-            found: found[i],
-            expected: QUOTED[i],
-            source: "Sect. 3.2.1".to_owned(),
-            tolerance: None,
-        });
+            found[i],
+            QUOTED[i],
+            "Sect. 3.2.1",
+            None,
+        ));
     }
     findings
 }
@@ -190,7 +186,7 @@ fn search(task: &mut Task<'_>) -> Result<Vec<(f64, [f64; 2])>, Stopped> {
     let mut seen = Vec::new();
     for (i, mu_rho) in SEARCH.into_iter().enumerate() {
         let share = SEARCH.len() as f64;
-        let run = run(
+        let run = on_part(
             &loop_of(mu_rho),
             Part::Whole,
             &mut task.part(i as f64 / share, (i + 1) as f64 / share),

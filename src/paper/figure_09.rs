@@ -13,8 +13,9 @@ use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 pub(super) const ENTRY: Entry = Entry {
     number: 9,
     title: "Elastic energy of dimple and bulge at zero range",
-    look_for: "Boundary elements fall on the lines, which are sums that meet the edges of the patterns exactly. The printed limits \
-               (dashed) miss both: a dimple costs 3/(2α³), a bulge (1 − α)/2.",
+    look_for: "Boundary elements fall on the lines, which are sums that meet the edges of the \
+        patterns exactly. The printed limits (dashed) miss both: a dimple costs 3/(2α³), a bulge \
+        (1 − α)/2.",
     scene: scenes::figure_2,
     compute,
 };
@@ -33,24 +34,22 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     };
     let (fold, limit) = (circular::bulge().fold(), circular::bulge().elliptic_limit());
     let words = format!(
-        "Elastic energy of a dimple (disc of diameter αL out of contact) and of a bulge (disc of diameter (1 − α)L in contact) in a \
-         square cell, at zero range. Lines: displacement (dimple) or stress (bulge) as a series that meets the edge exactly, summed \
-         over the lattice, to eight digits. Symbols: boundary elements as in Sect. 3.2, averaged over radii and extrapolated over three \
-         meshes; they agree within {:.1e}. Errata: Eq. 28 has 8/(√(3π) α³) = 2.606/α³ for the dimple, right is 3/(2α³); and √2 (1−α)^(3/2) \
-         for the bulge, right is (1−α)/2 (the printed line crosses the data where they are neither small nor large). Contrary to the text after Eq. 29 the bulge is metastable at zero range: between \
-         ũ₀ = {:.4}, below which it stretches to an ellipse, and {:.4}, above which it shrinks and lets go.",
+        "Elastic energy of a dimple (disc of diameter αL out of contact) and of a bulge (disc of \
+         diameter (1 − α)L in contact) in a square cell, at zero range. Lines: displacement \
+         (dimple) or stress (bulge) as a series that meets the edge exactly, summed over the \
+         lattice, to eight digits. Symbols: boundary elements as in Sect. 3.2, averaged over radii \
+         and extrapolated over three meshes; they agree within {:.1e}. Errata: Eq. 28 has 8/(√(3π) \
+         α³) = 2.606/α³ for the dimple, right is 3/(2α³); and √2 (1−α)^(3/2) for the bulge, right \
+         is (1−α)/2 (the printed line crosses the data where they are neither small nor large). \
+         Contrary to the text after Eq. 29 the bulge is metastable at zero range: between ũ₀ = \
+         {:.4}, below which it stretches to an ellipse, and {:.4}, above which it shrinks and lets \
+         go.",
         largest(circular::dimple(), &dimples).max(largest(circular::bulge(), &bulges)),
         limit.displacement,
         fold.displacement,
     );
     let findings = findings(&dimples, &bulges);
-    Ok(Figure {
-        number: 9,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel],
-        words,
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel], words, findings))
 }
 
 /// vhat of discs of [`SIZES`] by boundary elements.
@@ -76,17 +75,10 @@ fn elements(kind: Kind, task: &mut Task<'_>) -> Result<Vec<(f64, Estimate)>, Sto
 
 fn series(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Series> {
     let (dimple, bulge) = (circular::dimple(), circular::bulge());
-    let symbols =
-        |name: &str, symbol, colour, found: &[(f64, Estimate)], x: fn(f64) -> f64| Series {
-            name: name.to_owned(),
-            symbol: Some(symbol),
-            colour,
-            points: found
-                .iter()
-                .map(|(size, vhat)| [x(*size), vhat.value])
-                .collect(),
-            ..Series::default()
-        };
+    let symbols = |name: &str, symbol, colour, found: &[(f64, Estimate)], x: fn(f64) -> f64| {
+        let points = found.iter().map(|(size, vhat)| [x(*size), vhat.value]);
+        Series::symbols(name, symbol, colour, points.collect())
+    };
     let (theory, printed) = (Role::Theory, Role::Printed);
     let (all, low) = ([0.021, 0.97], [0.021, 0.9]);
     vec![
@@ -180,7 +172,7 @@ fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Find
         let stated =
             format!("largest deviation of v̂ by boundary elements over its stated error, {name}");
         all.push(Finding::new(
-            &stated,
+            stated,
             worst(pattern, found),
             0.0,
             "series",
@@ -188,7 +180,7 @@ fn findings(dimples: &[(f64, Estimate)], bulges: &[(f64, Estimate)]) -> Vec<Find
         ));
         let relative = format!("largest relative deviation of v̂ by boundary elements, {name}");
         all.push(Finding::new(
-            &relative,
+            relative,
             largest(pattern, found),
             0.0,
             "series",

@@ -1,21 +1,23 @@
 //! Fig. 10: pressure of the dimple in reduced units, for two ranges and for none.
 
 use super::figure::{Figure, Finding};
+use super::loops::units_of;
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::asymptotes;
 use crate::physics::theory::circular::{self, Part};
-use crate::physics::theory::units::Units;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 use crate::scene::{Scene, Turn};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 10,
     title: "The dimple: p(u₀) tends to one curve as the range shrinks",
-    look_for: "In units of the cell and the surface energy both ranges fall on nearly one curve, that of an adhesion without range. \
-               Watch the dimple end: on the way up it stretches into a ridge long before its own fold.",
+    look_for: "In units of the cell and the surface energy both ranges fall on nearly one curve, \
+        that of an adhesion without range. Watch the dimple end: on the way up it stretches into a \
+        ridge long before its own fold.",
     scene: scenes::figure_2,
     compute,
 };
@@ -48,15 +50,10 @@ fn dimple(scene: &Scene, points: usize, task: &mut Task<'_>) -> Result<Branch, S
         .iter()
         .find(|branch| branch.pattern == Pattern::Dimple);
     let branch = known.ok_or_else(|| failed("there is no dimple".to_owned()))?;
-    let units = Units {
-        length: model.grid.length,
-        surface_energy: model.law.surface_energy,
-    };
+    let units = units_of(&model);
     let (low, high) = branch.extent();
-    let points = (0..=POINTS).map(|i| {
-        let u0 = low + (high - low) * i as f64 / POINTS as f64;
-        [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]
-    });
+    let points = steps(low, high, POINTS)
+        .map(|u0| [units.reduce(u0), units.pressure(branch.at(u0).stress, u0)]);
     Ok(Branch {
         range: units.reduce(model.law.range),
         points: points.collect(),
@@ -95,13 +92,11 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let (small, large) = (scenes::figure_2(), scenes::figure_3());
     let wide = dimple(&small, 64, &mut task.part(0.0, 0.1))?;
     let narrow = dimple(&large, task.choose(192, 256), &mut task.part(0.1, 1.0))?;
-    Ok(Figure {
-        number: 10,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel(&wide, &narrow)],
-        words: words(&wide, &narrow),
-        findings: findings(&wide, &narrow),
-    })
+    Ok(ENTRY.figure(
+        vec![panel(&wide, &narrow)],
+        words(&wide, &narrow),
+        findings(&wide, &narrow),
+    ))
 }
 
 /// u~ where the dimple ends.
@@ -113,13 +108,12 @@ fn end(branch: &Branch) -> f64 {
 fn panel(wide: &Branch, narrow: &Branch) -> Panel {
     let pattern = circular::dimple();
     let fold = pattern.fold();
-    let sizes = (1..=POINTS).map(|i| 0.02 + (fold.size - 0.02) * i as f64 / POINTS as f64);
-    let exact = sizes
+    let exact = steps(0.02, fold.size, POINTS)
+        .skip(1)
         .map(|size| pattern.state(size))
         .map(|s| [s.displacement, s.pressure])
         .collect();
-    let axis = || (0..=POINTS).map(|i| 0.5 * i as f64 / POINTS as f64);
-    let power = |law: fn(f64) -> f64| axis().map(|u| [u, law(u)]).collect();
+    let power = |law: fn(f64) -> f64| steps(0.0, 0.5, POINTS).map(|u| [u, law(u)]).collect();
     let symbols = |branch: &Branch, symbol, colour| {
         let points = branch.points.iter().step_by(POINTS / 25).copied().collect();
         Series::symbols(&format!("ρ̃ = {:.4}", branch.range), symbol, colour, points)
@@ -164,10 +158,12 @@ fn words(wide: &Branch, narrow: &Branch) -> String {
     let [low, high] = COMPARED;
     let pattern = circular::dimple();
     format!(
-        "The dimple's pressure against displacement in reduced units, where an adhesion without range has one curve for all cells. It \
-         is left by at most {far:.3} (ρ̃ = {:.4}) and {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow \
-         p̃ = -(1.7930 ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its fold at ũ₀ = {:.4}, but \
-         stretches already at {:.3}; with range it ends at {:.3} and {:.3}.",
+        "The dimple's pressure against displacement in reduced units, where an adhesion without \
+         range has one curve for all cells. It is left by at most {far:.3} (ρ̃ = {:.4}) and \
+         {near:.3} (ρ̃ = {:.4}) for {low} < ũ₀ < {high}. Small dimples follow p̃ = -(1.7930 \
+         ũ₀)^(4/5); the paper prints 4/3 in place of 1.7930. Without range a round dimple has its \
+         fold at ũ₀ = {:.4}, but stretches already at {:.3}; with range it ends at {:.3} and \
+         {:.3}.",
         wide.range,
         narrow.range,
         pattern.fold().displacement,
@@ -180,15 +176,8 @@ fn words(wide: &Branch, narrow: &Branch) -> String {
 fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
     let (far, near) = (deviation(wide), deviation(narrow));
     let [low, high] = COMPARED;
-    let finding = |quantity: String, found, expected, source: &str, tolerance| Finding {
-        quantity,
-        found,
-        expected,
-        source: source.to_owned(),
-        tolerance,
-    };
     vec![
-        finding(
+        Finding::new(
             format!(
                 "largest |p̃ - exact| on {low} < ũ₀ < {high}, ρ̃ = {:.4}",
                 wide.range
@@ -198,7 +187,7 @@ fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
             "no range",
             None,
         ),
-        finding(
+        Finding::new(
             format!(
                 "the same, ρ̃ = {:.4}: less than three quarters of it",
                 narrow.range
@@ -208,15 +197,15 @@ fn findings(wide: &Branch, narrow: &Branch) -> Vec<Finding> {
             "no range",
             Some(0.75 * far),
         ),
-        finding(
+        Finding::new(
             format!("ũ₀ where the dimple ends, ρ̃ = {:.4}", narrow.range),
             end(narrow),
             circular::dimple().elliptic_limit().displacement,
             "it stretches, no range",
             None,
         ),
-        finding(
-            "ũ₀ of the fold of a round dimple".to_owned(),
+        Finding::new(
+            "ũ₀ of the fold of a round dimple",
             circular::dimple().fold().displacement,
             0.4891,
             "radial fold, boundary elements",

@@ -1,9 +1,9 @@
 //! Fig. 11: what a loop loses, against the range of the adhesion.
 
 use super::figure::{Figure, Finding};
-use super::line_cell::{scene, units};
+use super::loops::{line_cell, units, walked};
 use super::task::{Stopped, Task};
-use super::{Entry, scenes, walked};
+use super::{Entry, scenes};
 use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
@@ -18,8 +18,9 @@ use std::f64::consts::{PI, SQRT_2};
 pub(super) const ENTRY: Entry = Entry {
     number: 11,
     title: "The loss against the range of the adhesion",
-    look_for: "The loss grows as the range shrinks, but so slowly that even a range of a tenth of ρ₀ gives only half of what an \
-               adhesion without range would lose. The cosine law, which ends at its cut-off, gets there sooner than the Morse law.",
+    look_for: "The loss grows as the range shrinks, but so slowly that even a range of a tenth of \
+        ρ₀ gives only half of what an adhesion without range would lose. The cosine law, which \
+        ends at its cut-off, gets there sooner than the Morse law.",
     scene: || loop_of(MORSE_LAW, 0.2),
     compute,
 };
@@ -82,7 +83,7 @@ fn loop_of(shape: Shape, ratio: f64) -> Scene {
     // A short branch deserves short steps too: the trapezoid rule has to close the ledger.
     let step = ((start - approach) / 60.0).min(0.1);
     let title = format!("Fig. 11: {} law, ρ/ρ₀ = {ratio}", shape.word());
-    let mut scene = scene(
+    let mut scene = line_cell(
         &title,
         length,
         points,
@@ -119,7 +120,7 @@ fn lose(shape: Shape, ratio: f64, task: &mut Task<'_>) -> Result<Loss, Stopped> 
         Part::Whole
     };
     let trapped_within = (mu_rho(ratio) == COARSE).then_some(TRAPPED_WITHIN);
-    let run = walked::run(
+    let run = walked(
         &loop_of(shape, ratio),
         WalkOptions {
             part,
@@ -188,26 +189,20 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             .collect();
         series.push(Series::symbols(&name, symbol, colour, points));
     }
-    findings.push(Finding {
-        quantity: "γ_hys/γ without range".to_owned(),
-        found: ridge::zero_range_dissipation(),
-        expected: dissipation::printed_zero_range(),
-        source: "printed in Eq. 30c as (3/2) α_c".to_owned(),
-        tolerance: None,
-    });
+    findings.push(Finding::new(
+        "γ_hys/γ without range",
+        ridge::zero_range_dissipation(),
+        dissipation::printed_zero_range(),
+        "printed in Eq. 30c as (3/2) α_c",
+        None,
+    ));
     let panel = Panel {
         x: Axis::linear("ρ/ρ₀, ρ₀ = (γL/(4πE*))^½").from_to(0.0, 0.8),
         y: Axis::linear("γ_hys/γ").from_to(0.0, 1.5),
         series,
         ..Panel::default()
     };
-    Ok(Figure {
-        number: 11,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel],
-        words: words(micro, &off),
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel], words(micro, &off), findings))
 }
 
 const MORSE_LAW: Shape = Shape::Morse(Morse);
@@ -215,14 +210,15 @@ const COSINE_LAW: Shape = Shape::Cosine(Cosine { smooth: false });
 
 fn judged(shape: Shape, loss: &Loss) -> Vec<Finding> {
     let what = format!("{} law, ρ/ρ₀ = {}", shape.word(), loss.ratio);
-    let finding =
-        |name: &str, found, expected: f64, source: &str, tolerance: Option<f64>| Finding {
-            quantity: format!("{name}, {what}"),
+    let finding = |name: &str, found, expected: f64, source: &str, tolerance: Option<f64>| {
+        Finding::new(
+            format!("{name}, {what}"),
             found,
             expected,
-            source: source.to_owned(),
-            tolerance: tolerance.map(|share| share * expected.abs()),
-        };
+            source,
+            tolerance.map(|share| share * expected.abs()),
+        )
+    };
     let short = (loss.range < SHORT).then_some(PROMISED);
     vec![
         finding(
@@ -255,13 +251,12 @@ fn lines() -> Vec<Series> {
         .map(|i| 0.8 * (f64::from(i) / 200.0).powi(3))
         .collect();
     let zero = ridge::zero_range_dissipation();
-    let mut series = vec![Series {
-        name: "without range, 1.0876".to_owned(),
-        role: Role::Guide,
-        colour: Colour::Grey,
-        points: vec![[0.0, zero], [0.8, zero]],
-        ..Series::default()
-    }];
+    let mut series = vec![Series::line(
+        "without range, 1.0876",
+        Role::Guide,
+        Colour::Grey,
+        vec![[0.0, zero], [0.8, zero]],
+    )];
     for (shape, whole, leading) in [
         (MORSE_LAW, Colour::Red, Colour::Orange),
         (COSINE_LAW, Colour::Blue, Colour::Teal),
@@ -312,17 +307,22 @@ fn lines() -> Vec<Series> {
 
 fn words(micro: usize, off: &str) -> String {
     format!(
-        "Loops on line cells with μ_ρ = {MU_RHO}, from separation to just behind the jump into contact and back, so that only snap-in and \
-         snap-off count. Without range the loss is 1 + W(u_c) = {:.5} γ; erratum: Eq. 30c prints (3/2) α_c = {:.3}, because it takes the \
-         thick ridge up to its end. Solid: the area between the flat branch and the exact ridge, from the upper flat limit u_nc to the \
-         ridge's end u_c, with the flat term γ(u_nc) − γ(u_c) added (it is negative; the text subtracts it). It holds to 2 % where the \
-         range ρ̃, for the cosine law g̃_c, is below 0.1, and is no theory of longer ranges, at which the ridge itself changes (at the \
-         shortest ranges here the loops lose more than it by: {}). One thing it leaves out is the give of the contact: under the tension σ \
-         the energy of a ridge is lower by at least σ²/(2γ″). At u_nc that is some (g̃_c)^{{4/3}} γ/8 for the cosine law, for which u_nc is g_c, \
-         and far less for the Morse law, for which it is many ranges. ρ/ρ₀ is (L_c/L)^½ for both laws: a cosine law is put where a Morse law of \
-         the same largest softening is (g_c = √2 πρ), which by Eq. 10 needs the same mesh. The stiffness of the cosine law jumps at its \
-         cut-off, and every mesh point that passes it may make a jump of 1e-6 to 1e-4 γ: {micro} such jumps from ridge to ridge are in \
-         the sums. Below ρ/ρ₀ = 0.1 the mesh is coarser, μ_ρ = {COARSE}, and they add some 0.5 %.",
+        "Loops on line cells with μ_ρ = {MU_RHO}, from separation to just behind the jump into \
+         contact and back, so that only snap-in and snap-off count. Without range the loss is 1 + \
+         W(u_c) = {:.5} γ; erratum: Eq. 30c prints (3/2) α_c = {:.3}, because it takes the thick \
+         ridge up to its end. Solid: the area between the flat branch and the exact ridge, from \
+         the upper flat limit u_nc to the ridge's end u_c, with the flat term γ(u_nc) − γ(u_c) \
+         added (it is negative; the text subtracts it). It holds to 2 % where the range ρ̃, for \
+         the cosine law g̃_c, is below 0.1, and is no theory of longer ranges, at which the ridge \
+         itself changes (at the shortest ranges here the loops lose more than it by: {}). One \
+         thing it leaves out is the give of the contact: under the tension σ the energy of a ridge \
+         is lower by at least σ²/(2γ″). At u_nc that is some (g̃_c)^{{4/3}} γ/8 for the cosine \
+         law, for which u_nc is g_c, and far less for the Morse law, for which it is many ranges. \
+         ρ/ρ₀ is (L_c/L)^½ for both laws: a cosine law is put where a Morse law of the same \
+         largest softening is (g_c = √2 πρ), which by Eq. 10 needs the same mesh. The stiffness of \
+         the cosine law jumps at its cut-off, and every mesh point that passes it may make a jump \
+         of 1e-6 to 1e-4 γ: {micro} such jumps from ridge to ridge are in the sums. Below ρ/ρ₀ = \
+         0.1 the mesh is coarser, μ_ρ = {COARSE}, and they add some 0.5 %.",
         ridge::zero_range_dissipation(),
         dissipation::printed_zero_range(),
         off.trim_end_matches("; "),

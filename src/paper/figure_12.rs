@@ -6,12 +6,14 @@ use super::tips::{self, TIP, Tip};
 use super::{Entry, scenes};
 use crate::physics::theory::units::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
+use crate::plot::scale::steps;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 12,
     title: "A Hertzian tip: force against displacement",
-    look_for: "At mu_rho = 0.5 there are two jumps, into contact and out of it, and finer meshes let the tip come closer before it is \
-               pulled in. From mu_rho = 1 on the edge of the contact moves point by point, and at 1.5 and 2 the sawtooth is all there is.",
+    look_for: "At mu_rho = 0.5 there are two jumps, into contact and out of it, and finer meshes \
+        let the tip come closer before it is pulled in. From mu_rho = 1 on the edge of the contact \
+        moves point by point, and at 1.5 and 2 the sawtooth is all there is.",
     scene: || scenes::tip(128, 0.5),
     compute,
 };
@@ -41,19 +43,15 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
             let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
             panel(&format!("({letter}) mu_rho = {mu}"), &loops)
         });
-    let words = "Force over the pull-off force of JKR, positive in compression, against the height u₀ of the undeformed surface above \
-                 the apex, driven by displacement to zero load and back (L = R, γ = 0.5859e-3 E*R). Black: JKR; grey: the same with \
-                 the periodic images of the cell, in closed form. Up to mu_rho = 0.7 an even quarter of the cell is solved, with all \
-                 other modes watched; above, the quarter is held mirror-symmetric, so that single points jump in fours or eights, and \
-                 their jumps are located within a fortieth of the range. At mu_rho = 1.5 and 2 the loops also depend on that, and on \
-                 how far the tip is driven, as the paper says: Fig. 13 lists by how much.";
-    Ok(Figure {
-        number: 12,
-        title: ENTRY.title.to_owned(),
-        panels: panels.collect(),
-        words: words.to_owned(),
-        findings: findings(&tips),
-    })
+    let words = "Force over the pull-off force of JKR, positive in compression, against the height \
+        u₀ of the undeformed surface above the apex, driven by displacement to zero load and back \
+        (L = R, γ = 0.5859e-3 E*R). Black: JKR; grey: the same with the periodic images of the \
+        cell, in closed form. Up to mu_rho = 0.7 an even quarter of the cell is solved, with all \
+        other modes watched; above, the quarter is held mirror-symmetric, so that single points \
+        jump in fours or eights, and their jumps are located within a fortieth of the range. At \
+        mu_rho = 1.5 and 2 the loops also depend on that, and on how far the tip is driven, as the \
+        paper says: Fig. 13 lists by how much.";
+    Ok(ENTRY.figure(panels.collect(), words, findings(&tips)))
 }
 
 fn panel(title: &str, loops: &[&Tip]) -> Panel {
@@ -89,7 +87,7 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     let path = |touch: f64, end: f64, contact: &dyn Fn(f64) -> [f64; 2]| {
         // A little into compression.
         let last = 0.206;
-        let branch = (0..=POINTS).map(|i| contact(end + (last - end) * i as f64 / POINTS as f64));
+        let branch = steps(end, last, POINTS).map(contact);
         let away = [
             [far, 0.0],
             [0.0, 0.0],
@@ -119,33 +117,33 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
 }
 
 fn findings(tips: &[Tip]) -> Vec<Finding> {
-    let mut list = vec![Finding {
-        quantity: "mu_T/(mu_rho sqrt n)".to_owned(),
-        found: tabor_of_mesh(1.0, TIP.radius, TIP.surface_energy, 1.0),
-        expected: 0.579,
-        source: "printed after Eq. 32".to_owned(),
-        tolerance: Some(5e-4),
-    }];
+    let mut list = vec![Finding::new(
+        "mu_T/(mu_rho sqrt n)",
+        tabor_of_mesh(1.0, TIP.radius, TIP.surface_energy, 1.0),
+        0.579,
+        "printed after Eq. 32",
+        Some(5e-4),
+    )];
     for tip in tips.iter().filter(|tip| tip.mu_rho == 0.5) {
-        list.push(Finding {
-            quantity: format!("jumps at mu_rho = 0.5, n = {}", tip.points),
-            found: tip.jumps.len() as f64,
-            expected: if tip.points < 64 { 0.0 } else { 2.0 },
-            source: "collective jumps only, none on the coarsest mesh".to_owned(),
-            tolerance: Some(0.0),
-        });
+        list.push(Finding::new(
+            format!("jumps at mu_rho = 0.5, n = {}", tip.points),
+            tip.jumps.len() as f64,
+            if tip.points < 64 { 0.0 } else { 2.0 },
+            "collective jumps only, none on the coarsest mesh",
+            Some(0.0),
+        ));
     }
     for tip in tips {
-        list.push(Finding {
-            quantity: format!(
+        list.push(Finding::new(
+            format!(
                 "loop integral over V_hys of JKR at mu_rho = {}, n = {}",
                 tip.mu_rho, tip.points
             ),
-            found: tip.integral,
-            expected: tip.released,
-            source: "sum of the releases".to_owned(),
-            tolerance: Some(1e-3),
-        });
+            tip.integral,
+            tip.released,
+            "sum of the releases",
+            Some(1e-3),
+        ));
     }
     list
 }

@@ -11,8 +11,9 @@ use crate::scene::part::Part;
 pub(super) const ENTRY: Entry = Entry {
     number: 13,
     title: "A Hertzian tip: how fast force and loss converge",
-    look_for: "The pull-off force is right within a few per cent on every mesh with mu_rho up to 0.7, the loss on none: it comes with \
-               the cube root of the mesh. From mu_rho = 1.5 on finer meshes hardly help, since the range shrinks along with them.",
+    look_for: "The pull-off force is right within a few per cent on every mesh with mu_rho up to \
+        0.7, the loss on none: it comes with the cube root of the mesh. From mu_rho = 1.5 on finer \
+        meshes hardly help, since the range shrinks along with them.",
     scene: || scenes::tip(64, 0.7),
     compute,
 };
@@ -96,13 +97,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
                 .flat_map(|plain| differences(plain, others)),
         );
     }
-    Ok(Figure {
-        number: 13,
-        title: ENTRY.title.to_owned(),
-        panels,
-        words: words(references, live.len(), tips.len()),
-        findings,
-    })
+    Ok(ENTRY.figure(panels, words(references, live.len(), tips.len()), findings))
 }
 
 /// The loop on that mesh otherwise: driven to u0 = 0, and on the whole cell.
@@ -140,12 +135,14 @@ fn deviation(live: &[Tip]) -> f64 {
 /// `live` of `all` loops were computed now.
 fn words(references: [f64; 2], live: usize, all: usize) -> String {
     format!(
-        "Largest tensile force and energy lost in a loop to zero load and back, over those of JKR, against the mesh over the critical \
-         contact radius a_c = {:.4} R. Black: JKR; grey: JKR with the cell's periodic images, which the meshes converge to ({:.4} and \
-         {:.4}). The loss is the sum of the releases at the jumps. It depends on the range of the law and hardly on the mesh as long as \
-         mu_rho is at most 0.7, and grows as slowly as the cube root of the mesh. Computed now: {} of the {} loops. The others take more \
-         than an hour and are kept with the program (assets/tips.csv, with the command that computes them). What is solved on which mesh, \
-         and what that does, is said in Fig. 12.",
+        "Largest tensile force and energy lost in a loop to zero load and back, over those of JKR, \
+         against the mesh over the critical contact radius a_c = {:.4} R. Black: JKR; grey: JKR \
+         with the cell's periodic images, which the meshes converge to ({:.4} and {:.4}). The loss \
+         is the sum of the releases at the jumps. It depends on the range of the law and hardly on \
+         the mesh as long as mu_rho is at most 0.7, and grows as slowly as the cube root of the \
+         mesh. Computed now: {} of the {} loops. The others take more than an hour and are kept \
+         with the program (assets/tips.csv, with the command that computes them). What is solved \
+         on which mesh, and what that does, is said in Fig. 12.",
         TIP.end_of_displacement().radius,
         references[0],
         references[1],
@@ -169,7 +166,7 @@ fn differences(plain: &Tip, others: &[Tip]) -> Vec<Finding> {
             "V_hys/V_hys,JKR at mu_rho = {}, n = {VARIED}, {what}",
             plain.mu_rho
         );
-        Finding::new(&quantity, tip.released, plain.released, than, None)
+        Finding::new(quantity, tip.released, plain.released, than, None)
     };
     others.iter().zip(ways).map(finding).collect()
 }
@@ -282,14 +279,14 @@ fn convergence(tips: &[Tip], mu: f64, references: [f64; 2]) -> Vec<Finding> {
     let at = format!("at mu_rho = {mu}, n = {}", finest.points);
     let mut list = vec![
         Finding::new(
-            &format!("F_pull/F_pull,JKR {at}"),
+            format!("F_pull/F_pull,JKR {at}"),
             finest.pull_off,
             force,
             IMAGES,
             None,
         ),
         Finding::new(
-            &format!("V_hys/V_hys,JKR {at}"),
+            format!("V_hys/V_hys,JKR {at}"),
             finest.released,
             loss,
             IMAGES,
@@ -310,28 +307,28 @@ fn orders(tips: [&Tip; 3], [force, loss]: [f64; 2], at: &str) -> Vec<Finding> {
     let [straight, bent] = extrapolated(tips);
     vec![
         Finding::new(
-            &format!("order of F_pull in the mesh {at}"),
+            format!("order of F_pull in the mesh {at}"),
             order(|tip| tip.pull_off, force),
             1.0,
             "linear, as the abstract says",
             None,
         ),
         Finding::new(
-            &format!("order of V_hys in the mesh {at}"),
+            format!("order of V_hys in the mesh {at}"),
             order(|tip| tip.released, loss),
             1.0 / 3.0,
             "cube root, as in Eq. 30d",
             None,
         ),
         Finding::new(
-            &format!("V_hys/V_hys,JKR, linear in range^(2/3) {at}"),
+            format!("V_hys/V_hys,JKR, linear in range^(2/3) {at}"),
             straight,
             loss,
             IMAGES,
             None,
         ),
         Finding::new(
-            &format!("V_hys/V_hys,JKR, quadratic in range^(2/3) {at}"),
+            format!("V_hys/V_hys,JKR, quadratic in range^(2/3) {at}"),
             bent,
             loss,
             IMAGES,
@@ -347,7 +344,7 @@ fn jumps_of_the_mesh(tips: &[Tip]) -> Vec<Finding> {
         let jumps = tip.mesh_jumps();
         let (expected, tolerance) = (0.0, (mu == 0.5).then_some(0.0));
         list.push(Finding::new(
-            &format!("jumps of the mesh at mu_rho = {mu}, n = {n}"),
+            format!("jumps of the mesh at mu_rho = {mu}, n = {n}"),
             jumps.len() as f64,
             expected,
             "continuum",
@@ -355,7 +352,7 @@ fn jumps_of_the_mesh(tips: &[Tip]) -> Vec<Finding> {
         ));
         if mu > 0.5 {
             list.push(Finding::new(
-                &format!("their share of V_hys,JKR at mu_rho = {mu}, n = {n}"),
+                format!("their share of V_hys,JKR at mu_rho = {mu}, n = {n}"),
                 jumps.iter().sum(),
                 expected,
                 "continuum",
@@ -376,10 +373,10 @@ fn twins(tips: &[Tip]) -> Vec<Finding> {
     {
         let quantity = format!("V_hys/V_hys,JKR at mu_rho = 0.5, n = {}", a.points);
         list.push(Finding::new(
-            &quantity,
+            quantity,
             a.released,
             b.released,
-            &format!("mu_rho = 0.7, n = {}: nearly the same range", b.points),
+            format!("mu_rho = 0.7, n = {}: nearly the same range", b.points),
             Some(0.01),
         ));
     }

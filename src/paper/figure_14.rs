@@ -2,19 +2,21 @@
 
 use super::figure::{Figure, Finding};
 use super::task::{Size, Stopped, Task};
-use super::{Entry, flat_loop, scenes};
+use super::{Entry, loops, scenes};
 use crate::follow::record::Direction;
 use crate::follow::record::LoopRecord;
 use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
+use crate::plot::scale::steps;
 use crate::scene::Model;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 14,
     title: "The measured cohesive law of a rough contact",
-    look_for: "From far away a rough contact has a cohesive law of its own: weaker than the microscopic one, and of longer range. A \
-               difference of two exponentials describes it over the window of the fit.",
+    look_for: "From far away a rough contact has a cohesive law of its own: weaker than the \
+        microscopic one, and of longer range. A difference of two exponentials describes it over \
+        the window of the fit.",
     scene: || scenes::rough(2, 1, TURN),
     compute,
 };
@@ -46,18 +48,12 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
     let surfaces = task.each(seeds, |_| 1.0, |seed, task| measure(*seed, task))?;
     let findings = surfaces.iter().flat_map(findings).collect();
     let words = words(&surfaces, task.size);
-    Ok(Figure {
-        number: 14,
-        title: ENTRY.title.to_owned(),
-        panels: vec![panel(&surfaces)],
-        words,
-        findings,
-    })
+    Ok(ENTRY.figure(vec![panel(&surfaces)], words, findings))
 }
 
 fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
     let scene = scenes::rough(task.choose(2, 3), seed, TURN);
-    let (run, model) = flat_loop::run(&scene, task, &format!("the loop on rough surface {seed}"))?;
+    let (run, model) = loops::planned(&scene, task, &format!("the loop on rough surface {seed}"))?;
     let mean = match scene.indenter {
         Indenter::Rough(roughness) => roughness.mean_height(&model.grid),
         _ => 0.0,
@@ -100,12 +96,14 @@ fn findings(surface: &Surface) -> Vec<Finding> {
     for (fit, window) in fits.iter().zip(WINDOWS) {
         let Ok(fit) = fit else { continue };
         let [(adhesion, da), (repulsion, dr)] = ranges(fit, model.law.range);
-        let stated = |quantity: String, found, expected, printed: &str| Finding {
-            quantity,
-            found,
-            expected,
-            source: format!("printed after Fig. 13: {printed}"),
-            tolerance: None,
+        let stated = |quantity: String, found, expected, printed: &str| {
+            Finding::new(
+                quantity,
+                found,
+                expected,
+                format!("printed after Fig. 13: {printed}"),
+                None,
+            )
         };
         let place = format!("surface {seed}, window to p = {window} σ_max");
         findings.push(stated(
@@ -121,13 +119,13 @@ fn findings(surface: &Surface) -> Vec<Finding> {
             "increased by 60 %",
         ));
     }
-    findings.push(Finding {
-        quantity: format!("dissipated energy ∮σ du₀/γ, surface {seed}"),
-        found: record.work() / model.law.surface_energy,
-        expected: record.released_energy_sum(),
-        source: "sum of the energies released in the jumps".to_owned(),
-        tolerance: Some(LEDGER),
-    });
+    findings.push(Finding::new(
+        format!("dissipated energy ∮σ du₀/γ, surface {seed}"),
+        record.work() / model.law.surface_energy,
+        record.released_energy_sum(),
+        "sum of the energies released in the jumps",
+        Some(LEDGER),
+    ));
     findings
 }
 
@@ -162,7 +160,7 @@ fn panel(surfaces: &[Surface]) -> Panel {
     for surface in surfaces {
         let Some(law) = best(surface) else { continue };
         let own = law.strongest().1;
-        let curve = (0..=300).map(|i| low + (5.0 - low) * f64::from(i) / 300.0);
+        let curve = steps(low, 5.0, 300);
         let points = curve
             .map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own])
             .collect();
@@ -225,18 +223,21 @@ fn words(surfaces: &[Surface], size: Size) -> String {
         "three surfaces"
     };
     format!(
-        "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only parameter that the paper gives. It leaves the spectrum, γ \
-         and the window of the fit open; here the Hurst exponent is 0.8, the spectrum is flat above a wavelength of 8 h_std and ends \
-         at 2 h_std (root mean square gradient {gradient:.2}), γ = {gamma} E*h_std, and the fit reaches down to where the \
-         compression is {} or {} times the largest tension. The range of adhesion over ρ is {} in the first window, {} in the \
-         second (printed: close to 4), that of repulsion over ρ/2 {} and {} (printed: 1.6). Where the data reach less far beyond zero \
-         stress the two exponentials merge on one surface or another and determine neither. These settings are a choice, made \
-         after seeing the results, among many that were tried (longest wavelength 4 to 32 h_std, γ 0.1 to 0.4 E*h_std, windows 1 to 80): ratios from 2.5 upwards \
-         came out, the higher the wider the window, and one surface was close to the print. The errors are those of the fit alone. \
-         From window to window and from surface to surface the numbers change by more, so that agreement in kind is all that can be \
-         asked for: both ranges are \
-         longer than the microscopic ones, that of adhesion by more. The largest mean tension is \
-         {} of the microscopic σ_max, the loss {} γ.",
+        "Mean stress against mean gap on {count} with ρ = 0.23 h_std, the only parameter that the \
+         paper gives. It leaves the spectrum, γ and the window of the fit open; here the Hurst \
+         exponent is 0.8, the spectrum is flat above a wavelength of 8 h_std and ends at 2 h_std \
+         (root mean square gradient {gradient:.2}), γ = {gamma} E*h_std, and the fit reaches down \
+         to where the compression is {} or {} times the largest tension. The range of adhesion \
+         over ρ is {} in the first window, {} in the second (printed: close to 4), that of \
+         repulsion over ρ/2 {} and {} (printed: 1.6). Where the data reach less far beyond zero \
+         stress the two exponentials merge on one surface or another and determine neither. These \
+         settings are a choice, made after seeing the results, among many that were tried (longest \
+         wavelength 4 to 32 h_std, γ 0.1 to 0.4 E*h_std, windows 1 to 80): ratios from 2.5 upwards \
+         came out, the higher the wider the window, and one surface was close to the print. The \
+         errors are those of the fit alone. From window to window and from surface to surface the \
+         numbers change by more, so that agreement in kind is all that can be asked for: both \
+         ranges are longer than the microscopic ones, that of adhesion by more. The largest mean \
+         tension is {} of the microscopic σ_max, the loss {} γ.",
         WINDOWS[0],
         WINDOWS[1],
         list(0, 0),

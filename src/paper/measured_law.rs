@@ -3,6 +3,7 @@
 //! parameters.
 
 use crate::follow::record::{Direction, LoopRecord};
+use crate::plot::scale::steps;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DVector, Dyn, Matrix4, OMatrix, OVector, U4, Vector4};
 
@@ -47,14 +48,13 @@ impl MeasuredLaw {
         let (Some(turn), Some(start)) = (down.first(), down.last()) else {
             return Self::default();
         };
-        let u0 = |i: usize| start[0] + (turn[0] - start[0]) * i as f64 / count as f64;
         let row = |u0: f64| Row {
             gap: u0 - mean_height,
             approach: between(&down, u0),
             retraction: between(&up, u0),
         };
         Self {
-            rows: (0..=count).map(|i| row(u0(i))).collect(),
+            rows: steps(start[0], turn[0], count).map(row).collect(),
         }
     }
 

@@ -1,17 +1,15 @@
 //! Floor 6: every figure and table of the paper as a value, computed live beside its theory, with
 //! what the print got wrong.
 //!
-//! Each figure is one file and one line in [`GALLERY`]. Nothing is drawn here: `storage` writes a
-//! [`Figure`] as CSV, SVG and PNG, the window shows it as plots. Axes and normalisation are the
-//! paper's; the stress is turned into its pressure p = -stress where the paper plots p. May use
-//! `plot` and below; no drawing, files, or threads.
+//! Each figure is an [`Entry`] in a file (Figs 2 and 3 share theirs) and one line in [`GALLERY`].
+//! Nothing is drawn here: `storage` writes a [`Figure`] as CSV, SVG and PNG, the window shows it as
+//! plots. Axes and normalisation are the paper's; the stress is turned into its pressure
+//! p = -stress where the paper plots p. May use `plot` and below; no drawing, files, or threads.
 
 pub mod boundary_elements;
 pub mod errata;
 pub mod figure;
 mod figure_01;
-mod figure_02;
-mod figure_03;
 mod figure_04;
 mod figure_05;
 mod figure_06;
@@ -23,40 +21,23 @@ mod figure_11;
 mod figure_12;
 mod figure_13;
 mod figure_14;
-mod flat_loop;
-mod line_cell;
+mod figures_02_03;
+mod loops;
 pub mod measured_law;
 pub mod overlay;
 pub mod scenes;
 mod table_1;
 pub mod task;
 pub mod tips;
-mod walked;
 
-pub use figure::{Figure, Table};
+pub use figure::{Entry, Figure, Table, TableEntry};
 pub use task::{Size, Stopped, Task};
-
-use crate::scene::Scene;
-
-/// A place in the gallery.
-pub struct Entry {
-    /// The figure's number in the paper.
-    pub number: usize,
-    /// One line.
-    pub title: &'static str,
-    /// What to look for, in two sentences.
-    pub look_for: &'static str,
-    /// The scene that a click on it opens.
-    pub scene: fn() -> Scene,
-    /// Computes it.
-    pub compute: fn(&mut Task<'_>) -> Result<Figure, Stopped>,
-}
 
 /// The figures in the paper's order.
 pub const GALLERY: &[Entry] = &[
     figure_01::ENTRY,
-    figure_02::ENTRY,
-    figure_03::ENTRY,
+    figures_02_03::FIGURE_2,
+    figures_02_03::FIGURE_3,
     figure_04::ENTRY,
     figure_05::ENTRY,
     figure_06::ENTRY,
@@ -82,16 +63,6 @@ pub fn longest_first() -> Vec<&'static Entry> {
             .unwrap_or(LONG.len())
     });
     list
-}
-
-/// The place of a table.
-pub struct TableEntry {
-    /// The table's number in the paper.
-    pub number: usize,
-    /// One line.
-    pub title: &'static str,
-    /// Computes it.
-    pub compute: fn(&mut Task<'_>) -> Result<Table, Stopped>,
 }
 
 /// The tables.

@@ -1,12 +1,14 @@
 //! Theory over the live loop, in the units of the scene at hand: the flat state and the patterns of
 //! zero range, or JKR's tip.
 
+use super::loops::units_of;
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
-use crate::physics::theory::{ridge, units::Units};
+use crate::physics::theory::ridge;
+use crate::plot::scale::steps;
 use crate::scene::Model;
 
 /// Points of a curve.
@@ -36,8 +38,8 @@ impl ZeroRange {
     pub fn compute(cancel: &Cancel) -> Option<Self> {
         // Each from 0 (not included) to its end; stable parts only.
         let up_to = |end: f64| {
-            (1..=POINTS)
-                .map(move |i| end * i as f64 / POINTS as f64)
+            steps(0.0, end, POINTS)
+                .skip(1)
                 .take_while(|_| !cancel.requested())
         };
         let ridge_end = ridge::critical().displacement;
@@ -82,17 +84,11 @@ impl ZeroRange {
             }
             _ => return Vec::new(),
         }
-        let units = Units {
-            length: model.grid.length,
-            surface_energy: model.law.surface_energy,
-        };
-        let flat = |i: usize| {
-            let u0 = from + (to - from) * i as f64 / POINTS as f64;
-            [u0, model.law.at(u0).traction]
-        };
+        let units = units_of(model);
+        let flat = |u0: f64| [u0, model.law.at(u0).traction];
         let mut lines = vec![TheoryLine {
             name: "flat",
-            points: (0..=POINTS).map(flat).collect(),
+            points: steps(from, to, POINTS).map(flat).collect(),
         }];
         for (name, curve) in &self.curves {
             // A dimple and a bulge are patterns of a square cell.
@@ -124,8 +120,8 @@ fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
     );
     let branch = |state: &dyn Fn(f64) -> [f64; 2]| {
         let mut points: Vec<[f64; 2]> = Vec::new();
-        for i in 0..=TIP_POINTS {
-            let point = state(largest - (largest - smallest) * i as f64 / TIP_POINTS as f64);
+        for radius in steps(largest, smallest, TIP_POINTS) {
+            let point = state(radius);
             if points.last().is_some_and(|last| point[0] <= last[0]) {
                 break;
             }

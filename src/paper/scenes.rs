@@ -8,6 +8,14 @@ use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 /// gamma of the flat scenes in units of E* rho.
 pub const SURFACE_ENERGY: f64 = 0.15;
 
+fn morse(surface_energy: f64, range: Range) -> LawChoice {
+    LawChoice {
+        shape: Shape::Morse(Morse),
+        surface_energy,
+        range,
+    }
+}
+
 /// Flat ground with the Morse law of range 1 and gamma = 0.15, as in Figs 2 to 4: a cell of side
 /// `length` on `points`, driven from `start` to `turn` and back.
 pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, step: f64) -> Scene {
@@ -15,11 +23,7 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
         title: title.to_owned(),
         source: "Wang, Zhou, Mueser 2020".to_owned(),
         cell: Cell { length, points },
-        law: LawChoice {
-            shape: Shape::Morse(Morse),
-            surface_energy: SURFACE_ENERGY,
-            range: Range::Length(1.0),
-        },
+        law: morse(SURFACE_ENERGY, Range::Length(1.0)),
         indenter: Indenter::Flat,
         drive: Drive {
             start,
@@ -96,11 +100,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
             length,
             points: Points::Square(points),
         },
-        law: LawChoice {
-            shape: Shape::Morse(Morse),
-            surface_energy: 0.2 * ROUGH_RMS,
-            range: Range::Length(ROUGH_RANGE * ROUGH_RMS),
-        },
+        law: morse(0.2 * ROUGH_RMS, Range::Length(ROUGH_RANGE * ROUGH_RMS)),
         indenter: Indenter::Rough(surface),
         drive: Drive {
             start: 1.5 * ROUGH_RMS,
@@ -127,11 +127,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
             length: 1.0,
             points: Points::Square(points),
         },
-        law: LawChoice {
-            shape: Shape::Morse(Morse),
-            surface_energy: TIP_SURFACE_ENERGY,
-            range: Range::MuRho(mu_rho),
-        },
+        law: morse(TIP_SURFACE_ENERGY, Range::MuRho(mu_rho)),
         indenter: Indenter::Hertz(Hertz { radius: 1.0 }),
         // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the
         // edge of the contact holds on for longer.
@@ -154,11 +150,7 @@ pub fn figure_1() -> Scene {
             length: 8.0,
             points: Points::Line(256),
         },
-        law: LawChoice {
-            shape: Shape::Morse(Morse),
-            surface_energy: 0.3,
-            range: Range::Length(0.2),
-        },
+        law: morse(0.3, Range::Length(0.2)),
         indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
         drive: Drive {
             start: 1.0,

@@ -138,7 +138,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn progress_of_work_side_by_side_never_steps_back(costs in prop::collection::vec(0.1_f64..10.0, 1..12)) {
+        fn progress_of_work_side_by_side_never_steps_back(
+            costs in prop::collection::vec(0.1_f64..10.0, 1..12)
+        ) {
             let (cancel, mut told) = (Cancel::default(), Vec::new());
             let mut observe = |done, _: &str| told.push(done);
             let mut task = Task::new(Size::Quick, &cancel, &mut observe);

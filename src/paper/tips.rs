@@ -1,7 +1,8 @@
 //! The loops of the Hertzian tip behind Figs 12 and 13.
 
+use super::loops::{refused, walked};
+use super::scenes;
 use super::task::{Stopped, Task};
-use super::{scenes, walked};
 use crate::follow::record::Direction;
 use crate::follow::walk::WalkOptions;
 use crate::physics::theory::jkr::Jkr;
@@ -121,7 +122,7 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     scene.title += &format!(", n = {points}");
     let range = scene
         .model()
-        .map_err(|error| walked::refused(&scene, error))?
+        .map_err(|error| refused(&scene, error))?
         .law
         .range;
     let options = WalkOptions {
@@ -129,7 +130,7 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         trapped_within: (mu_rho >= TRAPS).then_some(TRAPPED_WITHIN),
         ..WalkOptions::default()
     };
-    let record = walked::run(&scene, options, task)?.record;
+    let record = walked(&scene, options, task)?.record;
     // L = 1: a mean stress is a force, an energy per area an energy.
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {

@@ -186,30 +186,17 @@ impl<'a> ChartPanel<'a> {
                 series.push(Series::symbols(name, symbol, Colour::Ink, points));
             }
         }
-        if self
-            .rows
-            .iter()
-            .any(|row| matches!(row.verdict, Verdict::Failed { .. }))
-        {
-            series.push(Series::symbols(
-                "failed",
-                Symbol::Cross,
-                Colour::Ink,
-                Vec::new(),
-            ));
-        }
-        if self
-            .rows
-            .iter()
-            .any(|row| row.point.model == Strategy::QUARTER)
-        {
-            series.push(Series::symbols(
-                "hollow: quarter cell",
-                Symbol::Circle,
-                Colour::Ink,
-                Vec::new(),
-            ));
-        }
+        // What marks of their own colour mean, for the legend alone.
+        let said = |name, symbol, of: fn(&Judged) -> bool| {
+            let some = self.rows.iter().any(of);
+            some.then(|| Series::symbols(name, symbol, Colour::Ink, Vec::new()))
+        };
+        series.extend(said("failed", Symbol::Cross, |row| {
+            matches!(row.verdict, Verdict::Failed { .. })
+        }));
+        series.extend(said("hollow: quarter cell", Symbol::Circle, |row| {
+            row.point.model == Strategy::QUARTER
+        }));
         series
     }
 

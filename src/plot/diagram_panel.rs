@@ -3,6 +3,7 @@
 //! square, a bifurcation a circle, equal energies are a diamond.
 
 use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use super::scale::ends;
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
@@ -71,11 +72,7 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     ];
     let [x, y] = [0, 1].map(|k| {
         let values = curves.iter().flat_map(|s| &s.points).map(|p| p[k]);
-        let (low, high) = values
-            .filter(|v| v.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-                (a.min(v), b.max(v))
-            });
+        let (low, high) = ends(values.filter(|v| v.is_finite()));
         let [low, high] = if low < high { [low, high] } else { [0.0, 1.0] };
         let room = MARGIN[k] * (high - low);
         [low - room, high + room]

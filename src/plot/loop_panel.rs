@@ -3,6 +3,7 @@
 
 use super::curve::Curve;
 use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
+use super::scale;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -27,9 +28,7 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     let curve = Curve::of(record, &model.law);
     let ends = |k: usize, more: &[f64], default: [f64; 2]| {
         let values = curve.points().map(|p| p[k]).chain(more.iter().copied());
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-            (a.min(v), b.max(v))
-        });
+        let (low, high) = scale::ends(values);
         let [low, high] = if low <= high { [low, high] } else { default };
         let room = MARGIN[k] * if high > low { high - low } else { 1.0 };
         [low - room, high + room]
@@ -88,8 +87,7 @@ pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
     if model.indenter != Indenter::Flat {
         return pieces;
     }
-    for i in 0..=POINTS {
-        let u0 = from + (to - from) * i as f64 / POINTS as f64;
+    for u0 in scale::steps(from, to, POINTS) {
         let point = [
             u0 / model.law.range,
             model.law.at(u0).traction / model.law.traction_max(),
@@ -114,14 +112,10 @@ pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
 /// The areas between both branches: what is lost.
 pub fn loss(curve: &Curve) -> Vec<Area> {
     let [approach, retraction] = branches(curve).map(|branch| branch.points);
-    let ends = approach.iter().map(|p| p[0]).filter(|u| u.is_finite());
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {
-        (a.min(u), b.max(u))
-    });
+    let (low, high) = scale::ends(approach.iter().map(|p| p[0]).filter(|u| u.is_finite()));
     let mut areas: Vec<Area> = Vec::new();
     let mut open = false;
-    for i in 0..=POINTS {
-        let u = low + (high - low) * i as f64 / POINTS as f64;
+    for u in scale::steps(low, high, POINTS) {
         // Next to a jump a curve may have a hole a hair wide: the area goes on.
         let (Some(a), Some(b)) = (value(&approach, u), value(&retraction, u)) else {
             continue;

@@ -1,16 +1,16 @@
 //! Floor 5: the one diagram. A [`panel::Panel`] says what is shown; `storage` draws it into SVG and
 //! PNG, the window with its own plot.
 //!
-//! [`loop_panel`], [`diagram_panel`] and [`chart_panel`] make panels of results, the figures of `paper` make their
-//! own. [`style`] is the one code of colours, strokes and symbols, [`panel::entries`] says
-//! what they are called, [`scale`] says where a value stands on an axis, [`ticks`] which numbers it bears,
-//! [`typeset`] how formulas in words are set. Stress over u0 has x = u0/rho and y =
-//! stress/sigma_max, tension positive. May use `study` and below; no drawing, files, or threads.
+//! [`loop_panel`], [`diagram_panel`] and [`chart_panel`] make panels of results, the figures of
+//! `paper` make their own. [`style`] is the one code of colours, strokes and symbols,
+//! [`panel::entries`] says what they are called, [`scale`] what an axis shows and where a value
+//! stands on it, [`ticks`] which numbers it bears, [`typeset`] how formulas in words are set.
+//! Stress over u0 has x = u0/rho and y = stress/sigma_max, tension positive. May use `study` and
+//! below; no drawing, files, or threads.
 
 pub mod chart_panel;
 pub mod curve;
 pub mod diagram_panel;
-pub mod extent;
 pub mod loop_panel;
 pub mod panel;
 pub mod scale;

@@ -303,12 +303,20 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn neighbouring_ticks_never_have_the_same_words(at in -1e3..1e3f64, size in -9..9i32, narrow in 0.0..9.0f64, count in 2.0..12.0f64) {
-            let (middle, span) = (at * 10f64.powi(size), 10f64.powi(size) * 10f64.powf(3.0 - narrow));
+        fn neighbouring_ticks_never_have_the_same_words(
+            at in -1e3..1e3f64,
+            size in -9..9i32,
+            narrow in 0.0..9.0f64,
+            count in 2.0..12.0f64,
+        ) {
+            let unit = 10f64.powi(size);
+            let (middle, span) = (at * unit, unit * 10f64.powf(3.0 - narrow));
             let step = spacing(span, count);
             proptest::prop_assert!(step >= 0.99 * span / count && step <= 2.51 * span / count);
             let first = (middle / step).ceil();
-            let mut words: Vec<String> = (0..count as i32).map(|i| label((first + f64::from(i)) * step, step)).collect();
+            let mut words: Vec<String> = (0..count as i32)
+                .map(|i| label((first + f64::from(i)) * step, step))
+                .collect();
             let all = words.len();
             words.dedup();
             proptest::prop_assert!(words.len() == all, "{words:?}");

@@ -55,11 +55,7 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
                 .round()
                 .clamp(4.0, 512.0) as usize
                 * 2;
-            scene.cell.points = if model.grid.is_line() {
-                Points::Line(n)
-            } else {
-                Points::Square(n)
-            };
+            scene.cell.points = scene.cell.points.resized(n);
         }
     }
     scene

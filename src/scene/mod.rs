@@ -57,6 +57,16 @@ pub enum Points {
     Line(usize),
 }
 
+impl Points {
+    /// So many points a side in place of these: a line cell stays a line.
+    pub fn resized(self, n: usize) -> Self {
+        match self {
+            Points::Line(_) => Points::Line(n),
+            Points::Auto | Points::Square(_) => Points::Square(n),
+        }
+    }
+}
+
 /// The cohesive law with its scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawChoice {
@@ -118,8 +128,8 @@ impl Model {
     pub fn warning(&self) -> Option<String> {
         let law = (!mesh_rule::is_safe(self.mu_rho)).then(|| {
             format!(
-                "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the jumps may belong to the mesh and not \
-                 to the physics",
+                "mu_rho = {:.3} is above {}: the mesh is too coarse for this law, and some of the \
+                 jumps may belong to the mesh and not to the physics",
                 self.mu_rho,
                 mesh_rule::SAFE
             )
@@ -281,7 +291,8 @@ impl Scene {
                 return Ok((Grid::line(length, even(n)?), "line cell given".to_owned()));
             }
             (Points::Auto, Range::MuRho(mu)) => {
-                let allowed = "not together with cell.points = \"auto\": give law.range, or the number of points";
+                let allowed = "not together with cell.points = \"auto\": give law.range, or the \
+                    number of points";
                 return Err(Refusal::new("law.mu_rho", number(mu), allowed));
             }
             (Points::Auto, Range::Length(range)) => range,
@@ -292,7 +303,8 @@ impl Scene {
             .max(next_fast(self.indenter.ground().points_needed(length)));
         if n > POINTS_MAX {
             let allowed = format!(
-                "this range needs more than {POINTS_MAX} points a side: a larger law.range or a smaller cell.length"
+                "this range needs more than {POINTS_MAX} points a side: a larger law.range or a \
+                 smaller cell.length"
             );
             return Err(Refusal::new("cell.points", "auto", &allowed));
         }

@@ -12,9 +12,16 @@ use crate::physics::parameter::{BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MA
 const FAR: f64 = 1e110;
 
 macro_rules! parameters {
-    ($($(#[$doc:meta])* $name:ident: $key:literal, $label:literal, $symbol:literal, $unit:literal, $range:expr, $default:expr, $hint:expr;)*) => {
+    ($($(#[$doc:meta])* $name:ident: $key:literal, $label:literal, $symbol:literal, $unit:literal,
+        $range:expr, $default:expr, $hint:expr;)*) => {
         $($(#[$doc])* pub static $name: Parameter = Parameter {
-            key: $key, label: $label, symbol: $symbol, unit: $unit, range: $range, default: $default, hint: $hint,
+            key: $key,
+            label: $label,
+            symbol: $symbol,
+            unit: $unit,
+            range: $range,
+            default: $default,
+            hint: $hint,
         };)*
 
         /// The scene's own numbers, in the order of the file's tables.
@@ -29,21 +36,26 @@ parameters! {
     POINTS: "cell.points", "Points", "n", "", 4.0..=POINTS_MAX as f64, None,
         "an even number {range}, as in 64 or [64, 1], or \"auto\"";
     /// Work of adhesion.
-    SURFACE_ENERGY: "law.surface_energy", "Surface energy", "γ", "E* times length", LENGTHS, None, POSITIVE;
+    SURFACE_ENERGY: "law.surface_energy", "Surface energy", "γ", "E* times length", LENGTHS, None,
+        POSITIVE;
     /// Range of the law.
     RANGE: "law.range", "Range", "ρ", "length", LENGTHS, None, POSITIVE;
     /// The mesh number in place of the range.
     MU_RHO: "law.mu_rho", "Mesh number", "μᵨ", "", 1e-30..=1e4, None, POSITIVE;
     /// Where the drive begins and ends.
-    START: "drive.start", "Start of", "u₀", "length", -FAR..=FAR, None, "a finite number, {range}, as in 4.2";
+    START: "drive.start", "Start of", "u₀", "length", -FAR..=FAR, None,
+        "a finite number, {range}, as in 4.2";
     /// Where it turns.
-    TURN: "drive.turn", "Turn of", "u₀", "length", -FAR..=FAR, None, "a number below drive.start, {range}, or \"zero_load\"";
+    TURN: "drive.turn", "Turn of", "u₀", "length", -FAR..=FAR, None,
+        "a number below drive.start, {range}, or \"zero_load\"";
     /// Largest step.
     STEP: "drive.step", "Step of", "u₀", "length", LENGTHS, None, POSITIVE;
     /// Relative error that the plan must meet.
-    TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(Value::Number(0.01)), "a number above 0 and below 1, {range}, as in 0.01";
+    TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(Value::Number(0.01)),
+        "a number above 0 and below 1, {range}, as in 0.01";
     /// Seed of the perturbations.
-    SEED: "noise.seed", "Seed", "", "", 0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number {range}";
+    SEED: "noise.seed", "Seed", "", "", 0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number \
+        {range}";
 }
 
 /// Every number of the scene file, in the order of its tables.

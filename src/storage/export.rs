@@ -1,18 +1,45 @@
-//! The tables of a walk as CSV.
+//! Every table as CSV: what a walk went through, every branch, the chart of speed against accuracy, the paper's
+//! figures, tables and findings.
 //!
 //! Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
 use super::{Failure, files};
+use crate::follow::diagram::Diagram;
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::paper::figure::{Figure, Finding, Table};
+use crate::physics::system::State;
+use crate::plot::panel::{Axis, Content, Panel, Role, letter};
+use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
+use ndarray::Array2;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// First line of `loop.csv`.
-pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds";
+pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,\
+    pattern,residual,stiffness_min,energy,model,milliseconds";
 
 /// First line of `events.csv`.
 pub const EVENT_COLUMNS: &str = "branch,mean_displacement,from,to,released_energy,cause";
+
+/// First line of `branches.csv`.
+pub const BRANCH_COLUMNS: &str =
+    "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual";
+
+/// First line of `points.csv`.
+pub const POINT_COLUMNS: &str =
+    "kind,branch,mean_displacement,stress,energy,index_before,index_after";
+
+/// First line of `chart.csv`.
+pub const CHART_COLUMNS: &str = "method,model,points,precision,step,dissipated_energy,\
+    error_dissipated_energy,error_jumps,error_stress,transforms,transforms_per_increment,seconds,\
+    processor_seconds,pareto,plan,paper_budget,outcome,message";
+
+/// First line of `figure-N.csv` after its comments.
+pub(super) const FIGURE_COLUMNS: &str = "panel,series,role,x,y,x_to,y_to";
+
+/// First line of `findings.csv`.
+const FINDING_COLUMNS: &str = "where,quantity,found,expected,source,deviation,tolerance,agrees";
 
 /// Writes the states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy
 /// per area in E* times length.
@@ -20,9 +47,8 @@ pub const EVENT_COLUMNS: &str = "branch,mean_displacement,from,to,released_energ
 /// # Errors
 /// A file that cannot be written.
 pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure> {
-    let mut text = format!("{LOOP_COLUMNS}\n");
-    for s in states {
-        let cells = [
+    let row = |s: &StateRecord| {
+        vec![
             s.direction.to_string(),
             number(s.mean_displacement),
             number(s.stress),
@@ -34,10 +60,9 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
             number(s.energy),
             quoted(&s.part.to_string()),
             format!("{:.4}", s.milliseconds),
-        ];
-        let _ = writeln!(text, "{}", cells.join(","));
-    }
-    files::write_whole(path, text.as_bytes())
+        ]
+    };
+    write_rows(path, LOOP_COLUMNS, states.iter().map(row))
 }
 
 /// Writes the jumps in order; u0 in the scene's length, released energy per area in units of gamma.
@@ -45,28 +70,380 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
 /// # Errors
 /// A file that cannot be written.
 pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure> {
-    let mut text = format!("{EVENT_COLUMNS}\n");
-    for jump in jumps {
-        let (u0, released) = (number(jump.mean_displacement), number(jump.released_energy));
+    let row = |jump: &JumpRecord| {
+        vec![
+            jump.direction.to_string(),
+            number(jump.mean_displacement),
+            jump.from.to_string(),
+            jump.to.to_string(),
+            number(jump.released_energy),
+            quoted(&jump.cause_words()),
+        ]
+    };
+    write_rows(path, EVENT_COLUMNS, jumps.iter().map(row))
+}
+
+/// Writes every point of every branch in order along it: u0 in the scene's length, stress in E*,
+/// energy per area in E* times length. `index` is the number of negative eigenvalues over all modes
+/// of the whole cell, sliding ones left out; at a fold or bifurcation the mode without stiffness is
+/// not counted.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+    let rows = diagram.branches.iter().flat_map(|branch| {
+        branch.points.iter().enumerate().map(|(i, point)| {
+            let State {
+                mean_displacement,
+                stress,
+                energy,
+                ..
+            } = point.state;
+            vec![
+                branch.name.clone(),
+                i.to_string(),
+                number(mean_displacement),
+                number(stress),
+                number(energy),
+                point.index[0].min(point.index[1]).to_string(),
+                point.pattern.to_string(),
+                point.kind.to_string(),
+                number(point.residual),
+            ]
+        })
+    });
+    write_rows(path, BRANCH_COLUMNS, rows)
+}
+
+/// Writes folds and bifurcations in order along their branches, then equal energies: `branch` is
+/// then the names of both, with a slash between them.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_points_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+    let row = |kind: &str, branch: &str, numbers: [f64; 3], index: [usize; 2]| {
+        let names = [kind, branch].map(str::to_owned);
+        let counts = index.map(|count| count.to_string());
+        names
+            .into_iter()
+            .chain(numbers.map(number))
+            .chain(counts)
+            .collect()
+    };
+    let events = diagram.events().map(|(branch, point)| {
+        let state = &point.state;
+        let numbers = [state.mean_displacement, state.stress, state.energy];
+        row(&point.kind.to_string(), &branch.name, numbers, point.index)
+    });
+    let equal = diagram.equal_energies.iter().map(|equal| {
+        let numbers = [equal.mean_displacement, equal.stresses[0], equal.energy];
+        row("equal_energy", &equal.branches.join("/"), numbers, [0, 0])
+    });
+    write_rows(path, POINT_COLUMNS, events.chain(equal))
+}
+
+/// Writes the chart, a row per point, failures and points left out included, the reference last:
+/// energies over gamma, their errors relative, errors of jumps in ranges, of the stress over
+/// sigma_max, times in seconds. `pareto` is `none`, `transforms`, `time` or `both`. What does not
+/// exist is `NaN`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_chart_csv(path: &Path, chart: &Chart) -> Result<(), Failure> {
+    let measured = chart
+        .rows
+        .iter()
+        .map(|row| judged(row, row.point.method.word(), pareto(row)));
+    let skipped = chart.skipped.iter().map(|skipped| {
+        let mut cells = settings(skipped.point.method.word(), &skipped.point);
+        cells.extend(std::iter::repeat_n("NaN".to_owned(), 8));
+        cells.extend(["none", "false", "false", "skipped"].map(str::to_owned));
+        cells.push(quoted(&skipped.to_string()));
+        cells
+    });
+    let reference = chart.reference.as_ref().map(of_reference);
+    let rows = measured.chain(skipped).chain(reference);
+    write_rows(path, CHART_COLUMNS, rows)
+}
+
+fn settings(method: &str, point: &Point) -> Vec<String> {
+    vec![
+        method.to_owned(),
+        point.model_word().to_owned(),
+        point.points.to_string(),
+        point.precision.word().to_owned(),
+        number(point.step),
+    ]
+}
+
+fn pareto(row: &Judged) -> &'static str {
+    match (row.pareto_transforms, row.pareto_time) {
+        (true, true) => "both",
+        (true, false) => "transforms",
+        (false, true) => "time",
+        (false, false) => "none",
+    }
+}
+
+fn judged(row: &Judged, method: &str, pareto: &str) -> Vec<String> {
+    let Errors {
+        dissipated_energy,
+        jumps,
+        stress,
+    } = row.errors;
+    let message = match &row.verdict {
+        Verdict::Failed { message, .. } => message,
+        _ => "",
+    };
+    let mut cells = settings(method, &row.point);
+    cells.extend([row.dissipated_energy, dissipated_energy, jumps, stress].map(number));
+    cells.push(row.transforms.to_string());
+    cells.extend(
+        [
+            row.transforms_per_increment,
+            row.seconds,
+            row.processor_seconds,
+        ]
+        .map(number),
+    );
+    cells.extend([
+        pareto.to_owned(),
+        row.plan.to_string(),
+        row.paper_budget.to_string(),
+        quoted(&row.verdict.to_string()),
+        quoted(message),
+    ]);
+    cells
+}
+
+/// The last row: its errors are its own estimates.
+fn of_reference(reference: &Reference) -> Vec<String> {
+    let mut cells = judged(&reference.judged(), "reference", "none");
+    let message = format!(
+        "errors are estimates, from a coarser mesh and a longer step; loop integral {:.8} gamma",
+        reference.integral
+    );
+    if let Some(last) = cells.last_mut().filter(|last| last.is_empty()) {
+        *last = quoted(&message);
+    }
+    cells
+}
+
+/// Writes everything that is drawn as one long table, and each gap map as a matrix beside it
+/// (`figure-02-map-a.csv`: a row for each y, from the lowest up).
+///
+/// Lines that begin with `#` say what the axes are. `role` is simulation, unstable, forecast,
+/// theory, printed or guide for curves and symbols, area (from y to `y_to`) and arrow (from x, y to
+/// `x_to`, `y_to`).
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_figure_csv(path: &Path, figure: &Figure) -> Result<(), Failure> {
+    let mut text = format!("# Fig. {}: {}\n", figure.number, one_line(&figure.title));
+    let panels = named_panels(figure);
+    for (name, panel) in &panels {
         let _ = writeln!(
             text,
-            "{},{u0},{},{},{released},{}",
-            jump.direction,
-            jump.from,
-            jump.to,
-            quoted(&jump.cause_words())
+            "# panel {name}: x = {}, y = {}{}",
+            axis(&panel.x),
+            axis(&panel.y),
+            titled(panel)
+        );
+    }
+    let _ = writeln!(text, "{FIGURE_COLUMNS}");
+    for (name, panel) in &panels {
+        rows(&mut text, name, panel);
+    }
+    let mut written = files::write_whole(path, text.as_bytes());
+    for (name, gap) in maps(&panels) {
+        // One that cannot be written does not keep the others.
+        written = written.and(write_matrix(&beside(path, &name), gap));
+    }
+    written
+}
+
+/// Writes the table: its title as a comment, headings, rows.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_table_csv(path: &Path, table: &Table) -> Result<(), Failure> {
+    let title = format!("# Table {}: {}", table.number, one_line(&table.title));
+    let rows = std::iter::once(&table.columns).chain(&table.rows);
+    let cells = rows.map(|row| row.iter().map(|cell| quoted(cell)).collect());
+    write_rows(path, &title, cells)
+}
+
+/// Writes findings, each with the place it belongs to ("Fig. 4"). `agrees` is yes, no, or stated
+/// (nothing was promised).
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_findings_csv<'a>(
+    path: &Path,
+    findings: impl IntoIterator<Item = (String, &'a Finding)>,
+) -> Result<(), Failure> {
+    let row = |(place, finding): (String, &Finding)| {
+        let agrees = match finding.agrees() {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "stated",
+        };
+        vec![
+            quoted(&place),
+            quoted(&finding.quantity),
+            number(finding.found),
+            number(finding.expected),
+            quoted(&finding.source),
+            number(finding.found - finding.expected),
+            finding.tolerance.map(number).unwrap_or_default(),
+            agrees.to_owned(),
+        ]
+    };
+    write_rows(path, FINDING_COLUMNS, findings.into_iter().map(row))
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn axis(axis: &Axis) -> String {
+    let scale = if axis.logarithmic {
+        " (logarithmic)"
+    } else {
+        ""
+    };
+    format!("{}{scale}", one_line(&axis.label))
+}
+
+fn titled(panel: &Panel) -> String {
+    if panel.title.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", one_line(&panel.title))
+    }
+}
+
+/// The diagrams and those inside them: a, b, b inset 1, ...
+fn named_panels(figure: &Figure) -> Vec<(String, &Panel)> {
+    let mut list = Vec::new();
+    for (i, panel) in figure.panels.iter().enumerate() {
+        let name = letter(i).to_string();
+        let inner = panel
+            .insets
+            .iter()
+            .filter_map(|inset| match &inset.content {
+                Content::Diagram(panel) => Some(&**panel),
+                Content::Map { .. } => None,
+            });
+        list.push((name.clone(), panel));
+        list.extend(
+            inner
+                .enumerate()
+                .map(|(k, panel)| (format!("{name} inset {}", k + 1), panel)),
+        );
+    }
+    list
+}
+
+fn rows(text: &mut String, name: &str, panel: &Panel) {
+    let mut row = |series: &str, role: &str, from: [f64; 2], to: [Option<f64>; 2]| {
+        let [x, y] = from.map(number);
+        let [x_to, y_to] = to.map(|v| v.map(number).unwrap_or_default());
+        let series = quoted(series);
+        let _ = writeln!(text, "{name},{series},{role},{x},{y},{x_to},{y_to}");
+    };
+    for series in &panel.series {
+        let role = match series.role {
+            Role::Simulation => "simulation",
+            Role::Unstable => "unstable",
+            Role::Theory => "theory",
+            Role::Printed => "printed",
+            Role::Forecast => "forecast",
+            Role::Guide => "guide",
+        };
+        for point in &series.points {
+            row(&series.name, role, *point, [None, None]);
+        }
+    }
+    for area in &panel.areas {
+        for [x, low, high] in &area.spans {
+            row(&area.name, "area", [*x, *low], [None, Some(*high)]);
+        }
+    }
+    for arrow in &panel.arrows {
+        row(
+            &arrow.direction.to_string(),
+            "arrow",
+            arrow.tail,
+            arrow.head.map(Some),
+        );
+    }
+}
+
+/// The gap maps by the ends of their files' names.
+fn maps<'a>(panels: &[(String, &'a Panel)]) -> Vec<(String, &'a Array2<f64>)> {
+    let mut list: Vec<(String, &Array2<f64>)> = Vec::new();
+    for (name, panel) in panels {
+        for inset in &panel.insets {
+            if let Content::Map { letter, gap } = &inset.content {
+                let letter: String = letter.chars().filter(char::is_ascii_alphanumeric).collect();
+                let prefix = if panels.len() > 1 {
+                    format!("{}-", name.replace(' ', "-"))
+                } else {
+                    String::new()
+                };
+                let mut end = format!("{prefix}map-{letter}");
+                if letter.is_empty() || list.iter().any(|known| known.0 == end) {
+                    end = format!("{prefix}map-{letter}{}", list.len() + 1);
+                }
+                list.push((end, gap));
+            }
+        }
+    }
+    list
+}
+
+fn beside(path: &Path, end: &str) -> PathBuf {
+    let stem = path
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    path.with_file_name(format!("{stem}-{end}.csv"))
+}
+
+fn write_matrix(path: &Path, gap: &Array2<f64>) -> Result<(), Failure> {
+    let mut text = String::new();
+    for row in gap.rows() {
+        push_row(
+            &mut text,
+            &row.iter().map(|g| number(*g)).collect::<Vec<_>>(),
         );
     }
     files::write_whole(path, text.as_bytes())
 }
 
+/// Writes a first line and rows of cells.
+fn write_rows(
+    path: &Path,
+    first: &str,
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<(), Failure> {
+    let mut text = format!("{first}\n");
+    rows.for_each(|cells| push_row(&mut text, &cells));
+    files::write_whole(path, text.as_bytes())
+}
+
+fn push_row(text: &mut String, cells: &[String]) {
+    text.push_str(&cells.join(","));
+    text.push('\n');
+}
+
 /// The shortest text that reads back as the same number.
-pub(super) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
 /// A cell in quotes if it needs them.
-pub(super) fn quoted(cell: &str) -> String {
+fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", cell.replace('"', "\"\""))
     } else {
@@ -75,8 +452,11 @@ pub(super) fn quoted(cell: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::scene::part::Strategy;
+    use crate::solver::methods::MethodKind;
+    use crate::study::chart::{Precision, Skipped};
 
     #[test]
     fn numbers_read_back_exactly() {
@@ -89,5 +469,110 @@ mod tests {
     fn a_cell_with_a_comma_is_quoted() {
         assert_eq!(quoted("flat, closed form"), "\"flat, closed form\"");
         assert_eq!(quoted("line"), "line");
+    }
+
+    fn row(method: MethodKind, transforms: usize, error: f64, verdict: Verdict) -> Judged {
+        let point = Point {
+            method,
+            model: Strategy::WHOLE,
+            line: false,
+            points: 64,
+            precision: Precision::Double,
+            step: 0.02,
+        };
+        Judged {
+            point,
+            dissipated_energy: 0.1 + error,
+            errors: Errors {
+                dissipated_energy: error,
+                jumps: error,
+                stress: error,
+            },
+            transforms,
+            transforms_per_increment: f64::NAN,
+            seconds: 1.0,
+            processor_seconds: transforms as f64 / 1e4,
+            pareto_transforms: verdict == Verdict::Done,
+            pareto_time: false,
+            plan: method == MethodKind::NewtonKrylov,
+            paper_budget: false,
+            verdict,
+        }
+    }
+
+    fn failed(what: &str) -> Verdict {
+        Verdict::Failed {
+            what: what.to_owned(),
+            message: format!("{what}, with \"quotes\""),
+        }
+    }
+
+    pub(in crate::storage) fn invented() -> Chart {
+        let rows = vec![
+            row(MethodKind::NewtonKrylov, 9_000, 1e-5, Verdict::Done),
+            row(MethodKind::Fire, 30_000, 1e-4, Verdict::Done),
+            row(MethodKind::Gfmd, 160_000, 0.1, failed("not converged")),
+            row(
+                MethodKind::Gfmd,
+                100,
+                f64::NAN,
+                failed("NaN: time step beyond its limit"),
+            ),
+            row(MethodKind::Lbfgs, 0, f64::NAN, Verdict::Cancelled),
+        ];
+        let skipped = vec![Skipped {
+            point: rows[0].point,
+            predicted_seconds: 99.0,
+            allowed_seconds: 7.0,
+            beyond_reference: false,
+        }];
+        Chart {
+            rows,
+            skipped,
+            ..Chart::default()
+        }
+    }
+
+    #[test]
+    fn failures_and_points_left_out_are_rows_with_every_column() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("chart.csv");
+        write_chart_csv(&path, &invented()).expect("written");
+        let text = std::fs::read_to_string(&path).expect("text");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!((lines[0], lines.len()), (CHART_COLUMNS, 7));
+        assert!(
+            lines[1].starts_with("newton,whole,64,double,0.02,")
+                && lines[1].contains(",transforms,true,false,done,"),
+            "{}",
+            lines[1]
+        );
+        assert!(
+            lines[4].contains(
+                ",NaN: time step beyond its limit,\"NaN: time step beyond its limit, \
+                with \"\"quotes\"\"\""
+            ),
+            "{}",
+            lines[4]
+        );
+        assert!(
+            lines[6].contains(
+                "skipped,\"it would take 99.0 processor seconds, and 7.0 are left for it\""
+            ),
+            "{}",
+            lines[6]
+        );
+        let commas = |line: &str| {
+            line.split('"')
+                .step_by(2)
+                .map(|plain| plain.matches(',').count())
+                .sum::<usize>()
+        };
+        assert!(
+            lines
+                .iter()
+                .all(|line| commas(line) == commas(CHART_COLUMNS)),
+            "{text}"
+        );
     }
 }

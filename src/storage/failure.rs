@@ -1,6 +1,7 @@
-//! What can go wrong between the program and its files.
+//! What can go wrong between the program and its files, in sentences; and the one rule by which
+//! somebody else's words (titles, sources, file names) enter a sentence, a terminal, a picture or a
+//! page.
 
-use super::line;
 use std::path::Path;
 
 /// Longest piece of somebody else's text that is quoted in a sentence, in characters.
@@ -47,7 +48,8 @@ pub enum Failure {
     },
     /// A scene file is not TOML.
     #[error(
-        "{file}, line {line}, column {column}: not TOML ({message}): mend this line, as in length = 256.0"
+        "{file}, line {line}, column {column}: not TOML ({message}): mend this line, as in length \
+         = 256.0"
     )]
     Syntax {
         /// The scene file.
@@ -91,7 +93,8 @@ pub enum Failure {
     },
     /// A word names neither a preset nor a file.
     #[error(
-        "{name}: no such preset or scene file{near}: give the path of a file, or a preset: {presets}"
+        "{name}: no such preset or scene file{near}: give the path of a file, or a preset: \
+         {presets}"
     )]
     NoScene {
         /// The word.
@@ -109,6 +112,31 @@ impl Failure {
         let remedy =
             "choose a folder that exists or can be made, that you may write to, with free space";
         Self::refused(path, &reason.to_string(), remedy)
+    }
+
+    /// A value that is not allowed; `file` is where it stands, `allowed` a clause.
+    pub fn value(file: &str, key: &str, value: &str, allowed: &str) -> Self {
+        Self::Value {
+            file: file.to_owned(),
+            key: key.to_owned(),
+            value: value.to_owned(),
+            allowed: allowed.to_owned(),
+        }
+    }
+
+    /// A file that cannot be read, or not as what it should be.
+    pub(super) fn unreadable(path: &Path, reason: &str, remedy: &str) -> Self {
+        Self::Read {
+            file: path.display().to_string(),
+            reason: reason.to_owned(),
+            remedy: remedy.to_owned(),
+        }
+    }
+
+    /// A file too long for a scene, which may have `limit` bytes.
+    pub(super) fn too_long(path: &Path, limit: u64) -> Self {
+        let remedy = "a scene file is a page of text; check that this is one";
+        Self::unreadable(path, &format!("longer than {limit} bytes"), remedy)
     }
 
     /// A path that is not to be written to.
@@ -142,5 +170,65 @@ pub(super) fn near<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>
     match scored.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((score, candidate)) if score > 0.8 => format!(", did you mean {candidate}"),
         _ => String::new(),
+    }
+}
+
+/// The text on one line: line breaks and tabs are spaces, and what has no sign of its own is
+/// written by its number, as in `\u{1b}`. That is what could steer a terminal or spoil an XML text:
+/// control characters, marks that turn the direction of writing, code points that are no
+/// characters.
+pub fn line(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\t' | '\n' | '\r' | '\u{2028}' | '\u{2029}' => out.push(' '),
+            c if signless(c) => out.extend(c.escape_unicode()),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn signless(c: char) -> bool {
+    let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let no_character = u32::from(c) & 0xfffe == 0xfffe || matches!(c, '\u{fdd0}'..='\u{fdef}');
+    c.is_control() || turns || no_character
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_written_by_its_number() {
+        assert_eq!(
+            line("\u{1b}[31mred\u{7}\u{9b}"),
+            "\\u{1b}[31mred\\u{7}\\u{9b}"
+        );
+        assert_eq!(line("one\ntwo\tthree\r"), "one two three ");
+        assert_eq!(
+            line("M\u{fc}ser \u{3c1}\u{303} \u{4e2d} \u{5d0} \u{1f600}"),
+            "M\u{fc}ser \u{3c1}\u{303} \u{4e2d} \u{5d0} \u{1f600}"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_in_is_one_line_of_legal_xml_and_stays_what_it_is(
+            text in any::<String>(),
+            odd in "[\u{0}-\u{9f}\u{202e}\u{fffe}\u{ffff}\u{1fffe}a]*",
+        ) {
+            for text in [text, odd] {
+                let once = line(&text);
+                // The characters of XML 1.0, without its line breaks and the C1 controls.
+                let legal = |c: char| {
+                    matches!(c, ' '..='~' | '\u{a0}'..='\u{d7ff}' | '\u{e000}'..='\u{fffd}')
+                        || c >= '\u{10000}'
+                };
+                prop_assert!(once.chars().all(legal), "{once:?}");
+                prop_assert_eq!(line(&once), once.clone());
+            }
+        }
     }
 }

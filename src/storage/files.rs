@@ -212,11 +212,8 @@ pub(super) fn sweep(folder: &Path) {
 /// A file that is missing, unreadable, or longer than `limit`.
 pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     let missing = |error: io::Error| {
-        unreadable(
-            path,
-            error.to_string(),
-            "check the path, and that you may read it",
-        )
+        let remedy = "check the path, and that you may read it";
+        Failure::unreadable(path, &error.to_string(), remedy)
     };
     let mut bytes = Vec::new();
     fs::File::open(path)
@@ -225,20 +222,30 @@ pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
         .read_to_end(&mut bytes)
         .map_err(missing)?;
     if bytes.len() as u64 > limit {
-        let reason = format!("longer than {limit} bytes");
-        return Err(unreadable(
-            path,
-            reason,
-            "a scene file is a page of text; check that this is one",
-        ));
+        return Err(Failure::too_long(path, limit));
     }
     Ok(bytes)
 }
 
-fn unreadable(path: &Path, reason: String, remedy: &str) -> Failure {
-    Failure::Read {
-        file: path.display().to_string(),
-        reason,
-        remedy: remedy.to_owned(),
+/// Reads at most `limit` bytes of a regular file: what gives its bytes when it likes (a pipe, a
+/// terminal, a device) is refused.
+///
+/// # Errors
+/// A file that is missing, unreadable, not regular, or longer than `limit`.
+pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
+    match fs::metadata(path) {
+        Ok(data) if !data.is_file() && !data.is_dir() => Err(Failure::unreadable(
+            path,
+            "a pipe or a device, not a file",
+            "open a file; tackscope run reads a scene from a pipe",
+        )),
+        // What is missing, or a folder, fails at once and in its own words.
+        _ => read_bytes(path, limit),
     }
+}
+
+/// Forgets a file of the program's own, if it is there.
+pub fn remove(path: &Path) {
+    // What cannot be removed stays, and is refused again next time.
+    let _ = fs::remove_file(path);
 }

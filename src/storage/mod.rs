@@ -1,27 +1,22 @@
 //! Floor 7: the only room that touches the file system.
 //!
 //! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`],
-//! [`summary`], [`picture`], [`chart`], [`drawing`], [`report`]). Every file is written whole or
+//! [`summary`], [`picture`], [`drawing`], [`report`]). Every file is written whole or
 //! not at all ([`files`]), and one folder holds one run ([`folder`]); everything that can go wrong
 //! is a [`Failure`], one sentence that names the file and says how to mend it. May use `paper` and
 //! all below it; computes nothing, opens no dialogs.
 
-pub mod chart;
-pub mod diagram;
 pub mod drawing;
 pub mod export;
 mod failure;
 pub mod files;
 pub mod folder;
-mod line;
-mod open;
 pub mod picture;
 pub mod presets;
-pub mod process;
 pub mod report;
 pub mod scene_file;
 pub mod summary;
 
-pub use failure::Failure;
-pub use line::line;
-pub use open::{open_scene, read_regular, remove};
+pub use failure::{Failure, line};
+pub use files::{read_regular, remove};
+pub use picture::open_scene;

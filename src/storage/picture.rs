@@ -5,6 +5,7 @@
 //! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
 use super::{Failure, files, scene_file};
+use crate::plot::scale::ends;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
 use ndarray::Array2;
@@ -38,13 +39,8 @@ pub type Scale = (f64, f64);
 
 /// The scale that shows all these gaps in the same colours.
 pub fn common_scale<'a>(gaps: impl IntoIterator<Item = &'a Array2<f64>>) -> Scale {
-    let finite = gaps
-        .into_iter()
-        .flat_map(|gap| gap.iter().copied())
-        .filter(|g| g.is_finite());
-    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), g| {
-        (low.min(g), high.max(g))
-    })
+    let all = gaps.into_iter().flat_map(|gap| gap.iter().copied());
+    ends(all.filter(|g| g.is_finite()))
 }
 
 /// Writes the gap as a PNG in colours of its own: smallest gap dark, largest bright; y points up.
@@ -105,7 +101,20 @@ const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
 /// Signature and header chunk, which every PNG has at the same length.
 const HEADER: usize = 8 + 12 + 13;
 /// Largest picture that is read, in bytes.
-pub(in crate::storage) const BYTES_MAX: u64 = 1 << 26;
+const BYTES_MAX: u64 = 1 << 26;
+
+/// The scene of a regular file, told by its content and not by its name.
+///
+/// # Errors
+/// A file that cannot be read, or that holds no allowed scene.
+pub fn open_scene(path: &Path) -> Result<Scene, Failure> {
+    let bytes = files::read_regular(path, BYTES_MAX)?;
+    if is_png(&bytes) {
+        scene_of(path, &bytes)
+    } else {
+        scene_file::scene_of(path, bytes)
+    }
+}
 
 /// Puts the scene into a PNG that has been written.
 ///
@@ -122,7 +131,7 @@ pub fn attach_scene(path: &Path, scene: &Scene) -> Result<(), Failure> {
 }
 
 /// True if this is the beginning of a PNG.
-pub(in crate::storage) fn is_png(bytes: &[u8]) -> bool {
+fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(SIGNATURE)
 }
 
@@ -130,7 +139,7 @@ pub(in crate::storage) fn is_png(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// One without a scene, or with one that is not allowed.
-pub(in crate::storage) fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, Failure> {
+fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, Failure> {
     let name = path.display().to_string();
     let text = chunks(bytes).find_map(|(kind, data)| {
         let rest = data.strip_prefix(KEYWORD)?.strip_prefix(&[0, 0, 0, 0, 0])?;
@@ -142,14 +151,14 @@ pub(in crate::storage) fn scene_of(path: &Path, bytes: &[u8]) -> Result<Scene, F
                 "the scene in this picture is longer than {} bytes",
                 scene_file::BYTES_MAX
             );
-            Err(refused(
+            Err(Failure::unreadable(
                 path,
                 &reason,
                 "open a picture that this program has written",
             ))
         }
         Some(text) => scene_file::parse(text, &name),
-        None => Err(refused(
+        None => Err(Failure::unreadable(
             path,
             "there is no scene in this picture",
             "open a picture that this program has written",
@@ -162,19 +171,11 @@ fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     if is_png(&bytes) && bytes.len() > HEADER {
         return Ok(bytes);
     }
-    Err(refused(
+    Err(Failure::unreadable(
         path,
         "not a PNG",
         "check that this is the picture you mean",
     ))
-}
-
-fn refused(path: &Path, reason: &str, remedy: &str) -> Failure {
-    Failure::Read {
-        file: path.display().to_string(),
-        reason: reason.to_owned(),
-        remedy: remedy.to_owned(),
-    }
 }
 
 /// Name and data of every whole chunk.
@@ -213,10 +214,8 @@ fn crc(bytes: &[u8]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::storage::open::open_scene;
-    use crate::storage::picture::write_gap_png;
     use crate::storage::presets;
-    use ndarray::{Array2, array};
+    use ndarray::array;
 
     fn own_colours(gap: &Array2<f64>) -> RgbImage {
         gap_image(gap, common_scale([gap]))
@@ -294,5 +293,28 @@ mod tests {
             files::write_whole(&path, bytes).unwrap();
             assert!(open_scene(&path).is_err(), "{bytes:?}");
         }
+    }
+
+    #[test]
+    fn a_pipe_is_refused_without_waiting_for_what_it_may_give() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(&path)
+                .status()
+                .unwrap()
+                .success()
+        );
+        assert!(
+            open_scene(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("a pipe or a device")
+        );
+        files::remove(&path);
+        assert!(!path.exists() && open_scene(&path).is_err() && open_scene(folder.path()).is_err());
+        files::write_whole(&path, b"12345678").unwrap();
+        assert!(files::read_regular(&path, 8).is_ok() && files::read_regular(&path, 7).is_err());
     }
 }

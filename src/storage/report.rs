@@ -23,19 +23,24 @@ pub struct Report<'a> {
 }
 
 const STYLE: &str = "\
-body { font: 16px/1.5 'DejaVu Sans', Verdana, sans-serif; color: #222; background: #fff; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.5rem; border-bottom: 1px solid #ccc; }
+body { font: 16px/1.5 'DejaVu Sans', Verdana, sans-serif; color: #222; background: #fff; \
+    max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.5rem; \
+    border-bottom: 1px solid #ccc; }
 figure { margin: 1rem 0; } figure svg { width: 100%; height: auto; }
 .look { color: #555; font-style: italic; } .missing { color: #a02020; }
 table { border-collapse: collapse; font-size: 0.85rem; margin: 0.8rem 0; width: 100%; }
-th, td { text-align: left; padding: 0.25rem 0.7rem 0.25rem 0; border-bottom: 1px solid #ddd; vertical-align: top; }
-th { border-bottom: 1.5px solid #222; } td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+th, td { text-align: left; padding: 0.25rem 0.7rem 0.25rem 0; \
+    border-bottom: 1px solid #ddd; vertical-align: top; }
+th { border-bottom: 1.5px solid #222; } td.number { font-variant-numeric: tabular-nums; \
+    white-space: nowrap; }
 .yes { color: #116b3a; } .no { color: #a02020; font-weight: bold; } .stated { color: #777; }
 sub, sup { line-height: 0; font-size: 0.72em; }
 nav { columns: 2; font-size: 0.9rem; } nav ul { margin: 0; }
 @media print {
   body { font-size: 10.5pt; max-width: none; margin: 0; } h2 { break-after: avoid; }
-  section.figure { break-inside: avoid-page; } figure { break-inside: avoid; } tr { break-inside: avoid; } thead { display: table-header-group; }
+  section.figure { break-inside: avoid-page; } figure { break-inside: avoid; } \
+  tr { break-inside: avoid; } thead { display: table-header-group; }
   nav { display: none; } a { color: inherit; text-decoration: none; }
 }
 ";
@@ -50,10 +55,13 @@ pub fn write_report(path: &Path, report: &Report<'_>) -> Result<(), Failure> {
 
 fn page(report: &Report<'_>) -> String {
     let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>Modeling adhesive hysteresis, figure by figure</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
+         name=\"viewport\" content=\"width=device-width\">\n\
+         <title>Modeling adhesive hysteresis, figure by \
+         figure</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <h1>Modeling adhesive hysteresis, figure by figure</h1>\n\
-         <p>The figures of Wang, Zhou and Müser (<i>Lubricants</i> 9 (2021) 17, doi 10.3390/lubricants9020017), computed anew by \
+         <p>The figures of Wang, Zhou and Müser (<i>Lubricants</i> 9 (2021) 17, doi \
+         10.3390/lubricants9020017), computed anew by \
          Tackscope {}, beside theory and print.</p>\n",
         env!("CARGO_PKG_VERSION")
     );
@@ -82,8 +90,9 @@ fn summary(out: &mut String, report: &Report<'_>) {
     let agree = all().filter(|f| f.agrees() == Some(true)).count();
     let _ = writeln!(
         out,
-        "<p>{} numbers are compared; {judged} of them with a promise how near they must be, and of those {agree} agree. \
-         Curves: broad lines and symbols are computed equilibria, thin solid lines theory, dashed lines the print.</p>",
+        "<p>{} numbers are compared; {judged} of them with a promise how near they must be, and of \
+         those {agree} agree. Curves: broad lines and symbols are computed equilibria, thin solid \
+         lines theory, dashed lines the print.</p>",
         all().count()
     );
     for missing in &report.missing {
@@ -130,13 +139,10 @@ fn table(out: &mut String, table: &Table) {
     let number = table.number;
     let _ = writeln!(
         out,
-        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>\n<table>\n<thead><tr>",
+        "<section id=\"table-{number}\">\n<h2>Table {number}: {}</h2>",
         set(&table.title)
     );
-    for column in &table.columns {
-        let _ = write!(out, "<th>{}</th>", set(column));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
+    head(out, &table.columns);
     for row in &table.rows {
         let cells: String = row
             .iter()
@@ -150,6 +156,13 @@ fn table(out: &mut String, table: &Table) {
     out.push_str("</section>\n");
 }
 
+/// The beginning of a table: its columns.
+fn head(out: &mut String, columns: &[impl AsRef<str>]) {
+    let cell = |column: &_| format!("<th>{}</th>", set(AsRef::as_ref(column)));
+    let cells: String = columns.iter().map(cell).collect();
+    let _ = writeln!(out, "<table>\n<thead><tr>{cells}</tr></thead>\n<tbody>");
+}
+
 fn paragraph(out: &mut String, words: &str) {
     if !words.is_empty() {
         let _ = writeln!(out, "<p>{}</p>", set(words));
@@ -160,9 +173,16 @@ fn findings(out: &mut String, findings: &[Finding]) {
     if findings.is_empty() {
         return;
     }
-    out.push_str(
-        "<table>\n<thead><tr><th>quantity</th><th>found</th><th>expected</th><th>source</th><th>deviation</th><th>agrees</th></tr></thead>\n\
-         <tbody>\n",
+    head(
+        out,
+        &[
+            "quantity",
+            "found",
+            "expected",
+            "source",
+            "deviation",
+            "agrees",
+        ],
     );
     for finding in findings {
         let (class, word) = match finding.agrees() {
@@ -178,8 +198,9 @@ fn findings(out: &mut String, findings: &[Finding]) {
         .map(number);
         let _ = writeln!(
             out,
-            "<tr><td>{}</td><td class=\"number\">{found}</td><td class=\"number\">{expected}</td><td>{}</td>\
-             <td class=\"number\">{deviation}</td><td class=\"{class}\">{word}</td></tr>",
+            "<tr><td>{}</td><td class=\"number\">{found}</td><td \
+             class=\"number\">{expected}</td><td>{}</td><td class=\"number\">{deviation}</td><td \
+             class=\"{class}\">{word}</td></tr>",
             set(&finding.quantity),
             set(&finding.source)
         );
@@ -193,7 +214,8 @@ fn errata(out: &mut String, errata: &[Erratum]) {
     }
     out.push_str("<section id=\"errata\">\n<h2>What the print got wrong</h2>\n");
     out.push_str(
-        "<p>The evidence is computed without either formula: by finding roots, integrating, measuring, running a loop.</p>\n",
+        "<p>The evidence is computed without either formula: by finding roots, integrating, \
+         measuring, running a loop.</p>\n",
     );
     for erratum in errata {
         let _ = writeln!(
@@ -207,15 +229,14 @@ fn errata(out: &mut String, errata: &[Erratum]) {
         if erratum.evidence.is_empty() {
             continue;
         }
-        out.push_str(
-            "<table>\n<thead><tr><th>evidence</th><th>found</th><th>by the print</th><th>right</th></tr></thead>\n<tbody>\n",
-        );
+        head(out, &["evidence", "found", "by the print", "right"]);
         for evidence in &erratum.evidence {
             let [found, printed, right] =
                 [evidence.found, evidence.printed, evidence.right].map(number);
             let _ = writeln!(
                 out,
-                "<tr><td>{}</td><td class=\"number\">{found}</td><td class=\"number\">{printed}</td><td class=\"number\">{right}</td></tr>",
+                "<tr><td>{}</td><td class=\"number\">{found}</td><td \
+                 class=\"number\">{printed}</td><td class=\"number\">{right}</td></tr>",
                 set(evidence.quantity)
             );
         }
@@ -244,13 +265,7 @@ mod tests {
     use crate::paper::errata::Evidence;
 
     fn finding(found: f64, tolerance: Option<f64>) -> Finding {
-        Finding {
-            quantity: "u_c/rho <b>".to_owned(),
-            found,
-            expected: 1.0,
-            source: "Eq. 8 & more".to_owned(),
-            tolerance,
-        }
+        Finding::new("u_c/rho <b>", found, 1.0, "Eq. 8 & more", tolerance)
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::scene::mesh::{flat_error, next_fast};
 use crate::scene::part::Part;
-use crate::scene::{Model, Points, Range, Scene, Turn};
+use crate::scene::{Model, Range, Scene, Turn};
 
 /// The measured difference is stated this many times larger: what a mesh of 4/3 times the points
 /// itself is off by, a tenth to a fifth where the error falls by e^2.6 for each unit of 1/mu_rho^2,
@@ -93,11 +93,7 @@ pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> 
 pub fn reference(scene: &Scene, model: &Model) -> Scene {
     let n = next_fast(model.grid.nx + model.grid.nx / 3);
     let mut finer = scene.clone();
-    finer.cell.points = if model.grid.is_line() {
-        Points::Line(n)
-    } else {
-        Points::Square(n)
-    };
+    finer.cell.points = scene.cell.points.resized(n);
     finer.law.range = Range::Length(model.law.range);
     finer
 }

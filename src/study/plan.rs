@@ -91,8 +91,8 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
             Plan {
                 strategy: Strategy::Atlas,
                 words: format!(
-                    "flat in closed form, ridge on half a line of {} points, bulge and dimple on a quarter of {side} x {side} points, \
-                     f64; {}",
+                    "flat in closed form, ridge on half a line of {} points, bulge and dimple on a \
+                     quarter of {side} x {side} points, f64; {}",
                     meshes.line,
                     promise(Some(mesh))
                 ),

@@ -4,9 +4,10 @@
 use super::action::{Action, Measurement, ViewOptions};
 use super::diagram;
 use super::view_state::ViewState;
+use super::widgets::{described, progress};
 use crate::plot::chart_panel::{ChartPanel, Cost};
 use crate::study::chart::{Judged, Verdict};
-use egui::{PopupAnchor, Pos2, ProgressBar, RichText, Role, Tooltip, Ui, WidgetInfo};
+use egui::{PopupAnchor, Pos2, RichText, Tooltip, Ui};
 use egui_plot::PlotPoint;
 
 /// A pointer this near to a mark means it, in screen points.
@@ -16,7 +17,13 @@ const NEAR: f32 = 10.0;
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     controls(ui, state, actions);
     let Some(chart) = state.chart.as_ref().and_then(|job| job.so_far.as_ref()) else {
-        ui.label(RichText::new("Every method on this scene's loop, against a finer solution. Quick takes half a minute.").weak());
+        ui.label(
+            RichText::new(
+                "Every method on this scene's loop, against a finer solution. Quick \
+            takes half a minute.",
+            )
+            .weak(),
+        );
         return;
     };
     let drawn = ChartPanel::new(&chart.rows, chart.floor, state.view.cost);
@@ -66,25 +73,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         "Speed against accuracy: {} points measured, {failed} of them failed",
         chart.rows.len()
     );
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+    described(&response, &sentence);
 }
 
 fn controls(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         if let Some(job) = state.chart.as_ref().filter(|job| job.is_running()) {
-            if ui
-                .button("Cancel")
-                .on_hover_text("what is measured stays")
-                .clicked()
-            {
-                actions.push(Action::StopMeasuring);
-            }
-            ui.add(
-                ProgressBar::new(job.fraction as f32)
-                    .desired_width(60.0)
-                    .desired_height(14.0),
-            );
+            progress(ui, job, Action::StopMeasuring, actions);
             ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
             return;
         }

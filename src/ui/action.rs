@@ -104,6 +104,13 @@ pub enum Action {
     Quit,
 }
 
+impl Action {
+    /// Replaces the scene by this edited one.
+    pub fn edit(scene: Scene) -> Self {
+        Self::EditScene(Box::new(scene))
+    }
+}
+
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileTask {

@@ -1,6 +1,6 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
-use super::action::{Action, FileTask, Tab, ViewOptions};
+use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::view_state::ViewState;
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use crate::worker::protocol::{Command, Envelope, Failure};
+use crate::worker::protocol::{Command, Envelope};
 use egui::containers::PanelState;
 use egui::scroll_area::ScrollSource;
 use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
@@ -26,13 +26,17 @@ pub struct App {
     solver: Box<dyn SolverHandle>,
     map: MapCache,
     dialogs: Dialogs,
-    announced: (String, f64),
+    /// When a jump was last announced (seconds).
+    announced: f64,
     /// The file that is being opened.
     opening: Option<(PathBuf, Opening)>,
 }
 
 /// The reading of a scene, which may take as long as the file system likes.
 type Opening = Job<Result<Scene, storage::Failure>>;
+
+/// What to do where a file was refused.
+const OTHER_PATH: &str = "Choose another path, or mend the file.";
 
 /// The least room in which the panels stand beside each other (points).
 const LAYOUT: Vec2 = vec2(760.0, 480.0);
@@ -54,7 +58,7 @@ impl App {
             solver: Box::new(solver),
             map: MapCache::default(),
             dialogs: Dialogs::new(chooser),
-            announced: (String::new(), f64::NEG_INFINITY),
+            announced: f64::NEG_INFINITY,
             opening: None,
         }
     }
@@ -107,28 +111,24 @@ impl App {
         let Some((path, mut job)) = self.opening.take() else {
             return;
         };
+        let messages = &mut self.state.messages;
         match (job.so_far.take(), end) {
             (Some(Ok(scene)), _) => {
                 self.dialogs.close();
                 self.state.open_scene(scene);
-                if self.state.messages.failure.is_none() {
-                    self.state.messages.notice = Some(format!("{} opened", path.display()));
+                let messages = &mut self.state.messages;
+                if messages.failure.is_none() {
+                    messages.notice = Some(format!("{} opened", path.display()));
                 }
             }
             (Some(Err(failure)), _) => {
-                self.state.messages.notice = None;
-                self.fail(&failure, "Choose another path, or mend the file.");
+                messages.notice = None;
+                messages.fail(failure, OTHER_PATH);
             }
             (None, end) => {
-                let message = format!(
-                    "{} could not be read: {}",
-                    path.display(),
-                    end.err().unwrap_or_default()
-                );
-                self.state.messages.failure = Some(Failure {
-                    message,
-                    remedy: "Please report the file.".to_owned(),
-                });
+                let (path, why) = (path.display(), end.err().unwrap_or_default());
+                let message = format!("{path} could not be read: {why}");
+                messages.fail(message, "Please report the file.");
             }
         }
     }
@@ -143,8 +143,9 @@ impl App {
             .last()
             .map(|jump| self.state.say_jump(jump))
             .unwrap_or_default();
-        if words != self.announced.0 && now - self.announced.1 >= ANNOUNCE_EVERY {
-            self.announced = (words, now);
+        let told = &mut self.state.messages.announced;
+        if words != *told && now - self.announced >= ANNOUNCE_EVERY {
+            (*told, self.announced) = (words, now);
         }
     }
 
@@ -186,29 +187,13 @@ impl App {
             .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
-            let whole = ui.available_height();
-            let share = if state.view.tab == Tab::Paper {
-                0.36
-            } else if whole < 600.0 {
-                0.54
-            } else {
-                0.62
-            };
-            let height = (share * whole).max(if state.view.tab == Tab::Paper {
-                215.0
-            } else {
-                230.0
-            });
-            loop_plot::show(ui, state, actions, height);
+            loop_plot::show(ui, state, actions);
             ui.separator();
-            tabs::show(ui, state, actions, &self.announced.0);
+            tabs::show(ui, state, actions);
         });
         CentralPanel::default().show(ui, |ui| {
-            let (width, height) = (ui.available_width(), ui.available_height());
-            let map = (height * 0.76).min(width).max(150.0);
-            gap_map::show(ui, state, &self.map, actions, map);
-            let rest = ui.available_height().clamp(70.0, 300.0);
-            profile::show(ui, state, self.map.picture.as_ref(), rest);
+            gap_map::show(ui, state, actions, &self.map);
+            profile::show(ui, state, self.map.picture.as_ref());
         });
     }
 
@@ -275,7 +260,9 @@ impl App {
             }
             Action::PasteScene(text) => match scene_file::pasted(&text) {
                 Ok(scene) => state.open_scene(scene),
-                Err(failure) => self.fail(&failure, "Copy a whole scene file, from format = 1 on."),
+                Err(failure) => state
+                    .messages
+                    .fail(failure, "Copy a whole scene file, from format = 1 on."),
             },
             Action::RestoreLayout => {
                 ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
@@ -293,7 +280,10 @@ impl App {
         };
         match scene_file::parse(preset.text, preset.name) {
             Ok(scene) => self.state.open_scene(scene),
-            Err(failure) => self.fail(&failure, "This preset is broken; choose another one."),
+            Err(failure) => {
+                let remedy = "This preset is broken; choose another one.";
+                self.state.messages.fail(failure, remedy);
+            }
         }
     }
 
@@ -338,15 +328,8 @@ impl App {
                 self.state.messages.failure = None;
                 self.state.messages.notice = Some(format!("{} written", path.display()));
             }
-            Err(failure) => self.fail(&failure, "Choose another path, or mend the file."),
+            Err(failure) => self.state.messages.fail(failure, OTHER_PATH),
         }
-    }
-
-    fn fail(&mut self, failure: &storage::Failure, remedy: &str) {
-        self.state.messages.failure = Some(Failure {
-            message: failure.to_string(),
-            remedy: remedy.to_owned(),
-        });
     }
 }
 

@@ -2,10 +2,10 @@
 //! keyboard.
 
 use super::action::{Action, FileTask, Tab, ViewOptions};
-use super::number;
 use super::tabs::TABS;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
+use super::widgets;
 use crate::paper::GALLERY;
 use crate::physics::law::Shape;
 use crate::scene::edit;
@@ -173,7 +173,7 @@ fn scenes(state: &ViewState) -> Vec<Command> {
         one(
             &format!("Cohesive law: {}", shape.word().replace('_', " ")),
             "",
-            Action::EditScene(Box::new(scene)),
+            Action::edit(scene),
         )
     }));
     list
@@ -252,7 +252,7 @@ fn pages(state: &ViewState) -> Vec<Command> {
 /// What these words find: every word somewhere in the name. A number alone is a u0, in ranges.
 pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
     let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
-    let place = number::parse(words).filter(|u0| (low..=high).contains(u0));
+    let place = widgets::parse(words).filter(|u0| (low..=high).contains(u0));
     let go = place.map(|u0| {
         Command::new(
             &format!("Go to u₀ = {u0} ρ"),

@@ -1,16 +1,17 @@
 //! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
 
 use super::action::Action;
-use super::number::{SEED_MAX, field, number, own, whole};
 use super::view_state::ViewState;
-use super::{law_picker, mu_rho_slider, u0_slider};
+use super::widgets::{SEED_MAX, field, labelled, named, number, own, whole};
+use super::{sliders, theme};
 use crate::follow::record::Direction;
 use crate::physics::indenter::Indenter;
+use crate::physics::law::{Law, Shape};
 use crate::scene::edit::{self, Follows};
 use crate::scene::part::Strategy;
 use crate::scene::{Points, Scene, Turn, parameter};
 use crate::solver::methods::MethodKind;
-use egui::{ComboBox, Response, RichText, Ui};
+use egui::{Align2, ComboBox, Id, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -23,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             mesh_number(ui, state, actions);
             ui.separator();
             heading(ui, "Cohesive law");
-            law_picker::show(ui, state, actions);
+            laws(ui, state, actions);
             ui.separator();
             heading(ui, "Cell");
             cell(ui, state, actions);
@@ -41,8 +42,7 @@ fn heading(ui: &mut Ui, text: &str) {
 fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let rho = state.rho();
     ui.horizontal_top(|ui| {
-        let tall = ui.ctx().content_rect().height() > 740.0;
-        u0_slider::show(ui, state, actions, if tall { 236.0 } else { 180.0 });
+        sliders::u0(ui, state, actions);
         ui.vertical(|ui| {
             ui.set_width(ui.available_width().min(130.0));
             let label = ui.label("Target");
@@ -90,7 +90,7 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                     "ahead: {pattern}, stable\n{stress:.3} σₘₐₓ\n{:.2} E*/L",
                     sample.stiffness_min
                 );
-                let colour = super::theme::palette(super::theme::ground(ui)).live;
+                let colour = theme::palette(ui).live;
                 ui.label(RichText::new(words).small().color(colour))
                     .on_hover_text("read off the atlas; the walk is on its way there");
             }
@@ -98,37 +98,25 @@ fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
 }
 
-/// Gives a widget a name that says more than its face.
-pub fn named(response: Response, name: &str) -> Response {
-    response
-        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, response.enabled(), name));
-    response
-}
-
 fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
-        let label = ui.label(RichText::new("Mesh number μᵨ").strong());
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let mut mu = state.model.mu_rho;
-            let range = edit::MU_RHO.0..=edit::MU_RHO.1;
-            let drag = field(&mut mu)
-                .range(range)
-                .clamp_existing_to_range(false)
-                .speed(0.002)
-                .max_decimals(4);
-            if ui.add(drag).labelled_by(label.id).changed() {
-                actions.push(Action::EditScene(Box::new(edit::with_mu_rho(
-                    &state.scene,
-                    &state.model,
-                    mu,
-                    state.follows,
-                ))));
-            }
-        });
+    labelled(ui, RichText::new("Mesh number μᵨ").strong(), |ui| {
+        let mut mu = state.model.mu_rho;
+        let range = edit::MU_RHO.0..=edit::MU_RHO.1;
+        let drag = field(&mut mu)
+            .range(range)
+            .clamp_existing_to_range(false)
+            .speed(0.002)
+            .max_decimals(4);
+        let response = ui.add(drag);
+        if response.changed() {
+            let scene = edit::with_mu_rho(&state.scene, &state.model, mu, state.follows);
+            actions.push(Action::edit(scene));
+        }
+        response
     });
-    mu_rho_slider::show(ui, state, actions);
+    sliders::mu_rho(ui, state, actions);
     if state.model.mu_rho > 0.5 {
-        let warn = super::theme::palette(super::theme::ground(ui)).warn;
+        let warn = theme::palette(ui).warn;
         ui.colored_label(warn, "Above 0.5 the mesh lies: jumps are too late.");
     }
     ui.horizontal(|ui| {
@@ -141,8 +129,11 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
 }
 
-fn edit(actions: &mut Vec<Action>, scene: Scene) {
-    actions.push(Action::EditScene(Box::new(scene)));
+/// Asks for the scene with one thing changed.
+fn change(state: &ViewState, actions: &mut Vec<Action>, change: impl FnOnce(&mut Scene)) {
+    let mut scene = (*state.scene).clone();
+    change(&mut scene);
+    actions.push(Action::edit(scene));
 }
 
 fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -155,49 +146,42 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         1.0..=65536.0,
         "ρ",
     ) {
-        edit(actions, edit::with_length(scene, model, ratio * rho));
+        actions.push(Action::edit(edit::with_length(scene, model, ratio * rho)));
     }
     let line = model.grid.is_line();
-    ui.horizontal(|ui| {
-        let label = ui.label("Points n");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let most = if line { 4096 } else { 256 };
-            let text = if scene.cell.points == Points::Auto {
-                format!("auto ({})", model.grid.nx)
-            } else {
-                model.grid.nx.to_string()
-            };
-            let combo = ComboBox::from_id_salt("points")
-                .width(84.0)
-                .selected_text(text)
-                .show_ui(ui, |ui| {
-                    if !line
-                        && matches!(scene.law.range, crate::scene::Range::Length(_))
-                        && ui
-                            .selectable_label(scene.cell.points == Points::Auto, "auto")
-                            .clicked()
+    labelled(ui, "Points n", |ui| {
+        let most = if line { 4096 } else { 256 };
+        let text = if scene.cell.points == Points::Auto {
+            format!("auto ({})", model.grid.nx)
+        } else {
+            model.grid.nx.to_string()
+        };
+        let combo = ComboBox::from_id_salt("points")
+            .width(84.0)
+            .selected_text(text)
+            .show_ui(ui, |ui| {
+                if !line
+                    && matches!(scene.law.range, crate::scene::Range::Length(_))
+                    && ui
+                        .selectable_label(scene.cell.points == Points::Auto, "auto")
+                        .clicked()
+                {
+                    actions.push(Action::edit(edit::with_points(scene, model, Points::Auto)));
+                }
+                for n in [16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096]
+                    .into_iter()
+                    .filter(|&n| n <= most)
+                {
+                    if ui
+                        .selectable_label(model.grid.nx == n, n.to_string())
+                        .clicked()
                     {
-                        edit(actions, edit::with_points(scene, model, Points::Auto));
+                        let points = scene.cell.points.resized(n);
+                        actions.push(Action::edit(edit::with_points(scene, model, points)));
                     }
-                    for n in [16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096]
-                        .into_iter()
-                        .filter(|&n| n <= most)
-                    {
-                        if ui
-                            .selectable_label(model.grid.nx == n, n.to_string())
-                            .clicked()
-                        {
-                            let points = if line {
-                                Points::Line(n)
-                            } else {
-                                Points::Square(n)
-                            };
-                            edit(actions, edit::with_points(scene, model, points));
-                        }
-                    }
-                });
-            combo.response.labelled_by(label.id);
-        });
+                }
+            });
+        combo.response
     });
     let mut checked = line;
     if ui
@@ -210,7 +194,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         } else {
             Points::Square(n.min(256))
         };
-        edit(actions, edit::with_points(scene, model, points));
+        actions.push(Action::edit(edit::with_points(scene, model, points)));
     }
 }
 
@@ -234,67 +218,47 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         1e-6..=1e6,
         "",
     ) {
-        edit(actions, edit::with_surface_energy(scene, model, value));
+        actions.push(Action::edit(edit::with_surface_energy(scene, model, value)));
     }
     if let Some(value) = number(ui, &parameter::RANGE, rho, 1e-6..=1e6, "") {
-        edit(actions, edit::with_range(scene, model, value));
+        actions.push(Action::edit(edit::with_range(scene, model, value)));
     }
     let shape = scene.law.shape;
     if let Some(values) = own(ui, shape.parameters(), &shape.values(), rho) {
-        edit(actions, edit::with_shape(scene, model, shape.with(&values)));
+        actions.push(Action::edit(edit::with_shape(
+            scene,
+            model,
+            shape.with(&values),
+        )));
     }
 }
 
 /// Where u0 starts and turns, and its step.
 fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let scene = &state.scene;
-    let rho = state.rho();
-    if let Some(value) = number(
-        ui,
-        &parameter::START,
-        scene.drive.start / rho,
-        -1e4..=1e4,
-        "ρ",
-    ) {
-        let mut scene = (**scene).clone();
-        scene.drive.start = value * rho;
-        edit(actions, scene);
+    let (drive, rho) = (state.scene.drive, state.rho());
+    let far = -1e4..=1e4;
+    if let Some(value) = number(ui, &parameter::START, drive.start / rho, far.clone(), "ρ") {
+        change(state, actions, |scene| scene.drive.start = value * rho);
     }
-    if let Turn::At(turn) = scene.drive.turn
-        && let Some(value) = number(ui, &parameter::TURN, turn / rho, -1e4..=1e4, "ρ")
+    if let Turn::At(turn) = drive.turn
+        && let Some(value) = number(ui, &parameter::TURN, turn / rho, far, "ρ")
     {
-        let mut scene = (**scene).clone();
-        scene.drive.turn = Turn::At(value * rho);
-        edit(actions, scene);
+        change(state, actions, |scene| {
+            scene.drive.turn = Turn::At(value * rho);
+        });
     }
-    if let Some(value) = number(
-        ui,
-        &parameter::STEP,
-        scene.drive.step / rho,
-        1e-5..=10.0,
-        "ρ",
-    ) {
-        let mut scene = (**scene).clone();
-        scene.drive.step = value * rho;
-        edit(actions, scene);
+    if let Some(value) = number(ui, &parameter::STEP, drive.step / rho, 1e-5..=10.0, "ρ") {
+        change(state, actions, |scene| scene.drive.step = value * rho);
     }
 }
 
 fn accuracy_and_seed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let scene = &state.scene;
     if let Some(value) = number(ui, &parameter::TARGET, scene.accuracy, 1e-6..=0.99, "") {
-        let mut scene = (**scene).clone();
-        scene.accuracy = value;
-        edit(actions, scene);
+        change(state, actions, |scene| scene.accuracy = value);
     }
     if let Some(seed) = whole(ui, &parameter::SEED.title(), scene.seed, 0..=SEED_MAX) {
-        edit(
-            actions,
-            Scene {
-                seed,
-                ..(**scene).clone()
-            },
-        );
+        change(state, actions, |scene| scene.seed = seed);
     }
 }
 
@@ -305,7 +269,8 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         (
             None,
             "plan",
-            "the least that meets the accuracy: a quarter wherever patterns keep their mirror symmetry",
+            "the least that meets the accuracy: a quarter wherever patterns keep their mirror \
+             symmetry",
         ),
         (Some(Strategy::WHOLE), "whole cell", "nothing is left out"),
         (
@@ -341,29 +306,24 @@ fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 /// The rigid counter-surface: the choice, and below it what only this ground has.
 fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
-    ui.horizontal(|ui| {
-        let label = ui.label("Ground");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let combo = ComboBox::from_id_salt("ground")
-                .width(84.0)
-                .selected_text(model.indenter.ground().name())
-                .show_ui(ui, |ui| {
-                    for indenter in Indenter::all() {
-                        let same = indenter.word() == model.indenter.word();
-                        if ui
-                            .selectable_label(same, indenter.ground().name())
-                            .clicked()
-                            && !same
-                        {
-                            let indenter = indenter.ground().suited(&model.law, &model.grid);
-                            actions.push(Action::EditScene(Box::new(edit::with_ground(
-                                scene, model, indenter,
-                            ))));
-                        }
+    labelled(ui, "Ground", |ui| {
+        let combo = ComboBox::from_id_salt("ground")
+            .width(84.0)
+            .selected_text(model.indenter.ground().name())
+            .show_ui(ui, |ui| {
+                for indenter in Indenter::all() {
+                    let same = indenter.word() == model.indenter.word();
+                    if ui
+                        .selectable_label(same, indenter.ground().name())
+                        .clicked()
+                        && !same
+                    {
+                        let indenter = indenter.ground().suited(&model.law, &model.grid);
+                        actions.push(Action::edit(edit::with_ground(scene, model, indenter)));
                     }
-                });
-            combo.response.labelled_by(label.id);
-        });
+                }
+            });
+        combo.response
     });
     if let Some(values) = own(
         ui,
@@ -371,8 +331,91 @@ fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         &scene.indenter.values(),
         state.rho(),
     ) {
-        let mut scene = (**scene).clone();
-        scene.indenter = scene.indenter.with(&values);
-        actions.push(Action::EditScene(Box::new(scene)));
+        change(state, actions, |scene| {
+            scene.indenter = scene.indenter.with(&values);
+        });
     }
+}
+
+/// The cohesive laws as cards, two by two, each with a sketch of its traction against the gap.
+fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let present = state.scene.law.shape;
+    let shapes = Shape::all();
+    let width = (ui.available_width() - 6.0) / 2.0;
+    for pair in shapes.chunks(2) {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 6.0;
+            for &shape in pair {
+                let same = shape.word() == present.word();
+                let drawn = if same { present } else { shape };
+                if law_card(ui, drawn, same, width) && !same {
+                    let scene = edit::with_shape(&state.scene, &state.model, shape);
+                    actions.push(Action::edit(scene));
+                }
+            }
+        });
+    }
+}
+
+fn law_card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
+    let (_, rect) = ui.allocate_space(vec2(width, 56.0));
+    let response = ui.interact(rect, Id::unique(("law", shape.word())), Sense::click());
+    let name = shape.word().replace('_', " ");
+    response.widget_info(|| {
+        WidgetInfo::selected(Role::RadioButton, true, selected, format!("law {name}"))
+    });
+    let visuals = ui.style().interact_selectable(&response, selected);
+    let palette = theme::palette(ui);
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let fill = if selected {
+        ui.visuals().selection.bg_fill.gamma_multiply(0.55)
+    } else {
+        ui.visuals().faint_bg_color
+    };
+    painter.rect(
+        rect.shrink(0.5),
+        5.0,
+        fill,
+        Stroke::new(
+            1.0,
+            if selected {
+                palette.approach
+            } else {
+                visuals.bg_stroke.color
+            },
+        ),
+        egui::StrokeKind::Inside,
+    );
+    let law = Law {
+        shape,
+        surface_energy: 1.0,
+        range: 1.0,
+    };
+    let (top, axis) = (rect.top() + 7.0, rect.bottom() - 17.0);
+    painter.hline(
+        rect.x_range().shrink(6.0),
+        axis,
+        Stroke::new(1.0, ui.visuals().weak_text_color()),
+    );
+    let points = (0..=60)
+        .map(|i| f64::from(i) / 60.0)
+        .filter_map(|t| {
+            let traction = law.at(0.02 + 3.4 * t).traction / law.traction_max();
+            (traction > -0.15).then(|| {
+                pos2(
+                    rect.left() + 6.0 + t as f32 * (rect.width() - 12.0),
+                    axis - traction as f32 * (axis - top),
+                )
+            })
+        })
+        .collect();
+    painter.line(points, Stroke::new(1.8, palette.retraction));
+    painter.text(
+        pos2(rect.center().x, rect.bottom() - 2.0),
+        Align2::CENTER_BOTTOM,
+        name,
+        theme::small(),
+        ui.visuals().strong_text_color(),
+    );
+    response.clicked()
 }

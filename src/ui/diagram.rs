@@ -8,7 +8,7 @@ use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
-use egui::{Align2, AsIdSalt, Color32, RichText, Ui, vec2};
+use egui::{Align, Align2, AsIdSalt, Color32, RichText, Ui, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
     MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
@@ -37,17 +37,35 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .y_axis_min_width(30.0)
 }
 
-/// Such a plot in the rest of the space; its axes lose their names where there is little of it.
-pub fn small<'a>(ui: &Ui, id: &'static str, x: &'static str, y: &'static str) -> Plot<'a> {
+/// Such a plot in the rest of the space, with the names of its axes, which it loses where there is
+/// little of it; `hover` says in words where the pointer is (x, y).
+pub fn small<'a>(
+    ui: &Ui,
+    id: &'static str,
+    [x, y]: [&'static str; 2],
+    hover: impl Fn(f64, f64) -> String + 'a,
+) -> Plot<'a> {
     let height = ui.available_height().max(80.0);
     let plot = fixed(id)
         .height(height)
-        .grid_color(ui.visuals().text_color().gamma_multiply(0.45));
+        .grid_color(ui.visuals().text_color().gamma_multiply(0.45))
+        .x_grid_spacer(|input| grid(input, 7.0))
+        .label_formatter(move |at| {
+            let [x, y] = pointed(at);
+            Some(hover(x, y))
+        });
     if height < NAMED {
         plot
     } else {
         plot.x_axis_label(x).y_axis_label(y)
     }
+}
+
+/// Where the pointer is.
+fn pointed(at: &HoverPosition<'_>) -> [f64; 2] {
+    let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
+        at;
+    [position.x, position.y]
 }
 
 /// Grid lines at 1, 2 or 5 and a power of ten; the plot's own raster of tens leaves short axes
@@ -147,9 +165,8 @@ pub fn show(
         .x_axis_formatter(move |mark, _| across.word(mark))
         .y_axis_formatter(move |mark, _| up.word(mark))
         .label_formatter(move |at| {
-            let (HoverPosition::NearDataPoint { position: p, .. }
-            | HoverPosition::Elsewhere { position: p }) = at;
-            hover(value(x, p.x), value(y, p.y))
+            let [across, up] = pointed(at);
+            hover(value(x, across), value(y, up))
         })
         .show(ui, |plot| {
             plot.set_plot_bounds(PlotBounds::from_min_max([x.low, y.low], [x.high, y.high]));
@@ -227,24 +244,13 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             continue;
         }
         // An anchor is the side of the word at the place: the other one than that on which the word
-        // stands.
-        let anchor = match label.side {
-            [0, 0] => Align2::CENTER_CENTER,
-            [1, up] => {
-                if up > 0 {
-                    Align2::LEFT_BOTTOM
-                } else {
-                    Align2::LEFT_TOP
-                }
-            }
-            [_, up] => {
-                if up > 0 {
-                    Align2::RIGHT_BOTTOM
-                } else {
-                    Align2::RIGHT_TOP
-                }
-            }
+        // stands; and places count upwards, letters downwards.
+        let anchor = |side: i8| match side {
+            1 => Align::Min,
+            0 => Align::Center,
+            _ => Align::Max,
         };
+        let anchor = Align2([anchor(label.side[0]), anchor(-label.side[1])]);
         let words = RichText::new(format!(" {} ", plain(&label.text))).small();
         let text =
             Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));

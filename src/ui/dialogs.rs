@@ -144,18 +144,12 @@ impl Dialogs {
             return;
         };
         file.poll(ctx, actions);
-        let mut open = true;
-        Window::new(file.task.title())
-            .collapsible(false)
-            .resizable(false)
-            .open(&mut open)
-            .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-            .show(ctx, |ui| {
-                if let Some(task) = file.body(ui, actions) {
-                    file.note = None;
-                    file.pending = Some(chooser(FileRequest { task }));
-                }
-            });
+        let open = centred(ctx, file.task.title(), |ui| {
+            if let Some(task) = file.body(ui, actions) {
+                file.note = None;
+                file.pending = Some(chooser(FileRequest { task }));
+            }
+        });
         if !open {
             actions.push(Action::CloseDialog);
         }
@@ -288,25 +282,40 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
     })
 }
 
-fn help(ctx: &Context, actions: &mut Vec<Action>) {
+/// A window in the middle; true while it stays open.
+fn centred(ctx: &Context, title: &str, body: impl FnOnce(&mut Ui)) -> bool {
     let mut open = true;
-    Window::new("Keys and marks")
+    Window::new(title)
         .collapsible(false)
         .resizable(false)
         .open(&mut open)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-        .show(ctx, |ui| {
-            egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+        .show(ctx, body);
+    open
+}
+
+fn help(ctx: &Context, actions: &mut Vec<Action>) {
+    let open = centred(ctx, "Keys and marks", |ui| {
+        egui::Grid::new("keys")
+            .num_columns(2)
+            .spacing([18.0, 4.0])
+            .show(ui, |ui| {
                 for (key, what) in keys::SHEET {
                     ui.label(RichText::new(key).strong());
                     ui.label(what);
                     ui.end_row();
                 }
             });
-            ui.separator();
-            ui.label("u₀ is the mean displacement: down is closer. ◀ approach, ▶ retraction, arrows are jumps.");
-            ui.label("Stress counts positive where the surfaces pull at each other. Dark on the map is contact.");
-        });
+        ui.separator();
+        ui.label(
+            "u₀ is the mean displacement: down is closer. ◀ approach, ▶ retraction, \
+                arrows are jumps.",
+        );
+        ui.label(
+            "Stress counts positive where the surfaces pull at each other. Dark on the \
+                map is contact.",
+        );
+    });
     if !open {
         actions.push(Action::ToggleHelp);
     }

@@ -3,16 +3,17 @@
 use super::diagram::{grid, line, small};
 use super::theme;
 use super::view_state::ViewState;
+use super::widgets::described;
 use crate::follow::walk::EnergyWell;
-use egui::{RichText, Role, Stroke, Ui, WidgetInfo, vec2};
-use egui_plot::{HoverPosition, LineStyle, PlotBounds, PlotPoint};
+use egui::{RichText, Stroke, Ui, vec2};
+use egui_plot::{LineStyle, PlotBounds, PlotPoint};
 
 /// Radius of the ball, in screen points.
 const BALL: f32 = 7.0;
 
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState) {
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     let Some(well) = &state.run.well else {
         ui.label(RichText::new("No well yet: it is measured where the surface rests.").weak());
         return;
@@ -47,23 +48,19 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
         .map(|a| [a / rho, 0.5 * well.curvature * a * a / gamma])
         .collect();
     let top = state.plots.well_scale;
-    let shown = small(ui, "well", "offset along the soft mode / ρ", "energy / γ")
-        .x_grid_spacer(|input| grid(input, 8.0))
-        .y_grid_spacer(|input| grid(input, 5.0))
-        .label_formatter(|at| {
-            let p = match at {
-                HoverPosition::NearDataPoint { position, .. }
-                | HoverPosition::Elsewhere { position } => *position,
-            };
-            Some(format!("offset {:.3} ρ\nenergy {:.6} γ", p.x, p.y))
-        })
-        .show(ui, |plot| {
-            plot.set_plot_bounds(PlotBounds::from_min_max([-reach, -0.5 * top], [reach, top]));
-            plot.line(
-                line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()),
-            );
-            plot.line(line("energy", &energies, palette.approach, 2.2));
-        });
+    let shown = small(
+        ui,
+        "well",
+        ["offset along the soft mode / ρ", "energy / γ"],
+        |x, y| format!("offset {x:.3} ρ\nenergy {y:.6} γ"),
+    )
+    .x_grid_spacer(|input| grid(input, 8.0))
+    .y_grid_spacer(|input| grid(input, 5.0))
+    .show(ui, |plot| {
+        plot.set_plot_bounds(PlotBounds::from_min_max([-reach, -0.5 * top], [reach, top]));
+        plot.line(line("parabola", &parabola, palette.flat, 1.5).style(LineStyle::dashed_dense()));
+        plot.line(line("energy", &energies, palette.approach, 2.2));
+    });
     let foot = shown
         .transform
         .position_from_point(&PlotPoint::new(0.0, 0.0));
@@ -79,9 +76,7 @@ pub fn show(ui: &mut Ui, state: &ViewState) {
         fill,
         Stroke::new(1.5, palette.now),
     );
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Energy well: {words}")));
+    described(&shown.response, &format!("Energy well: {words}"));
 }
 
 /// What holds the ball, in one line.

@@ -1,4 +1,4 @@
-//! The list of jumps, newest first. `announced` is the jump last read aloud.
+//! The list of jumps, newest first.
 
 use super::action::Action;
 use super::theme;
@@ -13,22 +13,26 @@ const ROWS: usize = 200;
 fn why(cause: Cause) -> &'static str {
     match cause {
         Cause::FlatLimit => {
-            "The flat surface could not stay flat: with depth the pull grew faster there than the longest wave of the cell resists."
+            "The flat surface could not stay flat: with depth the pull grew faster there than the \
+             longest wave of the cell resists."
         }
         Cause::Fold => {
             "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind."
         }
         Cause::SymmetryBreaking => {
-            "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of another symmetry grows."
+            "The pattern exists beyond this u₀ too, but is unstable there: a disturbance of \
+             another symmetry grows."
         }
         Cause::Mesh => {
-            "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such jump."
+            "The edge of the contact moved on by one spacing of the mesh. A finer mesh has no such \
+             jump."
         }
         Cause::Transition => {
             "One pattern passes into the other by and by: nothing jumps, and nothing is lost."
         }
         Cause::PatternChange => {
-            "The pattern was another one at the next u₀. This method does not ask where and why it changed."
+            "The pattern was another one at the next u₀. This method does not ask where and why it \
+             changed."
         }
     }
 }
@@ -37,7 +41,7 @@ fn why(cause: Cause) -> &'static str {
 const NARROW: f32 = 350.0;
 
 /// Sum and table.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
     let sum = ui.label(
         RichText::new(format!(
@@ -50,13 +54,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
     // Invisible, only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(sum.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
-        node.set_description(announced.to_owned());
+        node.set_description(state.messages.announced.clone());
     });
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());
         return;
     }
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     let selected = state
         .run
         .selection

@@ -4,14 +4,15 @@ use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
 use super::theme;
 use super::view_state::ViewState;
+use super::widgets::described;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::{Island, Pattern};
-use crate::plot::extent;
+use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, TextureOptions,
+    Ui, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ impl MapCache {
             return;
         };
         let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let top = extent::gap_scale(&state.scene, &state.model);
+        let top = scale::gap_scale(&state.scene, &state.model);
         let view = state.view;
         let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
             Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
@@ -86,14 +87,12 @@ impl MapCache {
     }
 }
 
-/// The map, at most as high as `height`, with its options above and its reading below.
-pub fn show(
-    ui: &mut Ui,
-    state: &ViewState,
-    cache: &MapCache,
-    actions: &mut Vec<Action>,
-    height: f32,
-) {
+/// The map, with its options above and its reading below; what is left of the column is the
+/// profile's.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &MapCache) {
+    let height = (ui.available_height() * 0.76)
+        .min(ui.available_width())
+        .max(150.0);
     options(ui, state, actions);
     let width = ui.available_width();
     let side = (height - 58.0).min(width - BAR).max(80.0);
@@ -102,7 +101,7 @@ pub fn show(
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &sentence));
+    described(&response, &sentence);
 
     let band = band(map, state);
     if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
@@ -135,7 +134,8 @@ pub fn show(
         .hover_pos()
         .and_then(|at| reading(state, cache, band, at));
     let resting =
-        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click to free it.".to_owned();
+        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click \
+         to free it.".to_owned();
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -197,7 +197,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
         return;
     }
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    let colour = theme::palette(crate::plot::style::Ground::Dark).jump;
+    let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(
             s.map(|p| to_screen(picture, band, p)),
@@ -266,7 +266,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
         [[at, 0.0], [at, ny as f32]]
     };
     let ends = ends.map(|p| to_screen(picture, band, p));
-    let colour = theme::palette(crate::plot::style::Ground::Dark).retraction;
+    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
     ui.painter().extend(Shape::dashed_line(
         &ends,
         Stroke::new(3.0, Color32::from_black_alpha(120)),
@@ -287,7 +287,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         pos2(map.right() + 22.0, map.bottom() - 2.0),
     );
     let rho = state.rho();
-    let top = extent::gap_scale(&state.scene, &state.model) / rho;
+    let top = scale::gap_scale(&state.scene, &state.model) / rho;
     let steps = 64;
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);

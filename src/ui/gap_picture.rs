@@ -2,6 +2,7 @@
 //! with its contact line. No egui widgets.
 
 use crate::physics::pattern::{Island, rolled, shift_to_middle};
+use crate::plot::scale::ends;
 use egui::{Color32, ColorImage};
 use ndarray::Array2;
 use std::collections::HashMap;
@@ -53,11 +54,7 @@ impl GapPicture {
     fn rolled(gap: &Array2<f64>, contact_gap: f64, island: Island, roll: (usize, usize)) -> Self {
         let (dy, dx) = roll;
         let gap = rolled(gap, dy, dx);
-        let (min, max) = gap
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| {
-                (a.min(g), b.max(g))
-            });
+        let (min, max) = ends(gap.iter().copied());
         let contour = joined(&contour(&gap, contact_gap));
         Self {
             gap,

@@ -2,7 +2,7 @@
 //! focused widget other than the u0 slider.
 
 use super::action::{Action, FileTask};
-use super::u0_slider;
+use super::sliders;
 use super::view_state::ViewState;
 use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
@@ -43,7 +43,7 @@ const COARSE: f64 = 10.0;
 /// Turns this frame's key presses into actions. `dialog_open` leaves only what concerns the dialog.
 pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mut Vec<Action>) {
     let focused = ctx.memory(egui::Memory::focused);
-    let free = focused.is_none() || focused == Some(u0_slider::id());
+    let free = focused.is_none() || focused == Some(sliders::u0_id());
     let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
         let pressed = |event: &Event| match event {
             Event::Key {

@@ -1,15 +1,16 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
-//! area, and where we are now.
+//! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::Action;
+use super::action::{Action, Tab};
+use super::diagram;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
-use super::{diagram, inspect};
-use crate::follow::record::JumpRecord;
+use super::widgets::{described, named};
+use crate::follow::record::{JumpRecord, StateRecord};
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::study::plan::promise;
-use egui::{RichText, Ui, WidgetInfo};
+use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
 use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
@@ -18,9 +19,22 @@ const CLICK: f64 = 14.0;
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
 
-/// Draws heading, legend and plot, of this height in all.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
-    let palette = theme::palette(theme::ground(ui));
+/// Height of legend and plot: what is left of the column goes to the view below, of which the paper
+/// wants most.
+fn height(ui: &Ui, state: &ViewState) -> f32 {
+    let whole = ui.available_height();
+    let (share, least) = match state.view.tab {
+        Tab::Paper => (0.36, 215.0),
+        _ if whole < 600.0 => (0.54, 230.0),
+        _ => (0.62, 230.0),
+    };
+    (share * whole).max(least)
+}
+
+/// Draws heading, legend and plot.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let height = height(ui, state);
+    let palette = theme::palette(ui);
     heading(ui, state, actions, &palette);
     let panel = panel(state);
     let top = ui.cursor().top();
@@ -64,9 +78,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
             reach,
         });
     }
-    inspect::show(ui, state, response.rect, actions);
+    card(ui, state, actions, response.rect);
     let sentence = sentence(state);
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, &sentence));
+    described(&response, &sentence);
 }
 
 fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
@@ -348,4 +362,81 @@ fn sentence(state: &ViewState) -> String {
         });
     }
     words
+}
+
+/// Width of the card.
+const WIDTH: f32 = 216.0;
+
+/// The numbers of a stored state, on a card in an upper corner of `plot`.
+fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
+    let Some(selection) = &state.run.selection else {
+        return;
+    };
+    let s = &selection.state;
+    let palette = theme::palette(ui);
+    // In the corner that the curve of a loop leaves free, unless the state itself is there.
+    let ([left, bottom], [right, top]) = state.axes();
+    let there = s.mean_displacement / state.rho() > 0.5 * (left + right)
+        && s.stress_over_max > 0.45 * (bottom + top);
+    let x = if there {
+        plot.left() + 46.0
+    } else {
+        plot.right() - WIDTH - 6.0
+    };
+    let area = Area::new(Id::unique("inspected"))
+        .order(Order::Middle)
+        .fixed_pos(pos2(x, plot.top() + 6.0));
+    area.constrain(false).show(ui.ctx(), |ui| {
+        let fill = ui.visuals().window_fill.gamma_multiply(0.94);
+        Frame::popup(ui.style())
+            .fill(fill)
+            .inner_margin(6.0)
+            .show(ui, |ui| {
+                ui.set_width(WIDTH - 14.0);
+                ui.spacing_mut().item_spacing.y = 1.0;
+                ui.horizontal(|ui| {
+                    ui.label(RichText::new(format!("{} on {}", s.pattern, s.direction)).strong());
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        if named(ui.small_button("✖"), "Close the card").clicked() {
+                            actions.push(Action::ClearSelection);
+                        }
+                    });
+                });
+                for line in numbers(state, s) {
+                    ui.label(RichText::new(line).small());
+                }
+                if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
+                    let words = format!(
+                        "{} → {} released {:.4} γ",
+                        jump.from, jump.to, jump.released_energy
+                    );
+                    ui.label(RichText::new(words).small().color(palette.jump));
+                }
+                if ui.small_button("Walk to this u₀").clicked() {
+                    actions.push(Action::SetTarget(s.mean_displacement));
+                }
+            });
+    });
+}
+
+/// The numbers, one a line.
+fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
+    [
+        format!("u₀ {:.5} ρ", s.mean_displacement / state.rho()),
+        format!("stress {:.5} σₘₐₓ", s.stress_over_max),
+        format!(
+            "eigenvalue {:.3} ± {:.3} E*/L",
+            s.stiffness_min, s.stiffness_error
+        ),
+        format!("energy {:.5} γ", s.energy / state.model.law.surface_energy),
+        format!(
+            "contact {:.1} %, residual {:.0e}",
+            100.0 * s.contact_area,
+            s.residual
+        ),
+        format!(
+            "{}, {} iterations, {:.0} ms",
+            s.part, s.iterations, s.milliseconds
+        ),
+    ]
 }

@@ -11,7 +11,6 @@
 
 pub mod action;
 pub mod app;
-pub mod history;
 pub mod theme;
 pub mod view_state;
 
@@ -23,24 +22,19 @@ mod dialogs;
 mod display;
 mod energy_well;
 mod event_list;
-mod figure_plot;
 mod gap_map;
 mod gap_picture;
-mod inspect;
 mod keys;
-mod law_picker;
 mod loop_plot;
-mod mu_rho_slider;
-mod number;
 mod paper;
 mod profile;
 mod saved_state;
+mod sliders;
 mod stability;
 mod status_bar;
 mod tabs;
-mod time_steps;
 mod toolbar;
-mod u0_slider;
+mod widgets;
 
 pub use app::App;
 pub use dialogs::{FileRequest, PathFuture};

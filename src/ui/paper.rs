@@ -1,16 +1,23 @@
-//! The paper, figure by figure: diagrams, what to look for, numbers held against numbers, and what
-//! the print got wrong.
+//! The paper, figure by figure: diagrams with gap maps and smaller diagrams inside, what to look
+//! for, numbers held against numbers, and what the print got wrong.
 
 use super::action::Action;
-use super::figure_plot;
+use super::diagram;
 use super::theme::{self, Palette, set};
 use super::view_state::ViewState;
+use super::widgets::{described, progress};
 use crate::paper::errata::Erratum;
 use crate::paper::figure::Finding;
 use crate::paper::{Figure, GALLERY};
+use crate::plot::panel::{Content, Panel, letter};
 use crate::plot::typeset::number;
+use crate::storage::picture::{common_scale, gap_image};
 use crate::worker::protocol::{Page, PageContent};
-use egui::{Context, ProgressBar, RichText, Role, ScrollArea, Ui, WidgetInfo};
+use egui::{
+    Color32, ColorImage, Context, Id, Rect, RichText, Role, ScrollArea, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
+};
+use std::collections::HashMap;
 
 /// The tab.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -86,10 +93,10 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.label(RichText::new(format!("Fig. {}: {}", entry.number, entry.title)).strong());
         ui.label(set(entry.look_for, 12.5, text));
     }
-    progress(ui, state, actions);
+    under_way(ui, state, actions);
     match paper.known.get(&paper.page) {
         Some(PageContent::Figure(figure)) => {
-            figure_plot::figure(ui, figure);
+            diagrams(ui, figure);
             words(ui, figure);
         }
         Some(PageContent::Errata(errata)) => self::errata(ui, errata),
@@ -100,41 +107,54 @@ fn page(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn buttons(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, large: bool) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let scene = ui.add_enabled(state.paper.entry().is_some(), egui::Button::new("Open this scene"));
-        if scene.on_hover_text("play this figure by hand, with theory over it (Ctrl+Z brings the old scene back)").clicked() {
+        let scene = ui.add_enabled(
+            state.paper.entry().is_some(),
+            egui::Button::new(
+                "Open this \
+            scene",
+            ),
+        );
+        if scene
+            .on_hover_text(
+                "play this figure by hand, with theory over it (Ctrl+Z brings the \
+            old scene back)",
+            )
+            .clicked()
+        {
             actions.push(Action::OpenPageScene);
         }
         let mut overlay = state.paper.overlay;
-        let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over the live plot";
-        if ui.checkbox(&mut overlay, "Overlay theory").on_hover_text(hover).changed() {
+        let hover = "flat state, and ridge, dimple and bulge of zero range, or JKR for a tip, over \
+            the live plot";
+        if ui
+            .checkbox(&mut overlay, "Overlay theory")
+            .on_hover_text(hover)
+            .changed()
+        {
             actions.push(Action::OverlayTheory(overlay));
         }
-        if !large && ui.button("Enlarge").on_hover_text("a window of its own").clicked() {
+        if !large
+            && ui
+                .button("Enlarge")
+                .on_hover_text("a window of its own")
+                .clicked()
+        {
             actions.push(Action::EnlargePage(true));
         }
     });
 }
 
-fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+/// How far the page is that is being computed, or why it is not there.
+fn under_way(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let paper = &state.paper;
     if let Some((_, job)) = &paper.job {
         ui.horizontal(|ui| {
-            if ui.button("Cancel").clicked() {
-                actions.push(Action::ClosePage);
-            }
-            ui.add(
-                ProgressBar::new(job.fraction as f32)
-                    .desired_width(80.0)
-                    .desired_height(14.0),
-            );
+            progress(ui, job, Action::ClosePage, actions);
             ui.add(egui::Label::new(RichText::new(&job.doing).small()).truncate());
         });
     } else if let Some(why) = &paper.missing {
         ui.horizontal_wrapped(|ui| {
-            ui.label(
-                RichText::new(format!("Not there: {why}."))
-                    .color(theme::palette(theme::ground(ui)).warn),
-            );
+            ui.label(RichText::new(format!("Not there: {why}.")).color(theme::palette(ui).warn));
             if ui.button("Compute").clicked() {
                 actions.push(Action::OpenPage(paper.page));
             }
@@ -144,7 +164,7 @@ fn progress(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// The figure's paragraph and findings.
 fn words(ui: &mut Ui, figure: &Figure) {
-    let (text, palette) = (ui.visuals().text_color(), theme::palette(theme::ground(ui)));
+    let (text, palette) = (ui.visuals().text_color(), theme::palette(ui));
     if !figure.words.is_empty() {
         ui.add_space(4.0);
         ui.label(set(&figure.words, 12.5, text));
@@ -177,7 +197,7 @@ fn finding(ui: &mut Ui, finding: &Finding, palette: &Palette) {
 }
 
 fn errata(ui: &mut Ui, errata: &[Erratum]) {
-    let (text, palette) = (ui.visuals().text_color(), theme::palette(theme::ground(ui)));
+    let (text, palette) = (ui.visuals().text_color(), theme::palette(ui));
     ui.label(
         RichText::new("Found without either formula: by roots, integrals, measurements, a loop.")
             .weak(),
@@ -205,5 +225,145 @@ fn errata(ui: &mut Ui, errata: &[Erratum]) {
             );
             ui.indent("evidence", |ui| ui.label(set(&words, 12.0, text)));
         }
+    }
+}
+
+/// Least width of two diagrams side by side.
+const TWO: f32 = 640.0;
+
+/// Every diagram of a figure, with its legend beneath it.
+fn diagrams(ui: &mut Ui, figure: &Figure) {
+    let several = figure.panels.len() > 1;
+    let columns = if several && ui.available_width() > TWO {
+        2
+    } else {
+        1
+    };
+    for (row, panels) in figure.panels.chunks(columns).enumerate() {
+        ui.columns(columns, |uis| {
+            for (column, panel) in panels.iter().enumerate() {
+                let index = row * columns + column;
+                let heading = panel.heading(index, figure.panels.len());
+                let name = format!("Fig. {} diagram {}", figure.number, letter(index));
+                self::panel(
+                    &mut uis[column],
+                    panel,
+                    &heading,
+                    &name,
+                    (figure.number, index),
+                );
+            }
+        });
+    }
+}
+
+fn panel(ui: &mut Ui, panel: &Panel, heading: &str, name: &str, key: (usize, usize)) {
+    if !heading.is_empty() {
+        ui.label(set(heading, 12.5, ui.visuals().text_color()));
+    }
+    let height = (0.66 * ui.available_width())
+        .min(0.5 * ui.ctx().content_rect().height())
+        .max(150.0);
+    let shown = diagram::show(ui, panel, ("paper", key), height, |x, y| {
+        Some(format!("x {}\ny {}", number(x), number(y)))
+    });
+    let curves = panel.series.len();
+    let sentence = format!(
+        "{name}: {} against {}, {curves} curves",
+        panel.y.label, panel.x.label
+    );
+    described(&shown.response, &sentence);
+    maps(ui, panel, *shown.transform.frame(), key);
+    diagram::legend(ui, panel);
+    for (i, inset) in panel.insets.iter().enumerate() {
+        if let Content::Diagram(inner) = &inset.content {
+            let heading = format!("inset {}", inner.title);
+            self::panel(
+                ui,
+                inner,
+                heading.trim(),
+                &format!("{name} inset {}", i + 1),
+                (key.0, 100 * (key.1 + 1) + i),
+            );
+        }
+    }
+}
+
+/// Textures of gap maps, by figure, diagram and inset.
+type Pictures = HashMap<(usize, usize, usize), TextureHandle>;
+
+/// The maps inside the frame of a plot.
+fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
+    let gaps = panel
+        .insets
+        .iter()
+        .filter_map(|inset| match &inset.content {
+            Content::Map { gap, .. } => Some(gap),
+            Content::Diagram(_) => None,
+        });
+    // In the same colours, so that they can be compared.
+    let colours = common_scale(gaps);
+    for (i, inset) in panel.insets.iter().enumerate() {
+        let Content::Map { letter, gap } = &inset.content else {
+            continue;
+        };
+        let store = Id::unique("paper maps");
+        let known = ui.ctx().data_mut(|data| {
+            data.get_temp_mut_or_default::<Pictures>(store)
+                .get(&(key.0, key.1, i))
+                .cloned()
+        });
+        let texture = known.unwrap_or_else(|| {
+            let image = gap_image(gap, colours);
+            let size = [image.width() as usize, image.height() as usize];
+            let picture = ColorImage::from_rgb(size, image.as_raw());
+            let texture = ui.ctx().load_texture(
+                format!("map {} {} {i}", key.0, key.1),
+                picture,
+                TextureOptions::LINEAR,
+            );
+            ui.ctx().data_mut(|data| {
+                data.get_temp_mut_or_default::<Pictures>(store)
+                    .insert((key.0, key.1, i), texture.clone())
+            });
+            texture
+        });
+        let [x, y, w, h] = inset.place.map(|v| v as f32);
+        let room = vec2(w * frame.width(), h * frame.height());
+        let corner = pos2(
+            frame.left() + x * frame.width(),
+            frame.bottom() - y * frame.height() - room.y,
+        );
+        let size = texture.size_vec2();
+        let scale = (room.x / size.x).min(room.y / size.y);
+        let rect = Rect::from_min_size(corner, if gap.nrows() == 1 { room } else { size * scale });
+        let painter = ui.painter().with_clip_rect(frame);
+        painter.image(
+            texture.id(),
+            rect,
+            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
+            Color32::WHITE,
+        );
+        let visuals = ui.visuals();
+        painter.rect_stroke(
+            rect,
+            0.0,
+            egui::Stroke::new(1.0, visuals.text_color()),
+            egui::StrokeKind::Outside,
+        );
+        if letter.is_empty() {
+            continue;
+        }
+        let galley = painter.layout_no_wrap(
+            letter.clone(),
+            egui::FontId::proportional(11.0),
+            visuals.text_color(),
+        );
+        painter.rect_filled(
+            Rect::from_min_size(rect.min, galley.size() + vec2(4.0, 0.0)),
+            0.0,
+            visuals.extreme_bg_color,
+        );
+        painter.galley(rect.min + vec2(2.0, 0.0), galley, visuals.text_color());
     }
 }

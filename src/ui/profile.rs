@@ -5,15 +5,16 @@ use super::gap_map;
 use super::gap_picture::GapPicture;
 use super::theme;
 use super::view_state::ViewState;
+use super::widgets::described;
 use crate::physics::indenter::Indenter;
-use crate::plot::extent;
+use crate::plot::scale;
 use crate::plot::ticks;
-use egui::{
-    Align2, Color32, Mesh, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use ndarray::{Array2, Axis};
 
-/// Draws the profile over the width and height given.
-pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height: f32) {
+/// Draws the profile in the rest of the column.
+pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
+    let height = ui.available_height().clamp(70.0, 300.0);
     let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
     let (low, high) = heights(state);
@@ -30,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>, height
         None => "Profile: waiting for the solver …".to_owned(),
     };
     let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    described(&response, &name);
     ui.painter()
         .rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
     if let (Some(picture), Some(cut)) = (picture, cut) {
@@ -56,7 +57,7 @@ fn heights(state: &ViewState) -> (f64, f64) {
     let rho = state.rho();
     match state.model.indenter {
         Indenter::Flat => {
-            let top = extent::gap_scale(&state.scene, &state.model);
+            let top = scale::gap_scale(&state.scene, &state.model);
             (-0.22 * top, 1.22 * top)
         }
         _ => {
@@ -77,11 +78,11 @@ fn bodies(
     frame: Rect,
     (low, high): (f64, f64),
 ) {
-    let gap: Vec<f64> = if along_x {
-        picture.gap.row(index).to_vec()
-    } else {
-        picture.gap.column(index).to_vec()
+    let lane = |field: &Array2<f64>| {
+        let axis = Axis(usize::from(!along_x));
+        field.index_axis(axis, index).to_vec()
     };
+    let gap = lane(&picture.gap);
     let n = gap.len();
     // The map is not rolled on uneven ground, so that the height belongs to the same row.
     let height: Vec<f64> = match state
@@ -90,13 +91,7 @@ fn bodies(
         .as_ref()
         .and_then(|ready| ready.height.as_ref())
     {
-        Some(h) if h.dim() == picture.gap.dim() => {
-            if along_x {
-                h.row(index).to_vec()
-            } else {
-                h.column(index).to_vec()
-            }
-        }
+        Some(h) if h.dim() == picture.gap.dim() => lane(h),
         _ => vec![0.0; n],
     };
     let y_of = |z: f64| {
@@ -109,7 +104,7 @@ fn bodies(
     };
     let soft = along(&|i| gap[i] + height[i]);
     let rigid = along(&|i| height[i]);
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     fill(ui, &soft, frame.top(), palette.elastomer);
     fill(ui, &rigid, frame.bottom(), palette.indenter);
     let painter = ui.painter().with_clip_rect(frame);

@@ -1,22 +1,24 @@
 //! How stable the surface is: its smallest eigenvalue along the path, and where the next jump is
-//! expected.
+//! expected; and which time steps GFMD survives.
 
-use super::action::{Action, StabilityOf, ViewOptions};
-use super::diagram::{self, grid, line, small};
+use super::action::{Action, Measurement, StabilityOf, ViewOptions};
+use super::diagram::{self, line, small};
 use super::theme::{self, Palette};
-use super::time_steps;
 use super::view_state::ViewState;
+use super::widgets::{described, progress};
 use crate::follow::record::Direction;
 use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
 use crate::plot::panel::Panel;
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
+use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
-use egui::{RichText, Role, Ui, WidgetInfo};
+use crate::study::time_step_map::TimeStepMap;
+use egui::{RichText, Ui};
 use egui_plot::{
-    FilledArea, GridInput, GridMark, HLine, HoverPosition, LineStyle, MarkerShape, PlotBounds,
-    PlotPoint, PlotUi, Points, Text,
+    FilledArea, GridInput, GridMark, HLine, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi,
+    Points, Text,
 };
 
 /// Lower end of the axis (E*/L): a strip of the unstable side is always in sight.
@@ -34,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
     match before.stability {
         StabilityOf::States => eigenvalue(ui, state),
-        StabilityOf::TimeSteps => time_steps::show(ui, state, actions),
+        StabilityOf::TimeSteps => time_steps(ui, state, actions),
     }
     if view != before {
         actions.push(Action::SetView(view));
@@ -48,36 +50,24 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     ui.label(RichText::new(&words).strong());
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
-    let response = small(ui, "eigenvalue", "u₀ / ρ", "eigenvalue, E*/L")
-        .x_grid_spacer(|input| grid(input, 7.0))
-        .y_grid_spacer(decades)
-        .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
-        .label_formatter(|at| {
-            let p = match at {
-                HoverPosition::NearDataPoint { position, .. }
-                | HoverPosition::Elsewhere { position } => *position,
-            };
-            Some(format!(
-                "u₀ {:.3} ρ\neigenvalue {:.4} E*/L",
-                p.x,
-                eigenvalue_at(p.y)
-            ))
-        })
-        .show(ui, |plot| {
-            plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
-            draw(plot, state, ahead.as_ref(), ground);
-        })
-        .response;
-    response.widget_info(|| {
-        WidgetInfo::labeled(
-            Role::Image,
-            true,
-            format!(
-                "Smallest eigenvalue against u0: {}; {words}",
-                present(state)
-            ),
-        )
-    });
+    let response = small(
+        ui,
+        "eigenvalue",
+        ["u₀ / ρ", "eigenvalue, E*/L"],
+        |x, y| format!("u₀ {x:.3} ρ\neigenvalue {:.4} E*/L", eigenvalue_at(y)),
+    )
+    .y_grid_spacer(decades)
+    .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
+    .show(ui, |plot| {
+        plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
+        draw(plot, state, ahead.as_ref(), ground);
+    })
+    .response;
+    let sentence = format!(
+        "Smallest eigenvalue against u0: {}; {words}",
+        present(state)
+    );
+    described(&response, &sentence);
 }
 
 /// The upper end of the axis: the flat state pressed as hard as the drive does.
@@ -114,7 +104,7 @@ fn decade(eigenvalue: f64) -> String {
 }
 
 fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, ground: Ground) {
-    let palette = &theme::palette(ground);
+    let palette = &theme::palette_on(ground);
     let (low, high) = (plot.plot_bounds().min(), plot.plot_bounds().max());
     let (left, right) = (low[0], high[0]);
     let below = FilledArea::new("unstable", &[left, right], &[low[1]; 2], &[0.0; 2]);
@@ -240,4 +230,118 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
             format!("next jump between {a:.digits$} and {b:.digits$} going {way}")
         }
     }
+}
+
+/// Marks of the axis of time steps.
+const TIME_STEPS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
+
+/// Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts
+/// them.
+fn time_steps(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let palette = theme::palette(ui);
+    let job = state.run.time_steps.as_ref();
+    ui.horizontal_wrapped(|ui| {
+        if let Some(job) = job.filter(|job| job.is_running()) {
+            progress(ui, job, Action::StopMeasuring, actions);
+        } else if ui
+            .button("Measure")
+            .on_hover_text("let a tiny perturbation go at states along the approach")
+            .clicked()
+        {
+            actions.push(Action::Measure(Measurement::TimeSteps));
+        }
+        time_step_legend(ui, &palette);
+    });
+    let Some(map) = job.and_then(|job| job.so_far.as_ref()) else {
+        ui.label(
+            RichText::new(
+                "Which time steps does GFMD survive on the way down? Measure, and \
+            compare with the bound.",
+            )
+            .weak(),
+        );
+        return;
+    };
+    let (left, right) = (state.axes().0[0], state.axes().1[0]);
+    let ends = (
+        map.time_steps[0].log10() - 0.06,
+        map.time_steps[map.time_steps.len() - 1].log10() + 0.06,
+    );
+    let response = small(ui, "time steps", ["u₀ / ρ", "time step"], |x, y| {
+        format!("u₀ {x:.3} ρ\ntime step {:.3}", 10f64.powf(y))
+    })
+    .y_grid_spacer(|_| {
+        TIME_STEPS
+            .map(|step| GridMark {
+                value: step.log10(),
+                step_size: 1.0,
+            })
+            .to_vec()
+    })
+    .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
+    .show(ui, |plot| {
+        plot.set_plot_bounds(PlotBounds::from_min_max([left, ends.0], [right, ends.1]));
+        draw_time_steps(plot, state, map, &palette);
+    })
+    .response;
+    let unstable = map.stable.iter().filter(|stable| !**stable).count();
+    let sentence = format!(
+        "Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable",
+        map.stable.len()
+    );
+    described(&response, &sentence);
+}
+
+fn time_step_legend(ui: &mut Ui, palette: &Palette) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    for (mark, colour, word) in [
+        ("●", palette.good, "stable"),
+        ("✖", palette.warn, "unstable"),
+        ("—", palette.now, "bound"),
+        ("┄", palette.flat, "the paper's"),
+    ] {
+        ui.label(RichText::new(mark).color(colour).small());
+        ui.label(RichText::new(word).small());
+    }
+}
+
+fn draw_time_steps(plot: &mut PlotUi<'_>, state: &ViewState, map: &TimeStepMap, palette: &Palette) {
+    let rho = state.rho();
+    let (mut stable, mut unstable) = (Vec::new(), Vec::new());
+    for (column, u0) in map.displacements.iter().enumerate() {
+        for (row, step) in map.time_steps.iter().enumerate() {
+            match map.at(column, row) {
+                Some(true) => stable.push([u0 / rho, step.log10()]),
+                Some(false) => unstable.push([u0 / rho, step.log10()]),
+                None => {}
+            }
+        }
+    }
+    plot.points(
+        Points::new("stable", stable)
+            .shape(MarkerShape::Circle)
+            .radius(1.8)
+            .color(palette.good),
+    );
+    plot.points(
+        Points::new("unstable", unstable)
+            .shape(MarkerShape::Cross)
+            .radius(3.0)
+            .color(palette.warn),
+    );
+    let paper = GfmdBudget::default().time_step.log10();
+    plot.hline(
+        HLine::new("the paper's", paper)
+            .color(palette.flat)
+            .width(1.5)
+            .style(LineStyle::dashed_dense())
+            .allow_hover(false),
+    );
+    let bound: Vec<[f64; 2]> = map
+        .displacements
+        .iter()
+        .zip(&map.bounds)
+        .map(|(u0, bound)| [u0 / rho, bound.log10()])
+        .collect();
+    plot.line(line("bound", &bound, palette.now, 2.0));
 }

@@ -14,7 +14,7 @@ use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     if let Some(failure) = &state.messages.failure {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("⚠").color(palette.warn).strong());
@@ -44,14 +44,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         model(ui, state);
         if let Some(live) = &state.plots.live {
             part(ui, "");
-            let colour = theme::palette(theme::ground(ui)).live;
+            let colour = theme::palette(ui).live;
             ui.label(RichText::new(live.words()).color(colour));
         }
     });
 }
 
 fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
-    let palette = theme::palette(theme::ground(ui));
+    let palette = theme::palette(ui);
     let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
     ui.label(RichText::new(now.pattern.word()).strong());
     let (text, colour) = if relaxing {
@@ -60,10 +60,12 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         stability(now, &palette)
     };
     part(ui, "");
-    ui.label(RichText::new(text).color(colour).strong()).on_hover_text(format!(
-        "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; residual {:.1e} σₘₐₓ",
-        now.stiffness_error, now.residual
-    ));
+    ui.label(RichText::new(text).color(colour).strong())
+        .on_hover_text(format!(
+            "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; \
+         residual {:.1e} σₘₐₓ",
+            now.stiffness_error, now.residual
+        ));
     part(ui, &now.part.to_string());
     part(ui, state.method.title());
     part(ui, "");
@@ -136,7 +138,8 @@ fn model_sentence(ready: &Ready) -> String {
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
     } else if matches!(plan.strategy, Strategy::Atlas) && *part == Part::Quarter {
-        words += " Here the walk solves every state that is shown on the quarter; the atlas says what is ahead and draws the live loop.";
+        words += " Here the walk solves every state that is shown on the quarter; the atlas says \
+            what is ahead and draws the live loop.";
     }
     format!("{words} Mesh: {}.", ready.model.reason)
 }

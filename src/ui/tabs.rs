@@ -1,6 +1,6 @@
 //! What stands below the plot: one of several views behind a strip of tabs.
 
-use super::action::{Action, Tab};
+use super::action::{Action, Tab, ViewOptions};
 use super::view_state::ViewState;
 use super::{accuracy, energy_well, event_list, paper, stability};
 use egui::{Role, Ui, WidgetInfo};
@@ -30,9 +30,8 @@ pub const TABS: [(Tab, &str, &str); 5] = [
     ),
 ];
 
-/// The strip, and the chosen view in the rest of the space. `announced` is the jump last read
-/// aloud.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced: &str) {
+/// The strip, and the chosen view in the rest of the space.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let narrow = ui.available_width() < 480.0;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
@@ -48,15 +47,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, announced
                 WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab"))
             });
             if response.clicked() && !chosen {
-                actions.push(Action::SetView(super::action::ViewOptions {
-                    tab,
-                    ..state.view
-                }));
+                actions.push(Action::SetView(ViewOptions { tab, ..state.view }));
             }
         }
     });
     match state.view.tab {
-        Tab::Events => event_list::show(ui, state, actions, announced),
+        Tab::Events => event_list::show(ui, state, actions),
         Tab::Stability => stability::show(ui, state, actions),
         Tab::EnergyWell => energy_well::show(ui, state),
         Tab::Accuracy => accuracy::show(ui, state, actions),

@@ -44,6 +44,14 @@ pub fn rgb([red, green, blue]: Rgb) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
+/// The one of two colours for this ground.
+fn picked(ground: Ground, light: Rgb, dark: Rgb) -> Color32 {
+    rgb(match ground {
+        Ground::Light => light,
+        Ground::Dark => dark,
+    })
+}
+
 /// The ground of the present theme.
 pub fn ground(ui: &egui::Ui) -> Ground {
     if ui.visuals().dark_mode {
@@ -53,10 +61,15 @@ pub fn ground(ui: &egui::Ui) -> Ground {
     }
 }
 
+/// The colours of the present theme.
+pub fn palette(ui: &egui::Ui) -> Palette {
+    palette_on(ground(ui))
+}
+
 /// The colours on a ground.
-pub fn palette(ground: Ground) -> Palette {
+pub fn palette_on(ground: Ground) -> Palette {
     let of = |colour: Colour| rgb(colour.on(ground));
-    let pick = |light: Rgb, dark: Rgb| rgb(if ground == Ground::Dark { dark } else { light });
+    let pick = |light: Rgb, dark: Rgb| picked(ground, light, dark);
     Palette {
         approach: of(Colour::of(Direction::Approach)),
         retraction: of(Colour::of(Direction::Retraction)),
@@ -92,8 +105,8 @@ pub fn install(ctx: &Context) {
         );
     }
     ctx.set_fonts(fonts);
-    ctx.style_mut_of(Theme::Dark, |style| style.visuals = dark());
-    ctx.style_mut_of(Theme::Light, |style| style.visuals = light());
+    ctx.style_mut_of(Theme::Dark, |style| style.visuals = visuals(Ground::Dark));
+    ctx.style_mut_of(Theme::Light, |style| style.visuals = visuals(Ground::Light));
     ctx.all_styles_mut(|style| {
         style.text_styles = [
             (TextStyle::Small, FontId::proportional(11.0)),
@@ -113,39 +126,24 @@ pub fn install(ctx: &Context) {
     });
 }
 
-fn dark() -> Visuals {
-    let mut v = Visuals::dark();
-    v.panel_fill = Color32::from_rgb(27, 30, 36);
-    v.window_fill = Color32::from_rgb(33, 37, 44);
-    v.extreme_bg_color = rgb(Ground::Dark.colour());
-    v.faint_bg_color = Color32::from_rgb(34, 38, 45);
-    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(206, 211, 219));
-    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(52, 57, 66));
-    v.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(220, 224, 230));
-    v.widgets.inactive.weak_bg_fill = Color32::from_rgb(48, 53, 62);
-    v.widgets.inactive.bg_fill = Color32::from_rgb(62, 68, 79);
-    v.selection.bg_fill = Color32::from_rgb(32, 92, 148);
-    v.selection.stroke = Stroke::new(1.0, Color32::WHITE);
-    rounded(v)
-}
-
-fn light() -> Visuals {
-    let mut v = Visuals::light();
-    v.panel_fill = Color32::from_rgb(246, 247, 249);
-    v.window_fill = Color32::WHITE;
-    v.extreme_bg_color = rgb(Ground::Light.colour());
-    v.faint_bg_color = Color32::from_rgb(236, 239, 243);
-    v.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(42, 46, 54));
-    v.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(212, 216, 222));
-    v.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_rgb(38, 42, 50));
-    v.widgets.inactive.weak_bg_fill = Color32::from_rgb(226, 230, 236);
-    v.widgets.inactive.bg_fill = Color32::from_rgb(206, 212, 220);
-    v.selection.bg_fill = Color32::from_rgb(178, 212, 244);
-    v.selection.stroke = Stroke::new(1.0, Color32::from_rgb(10, 60, 110));
-    rounded(v)
-}
-
-fn rounded(mut v: Visuals) -> Visuals {
+fn visuals(ground: Ground) -> Visuals {
+    let mut v = match ground {
+        Ground::Light => Visuals::light(),
+        Ground::Dark => Visuals::dark(),
+    };
+    let pick = |light: Rgb, dark: Rgb| picked(ground, light, dark);
+    let stroke = |light: Rgb, dark: Rgb| Stroke::new(1.0, pick(light, dark));
+    v.panel_fill = pick([246, 247, 249], [27, 30, 36]);
+    v.window_fill = pick([255; 3], [33, 37, 44]);
+    v.extreme_bg_color = rgb(ground.colour());
+    v.faint_bg_color = pick([236, 239, 243], [34, 38, 45]);
+    v.widgets.noninteractive.fg_stroke = stroke([42, 46, 54], [206, 211, 219]);
+    v.widgets.noninteractive.bg_stroke = stroke([212, 216, 222], [52, 57, 66]);
+    v.widgets.inactive.fg_stroke = stroke([38, 42, 50], [220, 224, 230]);
+    v.widgets.inactive.weak_bg_fill = pick([226, 230, 236], [48, 53, 62]);
+    v.widgets.inactive.bg_fill = pick([206, 212, 220], [62, 68, 79]);
+    v.selection.bg_fill = pick([178, 212, 244], [32, 92, 148]);
+    v.selection.stroke = stroke([10, 60, 110], [255; 3]);
     let radius = CornerRadius::same(5);
     for w in [
         &mut v.widgets.noninteractive,

@@ -1,9 +1,9 @@
 //! The top bar: preset, play, files, theme, help.
 
 use super::action::{Action, FileTask, ViewOptions};
-use super::controls::named;
 use super::theme::set;
 use super::view_state::ViewState;
+use super::widgets::named;
 use crate::plot::typeset::plain;
 use crate::storage::presets;
 use crate::worker::protocol::{Speed, Sweep};
@@ -20,81 +20,46 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.separator();
         play(ui, state, actions);
         ui.separator();
-        let mut button = |ui: &mut Ui, text: &str, hover: &str, enabled: bool, action: Action| {
-            if ui
-                .add_enabled(enabled, egui::Button::new(text))
-                .on_hover_text(hover)
-                .clicked()
-            {
-                actions.push(action);
-            }
-        };
-        button(
-            ui,
-            "Open…",
-            "Ctrl+O",
-            true,
-            Action::AskFile(FileTask::OpenScene),
-        );
-        button(
-            ui,
-            "Save…",
-            "Ctrl+S",
-            true,
-            Action::AskFile(FileTask::SaveScene),
-        );
-        button(
-            ui,
-            "Export CSV…",
-            "states or jumps of what is recorded",
-            true,
-            Action::AskFile(FileTask::ExportLoopCsv),
-        );
-        button(
-            ui,
-            "Export PNG…",
-            "S",
-            true,
-            Action::AskFile(FileTask::ExportLoopPng),
-        );
-        button(
-            ui,
-            "Copy scene",
-            "the scene as text on the clipboard (Ctrl+C); Ctrl+V opens one",
-            true,
-            Action::CopyScene,
-        );
-        ui.separator();
-        for (face, name, enabled, action) in [
-            ("↶", "Undo", state.history.can_undo(), Action::Undo),
-            ("↷", "Redo", state.history.can_redo(), Action::Redo),
+        for (face, hover, action) in [
+            ("Open…", "Ctrl+O", Action::AskFile(FileTask::OpenScene)),
+            ("Save…", "Ctrl+S", Action::AskFile(FileTask::SaveScene)),
+            (
+                "Export CSV…",
+                "states or jumps of what is recorded",
+                Action::AskFile(FileTask::ExportLoopCsv),
+            ),
+            ("Export PNG…", "S", Action::AskFile(FileTask::ExportLoopPng)),
+            (
+                "Copy scene",
+                "the scene as text on the clipboard (Ctrl+C); Ctrl+V opens one",
+                Action::CopyScene,
+            ),
         ] {
-            if named(ui.add_enabled(enabled, egui::Button::new(face)), name)
-                .on_hover_text(name)
-                .clicked()
-            {
+            if ui.button(face).on_hover_text(hover).clicked() {
                 actions.push(action);
             }
         }
-        let dark = ui.visuals().dark_mode;
-        let face = if dark { "☀" } else { "☾" };
-        if named(ui.button(face), "Switch theme")
-            .on_hover_text("light or dark")
-            .clicked()
-        {
-            actions.push(Action::ToggleTheme);
-        }
-        if named(ui.button("▣"), "Restore layout")
-            .on_hover_text("panels, axes and view as they were at first")
-            .clicked()
-        {
-            actions.push(Action::RestoreLayout);
-        }
-        if named(ui.button("?"), "Help")
-            .on_hover_text("keys and marks (?)")
-            .clicked()
-        {
-            actions.push(Action::ToggleHelp);
+        ui.separator();
+        let theme = if ui.visuals().dark_mode { "☀" } else { "☾" };
+        let history = &state.history;
+        let layout = "panels, axes and view as they were at first";
+        for (face, name, hover, enabled, action) in [
+            ("↶", "Undo", "Undo", history.can_undo(), Action::Undo),
+            ("↷", "Redo", "Redo", history.can_redo(), Action::Redo),
+            (
+                theme,
+                "Switch theme",
+                "light or dark",
+                true,
+                Action::ToggleTheme,
+            ),
+            ("▣", "Restore layout", layout, true, Action::RestoreLayout),
+            ("?", "Help", "keys and marks (?)", true, Action::ToggleHelp),
+        ] {
+            let button = ui.add_enabled(enabled, egui::Button::new(face));
+            if named(button, name).on_hover_text(hover).clicked() {
+                actions.push(action);
+            }
         }
     });
 }
@@ -157,16 +122,11 @@ fn look_for(ui: &mut Ui, preset: &presets::Preset, state: &ViewState) {
 }
 
 fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    for (text, sweep) in [
-        ("▼ Approach", Sweep::Approach),
-        ("▲ Retract", Sweep::Retract),
-        ("⟳ Loop", Sweep::Loop),
+    for (text, name, sweep) in [
+        ("▼ Approach", "Play approach", Sweep::Approach),
+        ("▲ Retract", "Play retract", Sweep::Retract),
+        ("⟳ Loop", "Play loop", Sweep::Loop),
     ] {
-        let name = match sweep {
-            Sweep::Approach => "Play approach",
-            Sweep::Retract => "Play retract",
-            Sweep::Loop => "Play loop",
-        };
         let button = egui::Button::new(text).selected(state.run.sweep() == Some(sweep));
         if named(ui.add(button), name).on_hover_text(name).clicked() {
             actions.push(Action::Play(sweep));
@@ -177,26 +137,15 @@ fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     } else {
         ("⏸", "Pause")
     };
-    if named(
-        ui.add_enabled(
-            state.run.is_busy() || state.run.paused,
-            egui::Button::new(face),
-        ),
-        name,
-    )
-    .on_hover_text(format!("{name} (Space)"))
-    .clicked()
-    {
-        actions.push(Action::Pause(!state.run.paused));
-    }
-    if named(
-        ui.add_enabled(state.run.is_busy(), egui::Button::new("⏹")),
-        "Stop",
-    )
-    .on_hover_text("Stop (Esc)")
-    .clicked()
-    {
-        actions.push(Action::Stop);
+    let (busy, paused) = (state.run.is_busy(), state.run.paused);
+    for (face, name, key, enabled, action) in [
+        (face, name, "Space", busy || paused, Action::Pause(!paused)),
+        ("⏹", "Stop", "Esc", busy, Action::Stop),
+    ] {
+        let button = named(ui.add_enabled(enabled, egui::Button::new(face)), name);
+        if button.on_hover_text(format!("{name} ({key})")).clicked() {
+            actions.push(action);
+        }
     }
     speed(ui, state, actions);
     if ui

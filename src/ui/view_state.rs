@@ -9,12 +9,11 @@ pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 
 use super::action::{Tab, ViewOptions};
-use super::history::History;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
-use crate::plot::extent;
 use crate::plot::loop_panel::{flat_state, loss};
+use crate::plot::scale;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
@@ -77,6 +76,18 @@ pub struct Messages {
     pub notice: Option<String>,
     /// True until the first jump.
     pub hint: bool,
+    /// The jump that was last read aloud.
+    pub announced: String,
+}
+
+impl Messages {
+    /// Says what went wrong, and what to do about it.
+    pub fn fail(&mut self, message: impl ToString, remedy: &str) {
+        self.failure = Some(Failure {
+            message: message.to_string(),
+            remedy: remedy.to_owned(),
+        });
+    }
 }
 
 /// What the solver was told; a command is the difference to what the window shows.
@@ -96,7 +107,7 @@ impl ViewState {
     /// The scene's first value that is not allowed.
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let limits = extent::limits(&scene, &model);
+        let limits = scale::limits(&scene, &model);
         Ok(Self {
             plots: Plots::new(flat_state(&model, limits.into())),
             scene: Arc::new(scene),
@@ -115,6 +126,7 @@ impl ViewState {
                 failure: None,
                 notice: None,
                 hint: true,
+                announced: String::new(),
             },
             view: ViewOptions::default(),
             history: History::default(),
@@ -153,17 +165,13 @@ impl ViewState {
         let model = match scene.model() {
             Ok(model) => model,
             Err(error) => {
-                let remedy =
-                    "The scene stays as it was; choose a value that is allowed.".to_owned();
-                self.messages.failure = Some(Failure {
-                    message: error.to_string(),
-                    remedy,
-                });
+                let remedy = "The scene stays as it was; choose a value that is allowed.";
+                self.messages.fail(error, remedy);
                 return false;
             }
         };
         let at_start = self.target == self.limits.1;
-        self.limits = extent::limits(&scene, &model);
+        self.limits = scale::limits(&scene, &model);
         if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
             self.target = self.limits.1;
         }
@@ -395,5 +403,60 @@ impl ViewState {
             jump.released_energy,
             jump.cause_words()
         )
+    }
+}
+
+/// Most edits that can be taken back.
+const DEPTH: usize = 200;
+
+/// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
+/// however many values it passes.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    undo: Vec<Arc<Scene>>,
+    redo: Vec<Arc<Scene>>,
+    in_gesture: bool,
+}
+
+impl History {
+    /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
+    pub fn remember(&mut self, before: Arc<Scene>) {
+        if !self.in_gesture {
+            self.undo.push(before);
+            if self.undo.len() > DEPTH {
+                self.undo.remove(0);
+            }
+        }
+        self.in_gesture = true;
+        self.redo.clear();
+    }
+
+    /// The pointer is up: the next edit is another one.
+    pub fn end_gesture(&mut self) {
+        self.in_gesture = false;
+    }
+
+    /// The scene before `present`, if any.
+    pub fn undo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
+        let scene = self.undo.pop()?;
+        self.redo.push(present);
+        Some(scene)
+    }
+
+    /// The scene after `present`, if any.
+    pub fn redo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
+        let scene = self.redo.pop()?;
+        self.undo.push(present);
+        Some(scene)
+    }
+
+    /// True if there is something to take back.
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// True if there is something to do again.
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
     }
 }

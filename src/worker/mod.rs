@@ -3,14 +3,12 @@
 //! signals that ask the process to end. The caller passes `wake`, called whenever something new can
 //! be received. Names no window, writes no files.
 
-pub mod figures;
+pub mod background;
 pub mod job;
 pub mod protocol;
 pub mod session;
 pub mod signals;
 
-mod live;
-mod measurements;
 mod run_loop;
 mod setup;
 mod system;

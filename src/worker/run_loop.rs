@@ -1,21 +1,24 @@
-//! The solver thread: commands in, events out, the newest picture in a mailbox.
+//! The two threads: the solver's, commands in, events out, the newest picture in a mailbox; and
+//! beside it the live loop's, where the newest scene wins: a coarse loop first, a finer one when
+//! the hand rests.
 
-use super::figures;
+use super::background;
 use super::job::{Job, Wake};
-use super::live::Live;
-use super::measurements;
 use super::protocol::{
-    ChartSoFar, Command, Envelope, Event, Failure, Page, PageContent, RunId, SolverHandle,
+    ChartSoFar, Command, Envelope, Event, Failure, LiveState, Page, PageContent, RunId,
+    SolverHandle,
 };
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
 use crate::numerics::cancel::Cancel;
-use crate::scene::Scene;
+use crate::scene::{Drive, Model, Scene};
 use crate::study::chart::Effort;
+use crate::study::live_loop::{Fineness, LiveLoops};
 use crate::study::time_step_map::TimeStepMap;
-use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded, unbounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Handle of the solver thread, and of the live loop's beside it. Dropping it cancels both, and
 /// waits for them a little.
@@ -66,7 +69,7 @@ impl Worker {
     }
 
     /// Waits for the next event, for callers without a window.
-    pub fn next_event(&self, patience: std::time::Duration) -> Option<Envelope<Event>> {
+    pub fn next_event(&self, patience: Duration) -> Option<Envelope<Event>> {
         self.events.recv_timeout(patience).ok()
     }
 }
@@ -96,18 +99,20 @@ impl SolverHandle for Worker {
 
     fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
         Job::start(self.wake.clone(), move |report| {
-            measurements::time_steps(&scene, turn, report)
+            background::time_steps(&scene, turn, report)
         })
     }
 
     fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
         Job::start(self.wake.clone(), move |report| {
-            measurements::chart(&scene, effort, report)
+            background::chart(&scene, effort, report)
         })
     }
 
     fn page(&self, page: Page) -> Job<PageContent> {
-        figures::page(page, self.wake.clone())
+        Job::start(self.wake.clone(), move |report| {
+            background::page(page, report)
+        })
     }
 }
 
@@ -161,8 +166,8 @@ fn run(inbox: &Receiver<Envelope<Command>>, post: &Post, cancel: &Cancel) {
             },
             Some(pause) => match inbox.recv_timeout(pause) {
                 Ok(command) => Ok(command),
-                Err(crossbeam_channel::RecvTimeoutError::Timeout) => continue,
-                Err(crossbeam_channel::RecvTimeoutError::Disconnected) => Err(()),
+                Err(RecvTimeoutError::Timeout) => continue,
+                Err(RecvTimeoutError::Disconnected) => Err(()),
             },
         };
         match command {
@@ -217,6 +222,121 @@ fn guarded(
             remedy: "It rests on the last good state. Please save the scene and report it.".into(),
         }));
     }
+}
+
+/// Silence after which the hand counts as resting.
+const REST: Duration = Duration::from_millis(150);
+
+/// A scene whose loop is wanted, with its run.
+type Wanted = Envelope<Arc<Scene>>;
+
+/// Handle of the live loop's thread.
+struct Live {
+    mailbox: Option<Sender<Wanted>>,
+    quit: Cancel,
+    stale: Receiver<Wanted>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Starts the thread; it sleeps until a scene comes.
+    fn spawn(tell: impl Fn(Envelope<Event>) + Send + 'static) -> Self {
+        let (mailbox, wanted) = bounded(1);
+        let stale = wanted.clone();
+        let quit = Cancel::default();
+        let loops = LiveLoops::obeying(&quit);
+        let thread = system::spawn("live loop", move || run_live(&wanted, loops, &tell));
+        Self {
+            mailbox: Some(mailbox),
+            quit,
+            stale,
+            thread: Some(thread),
+        }
+    }
+
+    /// Asks for the loop of a scene; a scene that still waits is dropped.
+    fn ask(&self, run: RunId, scene: Arc<Scene>) {
+        let _ = self.stale.try_recv();
+        if let Some(mailbox) = &self.mailbox {
+            let _ = mailbox.try_send(Envelope {
+                run,
+                message: scene,
+            });
+        }
+    }
+
+    /// Asks the thread to end, and gives its handle away; `None` if that was done before.
+    fn ask_to_end(&mut self) -> Option<JoinHandle<()>> {
+        self.quit.request();
+        let _ = self.stale.try_recv();
+        self.mailbox = None;
+        self.thread.take()
+    }
+}
+
+fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envelope<Event>)) {
+    let mut known: Option<(Model, Drive, u64, Arc<LiveState>)> = None;
+    let mut next = wanted.recv().ok();
+    while let Some(Envelope {
+        run,
+        message: scene,
+    }) = next.take()
+    {
+        let Ok(model) = scene.model() else {
+            next = wanted.recv().ok();
+            continue;
+        };
+        let (drive, seed) = (scene.drive, scene.seed);
+        // A reset, another method: the loop stays what it was.
+        let same = known
+            .take()
+            .filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
+        let mut state = same.map_or_else(
+            || computed(&mut loops, &scene, &model, Fineness::Coarse),
+            |(.., state)| state,
+        );
+        tell(Envelope {
+            run,
+            message: Event::Live(state.clone()),
+        });
+        if state.fineness == Fineness::Coarse {
+            match wanted.recv_timeout(REST) {
+                Ok(newer) => next = Some(newer),
+                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => {
+                    state = computed(&mut loops, &scene, &model, Fineness::Fine);
+                    tell(Envelope {
+                        run,
+                        message: Event::Live(state.clone()),
+                    });
+                }
+            }
+        }
+        known = Some((model, drive, seed, state));
+        if next.is_none() {
+            next = wanted.recv().ok();
+        }
+    }
+}
+
+fn computed(
+    loops: &mut LiveLoops,
+    scene: &Scene,
+    model: &Model,
+    fineness: Fineness,
+) -> Arc<LiveState> {
+    let began = Instant::now();
+    let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
+    let found = match found {
+        Ok(found) => found.map_err(|error| error.to_string()),
+        // What it holds after a panic is not to be trusted; `next` has taken it out.
+        Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
+    };
+    Arc::new(LiveState {
+        found,
+        fineness,
+        milliseconds: began.elapsed().as_secs_f64() * 1e3,
+    })
 }
 
 #[cfg(test)]

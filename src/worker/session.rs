@@ -231,13 +231,18 @@ impl Session {
         }
     }
 
-    fn begin(&mut self, run: RunId, setup: Setup, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
-        *self = Self {
+    /// Another run, of which nothing is known yet.
+    fn afresh(&self, run: RunId) -> Self {
+        Self {
             run,
             speed: self.speed,
             watched: self.watched,
             ..Self::default()
-        };
+        }
+    }
+
+    fn begin(&mut self, run: RunId, setup: Setup, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
+        *self = self.afresh(run);
         match setup.walk(cancel) {
             Ok(mut walk) => {
                 let system = walk.system();
@@ -270,12 +275,7 @@ impl Session {
     }
 
     fn refuse(&mut self, run: RunId, error: Refusal, sink: &mut dyn FnMut(Event)) {
-        *self = Self {
-            run,
-            speed: self.speed,
-            watched: self.watched,
-            ..Self::default()
-        };
+        *self = self.afresh(run);
         let message = format!("This scene cannot run: {} = {}", error.key, error.value);
         sink(Event::Failed(Failure {
             message,
@@ -370,7 +370,9 @@ impl Session {
                 }
                 sink(Event::Failed(Failure {
                     message: format!("Not converged: {reason}."),
-                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower mu_rho), or another seed.".into(),
+                    remedy: "The last good state stays. Try a smaller step, a finer mesh (lower \
+                        mu_rho), or another seed."
+                        .into(),
                 }));
                 self.rest(sink);
             }

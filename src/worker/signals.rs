@@ -40,12 +40,14 @@ fn meaning(first: Option<Instant>, now: Instant) -> Meaning {
 }
 
 /// A token that the first request raises. A later one, after two seconds, ends the process with
-/// `code` as soon as `at_rest` gives the guard that keeps files from being half written. Signals in
-/// the mask `ignored` (bit 0 is signal 1) stay ignored.
-pub fn cancel_on_signal<G>(ignored: u64, at_rest: fn() -> Option<G>, code: i32) -> Cancel
+/// `code` as soon as `at_rest` gives the guard that keeps files from being half written. Signals
+/// that the process was told to ignore when it was started (`nohup`, `&` in a script) stay ignored:
+/// `status` is what the system says of it, as in /proc/self/status.
+pub fn cancel_on_signal<G>(status: &str, at_rest: fn() -> Option<G>, code: i32) -> Cancel
 where
     G: 'static,
 {
+    let ignored = ignored_in(status);
     let cancel = Cancel::default();
     let (token, heard) = (cancel.clone(), Arc::new(AtomicBool::new(false)));
     let asked = heard.clone();
@@ -81,6 +83,13 @@ where
     cancel
 }
 
+/// The signals that are ignored, as a mask: bit 0 is signal 1. None where the status does not say.
+fn ignored_in(status: &str) -> u64 {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .unwrap_or(0)
+}
+
 fn end<G>(at_rest: fn() -> Option<G>, code: i32) {
     let begin = Instant::now();
     let mut guard = at_rest();
@@ -108,5 +117,14 @@ mod tests {
             [2000, 60_000].map(|ms| meaning(Some(begin), after(ms))),
             [Meaning::End; 2]
         );
+    }
+
+    #[test]
+    fn the_mask_is_read_where_there_is_one() {
+        assert_eq!(
+            ignored_in("Name:\tx\nSigBlk:\t0000000000000002\nSigIgn:\t0000000000001001\n"),
+            0x1001
+        );
+        assert_eq!([ignored_in(""), ignored_in("SigIgn:\tmany\n")], [0, 0]);
     }
 }

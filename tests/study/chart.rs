@@ -11,7 +11,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::scene::part::Strategy;
 use tackscope::scene::{Points, Range, Scene};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::chart::CHART_COLUMNS;
+use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::scene_file;
 use tackscope::study::chart::{
     Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points,

@@ -93,13 +93,8 @@ fn made_up(number: usize) -> Figure {
         ],
         ..Panel::default()
     };
-    let finding = |found, tolerance| Finding {
-        quantity: "slope of the line".to_owned(),
-        found,
-        expected: 1.0,
-        source: "Eq. 8".to_owned(),
-        tolerance,
-    };
+    let finding =
+        |found, tolerance| Finding::new("slope of the line", found, 1.0, "Eq. 8", tolerance);
     Figure {
         number,
         title: "made up".to_owned(),

@@ -2,7 +2,7 @@
 //! and that of square patterns from its limits, then those that join them where a stable pattern
 //! breaks its symmetry.
 
-use super::trace::{End, Tracer};
+use super::trace::{End, Start, Tracer};
 use super::{Branch, Diagram, Ending, Kind, Point, Report};
 use crate::follow::atlas::Meshes;
 use crate::numerics::cancel::Cancel;
@@ -77,7 +77,7 @@ impl Sheet {
                 report(name, points, knot.state.mean_displacement);
             },
         }
-        .follow(from, false, end)
+        .follow(Start::Meeting(from), end)
     }
 }
 

@@ -43,6 +43,14 @@ pub(super) struct Tracer<'a> {
     pub report: &'a mut dyn FnMut(&Knot),
 }
 
+/// Where a branch begins.
+pub(super) enum Start {
+    /// At a point of it.
+    Point(Knot),
+    /// Where another branch is left.
+    Meeting(Knot),
+}
+
 /// A knot with its counts; none where a branch begins at a bifurcation.
 struct Place {
     knot: Knot,
@@ -53,38 +61,33 @@ struct Place {
 pub(super) type End<'e> = &'e mut dyn FnMut(&Knot, &Knot) -> Result<f64, Ending>;
 
 impl Tracer<'_> {
-    /// Follows the branch that leaves `from` along its tangent until `end` says that it ends
-    /// between two knots. Where `from` is a point of this branch it is the first one; where another
-    /// branch is left there it is none.
-    pub fn follow(&mut self, from: Knot, begins: bool, end: End<'_>) -> (Vec<Point>, Ending) {
+    /// Follows the branch from its start along the tangent there, until `end` says that it ends.
+    pub fn follow(&mut self, from: Start, end: End<'_>) -> (Vec<Point>, Ending) {
         let mut points = Vec::new();
-        let ending = self.walk(from, begins, end, &mut points);
+        let ending = self.advance(from, end, &mut points);
         (points, ending.unwrap_or_else(Ending::Lost))
     }
 
-    fn walk(
+    fn advance(
         &mut self,
-        from: Knot,
-        begins: bool,
+        from: Start,
         end: End<'_>,
         points: &mut Vec<Point>,
     ) -> Result<Ending, Lost> {
         let range = self.mechanics.system.law().range;
-        let mut here = Place {
-            knot: from,
-            counts: None,
+        let mut here = match from {
+            Start::Meeting(knot) => Place { knot, counts: None },
+            Start::Point(knot) => {
+                let State {
+                    amplitudes,
+                    mean_displacement,
+                    ..
+                } = knot.state;
+                let first = self.place(amplitudes, mean_displacement, &knot.tangent)?;
+                points.push(first.point());
+                first
+            }
         };
-        if begins {
-            let State {
-                amplitudes,
-                mean_displacement,
-                ..
-            } = here.knot.state.clone();
-            let arc = here.knot.arc;
-            here = self.place(amplitudes, mean_displacement, &here.knot.tangent)?;
-            here.knot.arc = arc;
-            points.push(here.point());
-        }
         let mut behind: Option<Knot> = None;
         let mut step = FIRST * range;
         while points.len() < POINTS {
@@ -189,7 +192,8 @@ impl Tracer<'_> {
                 ));
             }
             for rank in ranks {
-                let point = self.bifurcation([&a.knot, &b.knot], [class, rank], from > to)?;
+                let sign = if from > to { 1.0 } else { -1.0 };
+                let point = self.bifurcation([&a.knot, &b.knot], [class, rank], sign)?;
                 found.push((point, change));
             }
         }
@@ -205,16 +209,15 @@ impl Tracer<'_> {
         Ok(counted.collect())
     }
 
-    /// Where the eigenvalue of a class with so many smaller ones vanishes between two knots.
+    /// Where the eigenvalue of a class with so many smaller ones vanishes between two knots;
+    /// `sign` times it rises.
     fn bifurcation(
         &mut self,
         [a, b]: [&Knot; 2],
         which: [usize; 2],
-        rises: bool,
+        sign: f64,
     ) -> Result<Point, Lost> {
         let mut mode = Vec::new();
-        // Rising by the way; only the sign is known at the knots.
-        let sign = if rises { 1.0 } else { -1.0 };
         let value = |tracer: &mut Self, s: f64| {
             let (knot, fields) = tracer.between(a, b, s)?;
             let Tracer {

@@ -1,7 +1,7 @@
 //! The diagram on uneven ground: the loop's own branch through all its folds, from the start of the
 //! drive until it leaves its range.
 
-use super::trace::Tracer;
+use super::trace::{Start, Tracer};
 use super::{Branch, Diagram, Ending, Report};
 use crate::follow::walk::symmetry::slides_on;
 use crate::follow::walk::{Walk, WalkOptions};
@@ -67,7 +67,7 @@ pub(super) fn fill(
             report("contact", points, knot.state.mean_displacement);
         },
     }
-    .follow(from, true, &mut beyond);
+    .follow(Start::Point(from), &mut beyond);
     diagram.transforms += mechanics.transforms() + index.transforms();
     if ending != Ending::Window {
         diagram.missing.push(format!(

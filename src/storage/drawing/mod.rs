@@ -1,20 +1,14 @@
-//! Diagrams and tables as files: pictures as SVG and PNG, the paper's data as CSV. The same value
-//! gives the same bytes.
+//! Diagrams and tables as pictures, SVG and PNG. The same value gives the same bytes.
 //!
 //! Everything is drawn once, onto a sheet that is the SVG; the PNG is that SVG rendered.
 
 mod clip;
-mod csv;
 mod legend;
 mod panel;
 mod svg;
-mod table;
 #[cfg(test)]
 mod tests;
 
-pub use csv::{
-    FIGURE_COLUMNS, FINDING_COLUMNS, write_figure_csv, write_findings_csv, write_table_csv,
-};
 pub(super) use svg::escaped;
 
 use super::picture::write_png;
@@ -23,7 +17,7 @@ use crate::paper::figure::Table;
 use crate::plot::panel::{Page, Panel};
 use legend::Legend;
 use std::path::Path;
-use svg::{Anchor, Sheet, ink, set, width};
+use svg::{Anchor, RULE, Sheet, ink, set, solid, width};
 
 /// Edge of the sheet, sizes of its title and of the lines beneath, and the distance to the
 /// diagrams.
@@ -56,7 +50,7 @@ pub fn write_page_png(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_table_svg(path: &Path, table: &Table) -> Result<(), Failure> {
-    files::write_whole(path, table::sheet(table).svg().as_bytes())
+    files::write_whole(path, table_sheet(table).svg().as_bytes())
 }
 
 /// Writes the table as a PNG, at least 1800 pixels wide.
@@ -64,7 +58,7 @@ pub fn write_table_svg(path: &Path, table: &Table) -> Result<(), Failure> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_table_png(path: &Path, table: &Table) -> Result<(), Failure> {
-    write_pixels(path, &table::sheet(table))
+    write_pixels(path, &table_sheet(table))
 }
 
 /// The page as the text of an SVG.
@@ -163,5 +157,59 @@ fn page_sheet(page: &Page<'_>) -> Sheet {
     if let Some(legend) = common {
         legend.draw(&mut sheet, [EDGE + 6.0, y - BETWEEN + 8.0], across);
     }
+    sheet
+}
+
+/// The table: heading, columns as wide as they need, thin rules.
+fn table_sheet(table: &Table) -> Sheet {
+    const TITLE: f64 = 17.0;
+    const TEXT: f64 = 13.5;
+    const ROW: f64 = 24.0;
+    const EDGE: f64 = 24.0;
+    const GAP: f64 = 26.0;
+    const WIDTH_MIN: f64 = 480.0;
+
+    let rows = || std::iter::once(&table.columns).chain(&table.rows);
+    let columns = rows().map(Vec::len).max().unwrap_or(0);
+    let widest = |k: usize| {
+        rows()
+            .filter_map(|row| row.get(k))
+            .map(|cell| width(&set(cell), TEXT))
+            .fold(0.0, f64::max)
+    };
+    let widths: Vec<f64> = (0..columns).map(widest).collect();
+    let title = set(&format!("Table {}: {}", table.number, table.title));
+    let needed = widths.iter().sum::<f64>() + GAP * columns.saturating_sub(1) as f64;
+    let across = needed.max(width(&title, TITLE)).max(WIDTH_MIN) + 2.0 * EDGE;
+    let top = EDGE + TITLE + 18.0;
+    let mut sheet = Sheet::new(
+        across.ceil(),
+        (top + ROW * (table.rows.len() + 1) as f64 + EDGE).ceil(),
+    );
+    sheet.words(
+        [EDGE, EDGE + 0.5 * TITLE],
+        &title,
+        TITLE,
+        ink(),
+        Anchor::Start,
+    );
+    for (r, row) in rows().enumerate() {
+        let y = top + ROW * r as f64;
+        let mut x = EDGE;
+        for (cell, wide) in row.iter().zip(&widths) {
+            sheet.words([x, y + 0.5 * ROW], &set(cell), TEXT, ink(), Anchor::Start);
+            x += wide + GAP;
+        }
+        let (colour, thick) = if r == 0 || r == table.rows.len() {
+            (ink(), 1.2)
+        } else {
+            (RULE, 0.5)
+        };
+        sheet.line(
+            &[[EDGE, y + ROW], [across - EDGE, y + ROW]],
+            solid(colour, thick),
+        );
+    }
+    sheet.line(&[[EDGE, top], [across - EDGE, top]], solid(ink(), 1.2));
     sheet
 }

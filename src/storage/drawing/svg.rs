@@ -83,7 +83,8 @@ impl Sheet {
         });
         let _ = writeln!(
             self.marks,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{dash}/>",
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
+             stroke-linejoin=\"round\"{dash}/>",
             places(points),
             hex(stroke.colour),
             number(stroke.width)
@@ -128,8 +129,8 @@ impl Sheet {
             .unwrap_or_default();
         let _ = writeln!(
             self.marks,
-            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-             href=\"data:image/png;base64,{bytes}\"/>"
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+             preserveAspectRatio=\"none\" href=\"data:image/png;base64,{bytes}\"/>"
         );
     }
 
@@ -205,7 +206,8 @@ impl Sheet {
     pub(super) fn svg(&self) -> String {
         let (width, height) = (number(self.width), number(self.height));
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"0 0 {width} {height}\" \
              font-family=\"DejaVu Sans, Verdana, sans-serif\" xml:space=\"preserve\">\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n{}</svg>\n",
             hex(GROUND.colour()),

@@ -9,7 +9,10 @@ use crate::plot::loop_panel::tests::{invented_loop, law};
 use crate::plot::panel::{Area, Arrow, Axis, Colour, Content, Inset, Label, Role, Series, Symbol};
 use crate::plot::{chart_panel, loop_panel};
 use crate::scene::Model;
-use crate::storage::chart::tests::invented;
+use crate::storage::export::tests::invented;
+use crate::storage::export::{
+    FIGURE_COLUMNS, write_figure_csv, write_findings_csv, write_table_csv,
+};
 use crate::study::chart::Chart;
 use ndarray::Array2;
 
@@ -399,13 +402,7 @@ fn a_table_becomes_csv_svg_and_png_and_findings_say_whether_they_agree() {
     );
     write_table_png(&out("t.png"), &table).expect("a PNG");
     assert!(image::open(out("t.png")).expect("a picture").width() >= 1600);
-    let finding = |found, tolerance| Finding {
-        quantity: "p".to_owned(),
-        found,
-        expected: 1.0,
-        source: "Eq. 8".to_owned(),
-        tolerance,
-    };
+    let finding = |found, tolerance| Finding::new("p", found, 1.0, "Eq. 8", tolerance);
     let findings = [
         finding(1.25, Some(0.5)),
         finding(3.0, Some(0.5)),

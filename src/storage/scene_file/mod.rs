@@ -4,16 +4,14 @@
 //! what is allowed.
 
 mod read;
-mod section;
-mod write;
 
 use super::{Failure, files};
-use crate::physics::parameter::Refusal;
-use crate::scene::Scene;
+use crate::physics::parameter::{Parameter, Refusal, Value as Own};
+use crate::scene::{Points, Range, Scene, Turn};
 use std::path::Path;
+use toml::Value;
 
 pub use read::parse;
-pub use write::to_text;
 
 /// The version of the scene file that this program reads and writes.
 pub const FORMAT: i64 = 1;
@@ -49,17 +47,11 @@ pub fn pasted(text: &str) -> Result<Scene, Failure> {
 /// # Errors
 /// What is too long, not UTF-8, or no allowed scene.
 pub(super) fn scene_of(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
-    let refused = |reason: String, remedy: &str| Failure::Read {
-        file: path.display().to_string(),
-        reason,
-        remedy: remedy.to_owned(),
-    };
     if bytes.len() as u64 > BYTES_MAX {
-        let remedy = "a scene file is a page of text; check that this is one";
-        return Err(refused(format!("longer than {BYTES_MAX} bytes"), remedy));
+        return Err(Failure::too_long(path, BYTES_MAX));
     }
     let text = String::from_utf8(bytes)
-        .map_err(|_| refused("not UTF-8".to_owned(), "save it as UTF-8 text"))?;
+        .map_err(|_| Failure::unreadable(path, "not UTF-8", "save it as UTF-8 text"))?;
     parse(&text, &path.display().to_string())
 }
 
@@ -75,10 +67,93 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), Failure> {
 
 /// The refusal of a value by the scene itself, with the file it came from.
 pub fn refused(file: &str, error: Refusal) -> Failure {
-    Failure::Value {
-        file: file.to_owned(),
-        key: error.key,
-        value: error.value,
-        allowed: error.allowed,
+    Failure::value(file, &error.key, &error.value, &error.allowed)
+}
+
+/// The scene file of a scene; [`parse`] gives the same scene back.
+pub fn to_text(scene: &Scene) -> String {
+    let mut text = format!("format = {FORMAT}\n");
+    let mut line = |key: &str, value: Value| text.push_str(&format!("{key} = {value}\n"));
+    line("title", scene.title.as_str().into());
+    line("source", scene.source.as_str().into());
+    for (name, keys) in [
+        ("cell", cell(scene)),
+        ("law", law(scene)),
+        ("indenter", indenter(scene)),
+        ("drive", drive(scene)),
+        ("accuracy", vec![("target", scene.accuracy.into())]),
+        ("noise", vec![("seed", seed(scene.seed))]),
+    ] {
+        text.push_str(&format!("\n[{name}]\n"));
+        for (key, value) in keys {
+            text.push_str(&format!("{key} = {value}\n"));
+        }
     }
+    text
+}
+
+type Keys = Vec<(&'static str, Value)>;
+
+fn cell(scene: &Scene) -> Keys {
+    let points = match scene.cell.points {
+        Points::Auto => "auto".into(),
+        Points::Square(n) => whole(n),
+        Points::Line(n) => Value::Array(vec![whole(n), whole(1)]),
+    };
+    vec![("length", scene.cell.length.into()), ("points", points)]
+}
+
+fn law(scene: &Scene) -> Keys {
+    let mut keys: Keys = vec![("kind", scene.law.shape.word().into())];
+    keys.extend(own(scene.law.shape.parameters(), &scene.law.shape.values()));
+    keys.push(("surface_energy", scene.law.surface_energy.into()));
+    keys.push(match scene.law.range {
+        Range::Length(range) => ("range", range.into()),
+        Range::MuRho(mu_rho) => ("mu_rho", mu_rho.into()),
+    });
+    keys
+}
+
+fn indenter(scene: &Scene) -> Keys {
+    let mut keys: Keys = vec![("kind", scene.indenter.word().into())];
+    keys.extend(own(scene.indenter.parameters(), &scene.indenter.values()));
+    keys
+}
+
+/// What only a law or a ground of this kind has.
+fn own(parameters: &'static [Parameter], values: &[Own]) -> Keys {
+    let value = |value: &Own| match *value {
+        Own::Number(x) => x.into(),
+        Own::Whole(n) => seed(n),
+        Own::Counts([x, 0]) => whole(x),
+        Own::Counts([x, y]) => Value::Array(vec![whole(x), whole(y)]),
+        Own::Flag(flag) => flag.into(),
+    };
+    parameters
+        .iter()
+        .map(Parameter::name)
+        .zip(values.iter().map(value))
+        .collect()
+}
+
+fn drive(scene: &Scene) -> Keys {
+    let turn = match scene.drive.turn {
+        Turn::At(turn) => turn.into(),
+        Turn::ZeroLoad => "zero_load".into(),
+    };
+    vec![
+        ("start", scene.drive.start.into()),
+        ("turn", turn),
+        ("step", scene.drive.step.into()),
+    ]
+}
+
+/// A count; TOML has no integers beyond 2^63 - 1, and no allowed scene has such a count.
+fn whole(n: usize) -> Value {
+    Value::Integer(i64::try_from(n).unwrap_or(i64::MAX))
+}
+
+/// A seed; beyond 2^63 - 1, which the reader refuses, it is kept as a text that says so.
+fn seed(seed: u64) -> Value {
+    i64::try_from(seed).map_or_else(|_| Value::String(seed.to_string()), Value::Integer)
 }

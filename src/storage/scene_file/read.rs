@@ -1,6 +1,5 @@
-//! From the text of a scene file to a scene.
+//! From the text of a scene file to a scene, by a typed view of each of its tables.
 
-use super::section::{Section, finite};
 use super::{FORMAT, refused};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
@@ -8,6 +7,8 @@ use crate::physics::parameter::{Parameter, Value as Own};
 use crate::scene::parameter;
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::storage::Failure;
+use crate::storage::failure::{near, quote};
+use std::sync::LazyLock;
 use toml::{Table, Value};
 
 /// Reads a scene from the text of a scene file; `file_name` is only used in messages.
@@ -33,12 +34,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
             .inside("indenter")?
             .map_or(Ok(Indenter::Flat), |section| indenter(&section))?,
         drive: drive(&root.required("drive", "start, turn and step")?)?,
-        accuracy: accuracy(
-            &root
-                .inside("accuracy")?
-                .unwrap_or_else(|| root.empty("accuracy")),
-        )?,
-        seed: noise(&root.inside("noise")?.unwrap_or_else(|| root.empty("noise")))?,
+        accuracy: accuracy(&root.optional("accuracy")?)?,
+        seed: noise(&root.optional("noise")?)?,
     };
     scene
         .validate()
@@ -86,12 +83,7 @@ fn points(section: &Section<'_>) -> Result<Points, Failure> {
     let value = section.given(&parameter::POINTS)?;
     let parsed = match value {
         Value::String(word) if word == "auto" => Some(Points::Auto),
-        Value::Array(sides) => match sides
-            .iter()
-            .map(whole)
-            .collect::<Option<Vec<_>>>()
-            .as_deref()
-        {
+        Value::Array(sides) => match wholes(sides).as_deref() {
             Some([n, 1]) => Some(Points::Line(*n)),
             Some([n, m]) if n == m => Some(Points::Square(*n)),
             _ => None,
@@ -191,12 +183,7 @@ fn range(section: &Section<'_>) -> Result<Range, Failure> {
 fn counts(section: &Section<'_>, parameter: &Parameter) -> Result<[usize; 2], Failure> {
     let value = section.given(parameter)?;
     let parsed = match value {
-        Value::Array(both) => match both
-            .iter()
-            .map(whole)
-            .collect::<Option<Vec<_>>>()
-            .as_deref()
-        {
+        Value::Array(both) => match wholes(both).as_deref() {
             Some([x, y]) => Some([*x, *y]),
             _ => None,
         },
@@ -249,4 +236,189 @@ fn seed(section: &Section<'_>, parameter: &Parameter) -> Result<u64, Failure> {
 /// A count.
 fn whole(value: &Value) -> Option<usize> {
     value.as_integer().and_then(|n| usize::try_from(n).ok())
+}
+
+fn wholes(values: &[Value]) -> Option<Vec<usize>> {
+    values.iter().map(whole).collect()
+}
+
+/// One table, with what an error needs to name its place.
+struct Section<'a> {
+    file: &'a str,
+    name: &'static str,
+    table: &'a Table,
+}
+
+impl<'a> Section<'a> {
+    /// The file's own, outermost table.
+    fn root(file: &'a str, table: &'a Table) -> Self {
+        Self {
+            file,
+            name: "",
+            table,
+        }
+    }
+
+    /// The table `[name]` inside this one, or `None` if it is not there.
+    fn inside(&self, name: &'static str) -> Result<Option<Section<'a>>, Failure> {
+        match self.table.get(name) {
+            None => Ok(None),
+            Some(Value::Table(table)) => Ok(Some(Section {
+                file: self.file,
+                name,
+                table,
+            })),
+            Some(other) => Err(self.refuse(name, other, &format!("allowed is a table, [{name}]"))),
+        }
+    }
+
+    /// The table `[name]`; where it is not there everything in it has its default.
+    fn optional(&self, name: &'static str) -> Result<Section<'a>, Failure> {
+        static NOTHING: LazyLock<Table> = LazyLock::new(Table::new);
+        Ok(self.inside(name)?.unwrap_or(Section {
+            file: self.file,
+            name,
+            table: &NOTHING,
+        }))
+    }
+
+    /// The table `[name]`, which must be there.
+    fn required(&self, name: &'static str, keys: &str) -> Result<Section<'a>, Failure> {
+        self.inside(name)?.ok_or_else(|| Failure::Missing {
+            file: self.file.to_owned(),
+            key: format!("[{name}]"),
+            allowed: format!("add this table with {keys}"),
+        })
+    }
+
+    /// Refuses every key that is not in `allowed`.
+    fn only(&self, allowed: &[&str]) -> Result<(), Failure> {
+        match self
+            .table
+            .keys()
+            .find(|key| !allowed.contains(&key.as_str()))
+        {
+            None => Ok(()),
+            Some(key) => Err(Failure::UnknownKey {
+                file: self.file.to_owned(),
+                key: self.dotted(&quote(key)),
+                near: near(key, allowed.iter().copied()),
+                place: if self.name.is_empty() {
+                    "its top level".to_owned()
+                } else {
+                    format!("[{}]", self.name)
+                },
+                allowed: allowed.join(", "),
+            }),
+        }
+    }
+
+    /// True if the key is there.
+    fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    /// The raw value, which must be there.
+    fn value(&self, key: &str, allowed: &str) -> Result<&'a Value, Failure> {
+        self.table
+            .get(key)
+            .ok_or_else(|| self.missing(key, allowed))
+    }
+
+    /// The number of a parameter (an integer will do), or its default if it has one and is not
+    /// there; the scene checks its range.
+    fn number(&self, parameter: &Parameter) -> Result<f64, Failure> {
+        let key = parameter.name();
+        match (self.table.get(key), parameter.default) {
+            (None, Some(default)) => Ok(default.number()),
+            (None, None) => Err(self.missing(key, &parameter.allowed())),
+            (Some(value), _) => finite(value).ok_or_else(|| self.refuse_number(parameter, value)),
+        }
+    }
+
+    /// The raw value of a parameter, which must be there.
+    fn given(&self, parameter: &Parameter) -> Result<&'a Value, Failure> {
+        self.value(parameter.name(), &parameter.allowed())
+    }
+
+    /// The refusal of what a parameter cannot be.
+    fn refuse_number(&self, parameter: &Parameter, value: &Value) -> Failure {
+        self.refuse(
+            parameter.name(),
+            value,
+            &format!("allowed is {}", parameter.allowed()),
+        )
+    }
+
+    /// A text.
+    fn text(&self, key: &str, allowed: &str) -> Result<&'a str, Failure> {
+        let value = self.value(key, allowed)?;
+        value
+            .as_str()
+            .ok_or_else(|| self.refuse(key, value, &format!("allowed is {allowed}")))
+    }
+
+    /// A text, or `default` if it is not there.
+    fn text_or(&self, key: &str, default: &str) -> Result<String, Failure> {
+        if self.has(key) {
+            self.text(key, "a text in quotes").map(str::to_owned)
+        } else {
+            Ok(default.to_owned())
+        }
+    }
+
+    /// The flag of a parameter, or its default if it has one and is not there.
+    fn flag(&self, parameter: &Parameter) -> Result<bool, Failure> {
+        match (self.table.get(parameter.name()), parameter.default) {
+            (None, Some(default)) => Ok(default.flag()),
+            (None, None) => Err(self.missing(parameter.name(), &parameter.allowed())),
+            (Some(value), _) => value
+                .as_bool()
+                .ok_or_else(|| self.refuse_number(parameter, value)),
+        }
+    }
+
+    /// The refusal of a value; `allowed` is a clause.
+    fn refuse(&self, key: &str, value: &Value, allowed: &str) -> Failure {
+        let value = quote(&value.to_string());
+        Failure::value(self.file, &self.dotted(key), &value, allowed)
+    }
+
+    /// The refusal of a word that is none of `words`.
+    fn refuse_word(&self, key: &str, word: &str, words: &[&str]) -> Failure {
+        let listed: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+        let allowed = format!(
+            "allowed are {}{}",
+            listed.join(", "),
+            near(word, words.iter().copied())
+        );
+        self.refuse(key, &Value::String(word.to_owned()), &allowed)
+    }
+
+    /// The complaint that a key is not there.
+    fn missing(&self, key: &str, allowed: &str) -> Failure {
+        Failure::Missing {
+            file: self.file.to_owned(),
+            key: self.dotted(key),
+            allowed: format!("allowed is {allowed}"),
+        }
+    }
+
+    fn dotted(&self, key: &str) -> String {
+        if self.name.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.name)
+        }
+    }
+}
+
+/// A value as a finite number.
+fn finite(value: &Value) -> Option<f64> {
+    let number = match value {
+        Value::Float(number) => *number,
+        Value::Integer(number) => *number as f64,
+        _ => return None,
+    };
+    number.is_finite().then_some(number)
 }

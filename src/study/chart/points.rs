@@ -9,7 +9,7 @@ use crate::physics::mesh_rule::{SAFE, mu_rho};
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Strategy;
-use crate::scene::{Cell, LawChoice, Points, Range, Scene, Turn};
+use crate::scene::{Cell, LawChoice, Range, Scene, Turn};
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
 use std::collections::HashMap;
@@ -103,11 +103,7 @@ impl Effort {
 /// The scene with its range as a length: it must not change with the mesh.
 pub(super) fn with_fixed_law(scene: &Scene) -> Result<Scene, Refusal> {
     let model = scene.model()?;
-    let points = if model.grid.is_line() {
-        Points::Line(model.grid.nx)
-    } else {
-        Points::Square(model.grid.nx)
-    };
+    let points = scene.cell.points.resized(model.grid.nx);
     let law = LawChoice {
         range: Range::Length(model.law.range),
         ..scene.law

@@ -4,13 +4,13 @@
 use super::ViewState;
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, GALLERY};
+use crate::scene::Range;
 use crate::scene::part::Strategy;
-use crate::scene::{Points, Range};
 use crate::study::chart::Effort;
 use crate::ui::action::{Measurement, Tab};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use crate::worker::protocol::{Failure, Page, PageContent};
+use crate::worker::protocol::{Page, PageContent};
 use std::collections::HashMap;
 
 /// Processor seconds of a full chart.
@@ -110,10 +110,7 @@ impl ViewState {
             .filter_map(Result::err)
         {
             let message = format!("The measurement ended early: {why}.");
-            self.messages.failure = Some(Failure {
-                message,
-                remedy: "What was measured stands.".to_owned(),
-            });
+            self.messages.fail(message, "What was measured stands.");
         }
         self.paper.poll();
     }
@@ -166,11 +163,7 @@ impl ViewState {
             chart.iter_mut().for_each(Job::stop);
             let mut scene = (*self.scene).clone();
             scene.law.range = Range::Length(self.model.law.range);
-            scene.cell.points = if point.line {
-                Points::Line(point.points)
-            } else {
-                Points::Square(point.points)
-            };
+            scene.cell.points = scene.cell.points.resized(point.points);
             scene.drive.step = point.step;
             self.edit_scene(scene);
             self.set_method(point.method);
@@ -179,7 +172,8 @@ impl ViewState {
                 Strategy::Walk(_) => format!("the scene now runs as {point}"),
                 Strategy::Atlas => {
                     format!(
-                        "the scene now runs as {point}; the walk solves what is shown, the atlas says what is ahead"
+                        "the scene now runs as {point}; the walk solves what is shown, the atlas \
+                         says what is ahead"
                     )
                 }
             });

@@ -6,8 +6,8 @@ use crate::follow::record::{Direction, LoopRecord};
 use crate::follow::walk::EnergyWell;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
-use crate::plot::extent;
 use crate::plot::panel::Series;
+use crate::plot::scale;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
@@ -133,23 +133,13 @@ impl ViewState {
             .chain(self.plots.ghosts.iter().flat_map(Curve::points))
             .chain(kept)
             .collect();
-        let Some(&first) = points.first() else {
-            self.plots.fit = None;
-            return;
+        let side = |k: usize| {
+            let (low, high) = scale::ends(points.iter().map(|p| p[k]));
+            let margin = 0.06 * (high - low).max(1e-3);
+            (low - margin, high + margin)
         };
-        let (mut low, mut high) = (first, first);
-        for p in points {
-            for k in 0..2 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        for k in 0..2 {
-            let margin = 0.06 * (high[k] - low[k]).max(1e-3);
-            low[k] -= margin;
-            high[k] += margin;
-        }
-        self.plots.fit = Some((low, high));
+        let ((left, right), (low, high)) = (side(0), side(1));
+        self.plots.fit = (!points.is_empty()).then_some(([left, low], [right, high]));
     }
 
     /// Axes of the plot: (lower left, upper right) in u0/rho and stress/sigma_max.
@@ -157,7 +147,7 @@ impl ViewState {
         if let Some(fit) = self.plots.fit {
             return fit;
         }
-        let (low, high) = extent::stress_scale(&self.scene, &self.model);
+        let (low, high) = scale::stress_scale(&self.scene, &self.model);
         let (left, right) = (self.limits.0 / self.rho(), self.limits.1 / self.rho());
         let margin = 0.03 * (right - left);
         ([left - margin, low], [right + margin, high])
@@ -272,7 +262,7 @@ impl ViewState {
             .max(-2.0 * lowest)
             / gamma;
         if top > 0.0 && !(top / self.plots.well_scale > 0.12 && top <= self.plots.well_scale) {
-            self.plots.well_scale = extent::nice(1.2 * top);
+            self.plots.well_scale = scale::nice(1.2 * top);
         }
         self.run.well = Some(well);
     }

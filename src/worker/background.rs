@@ -1,13 +1,17 @@
-//! The paper's figures in the background: a page for the window, or several at once, one on each
-//! core.
+//! What is computed in the background, with partial results as they come: for the window, beside
+//! the walk, which time steps GFMD survives, speed against accuracy, and a page of the paper; for
+//! the command line the paper's figures, several at once, one on each core.
 
-use super::job::{FAULT, Job, Pace, Reporter, Wake};
-use super::protocol::{Page, PageContent};
+use super::job::{FAULT, Pace, Reporter};
+use super::protocol::{ChartSoFar, Page, PageContent};
 use super::system::{self, Instant};
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};
+use crate::scene::Scene;
+use crate::study::chart::{self, Effort, News};
+use crate::study::time_step_map::{Progress as Step, Survey, TimeStepMap};
 use crossbeam_channel::unbounded;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -16,16 +20,92 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Most figures at once.
 const THREADS_MAX: usize = 8;
 
+/// Measures the time-step map along an approach that ends at `turn` (length).
+///
+/// # Errors
+/// Why it could not be finished, in words.
+pub(super) fn time_steps(
+    scene: &Scene,
+    turn: f64,
+    report: &Reporter<TimeStepMap>,
+) -> Result<(), String> {
+    let mut survey = Survey::new(scene, turn).map_err(|error| error.to_string())?;
+    let mut end = Ok(());
+    while !report.cancel.requested() {
+        match survey.step(&report.cancel) {
+            Step::Working => {}
+            Step::Done | Step::Cancelled => break,
+            Step::Stuck(message) => {
+                end = Err(message);
+                break;
+            }
+        }
+        if report.is_due() {
+            report.progress(survey.map().fraction(), "time steps");
+            report.result(survey.map().clone());
+        }
+    }
+    report.result(survey.map().clone());
+    end
+}
+
+/// Measures the chart of speed against accuracy.
+///
+/// # Errors
+/// Why it could not be finished, in words.
+pub(super) fn chart(
+    scene: &Scene,
+    effort: Effort,
+    report: &Reporter<ChartSoFar>,
+) -> Result<(), String> {
+    let mut so_far = ChartSoFar::default();
+    let (mut done, mut doing) = (0.0, String::new());
+    let chart = chart::run(scene, effort, &report.cancel, &mut |news| {
+        match news {
+            News::Begun {
+                what,
+                reference: true,
+            } => doing = format!("reference: {what}"),
+            News::Begun {
+                what,
+                reference: false,
+            } => doing = what.to_string(),
+            News::Measured(row) => so_far.rows.push(row.clone()),
+            News::Skipped(_) => return,
+            News::Fraction(fraction) => {
+                done = fraction;
+                if !report.is_due() {
+                    return;
+                }
+            }
+        }
+        report.progress(done, &doing);
+        report.result(so_far.clone());
+    })
+    .map_err(|error| error.to_string())?;
+    let floor = chart
+        .reference
+        .map(|reference| reference.errors.dissipated_energy);
+    report.result(ChartSoFar {
+        rows: chart.rows,
+        floor,
+    });
+    Ok(())
+}
+
 /// Computes a page at the quick size.
-pub(super) fn page(page: Page, wake: Wake) -> Job<PageContent> {
-    Job::start(wake, move |report| match content(page, report) {
+///
+/// # Errors
+/// Why it could not be finished, in words.
+pub(super) fn page(page: Page, report: &Reporter<PageContent>) -> Result<(), String> {
+    match content(page, report) {
         Ok(content) => {
             report.result(content);
             Ok(())
         }
         Err(Stopped::Cancelled) => Ok(()),
         Err(Stopped::Failed(why)) => Err(why),
-    })
+    }
 }
 
 fn content(page: Page, report: &Reporter<PageContent>) -> Result<PageContent, Stopped> {
@@ -170,7 +250,8 @@ mod tests {
         assert_eq!(done[0], Some(Ok(())));
         assert_eq!(done[1], Some(Err(Stopped::Failed("no".to_owned()))));
         assert!(
-            matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its own"))
+            matches!(&done[2], Some(Err(Stopped::Failed(words))) if words.contains("fault of its \
+                own"))
         );
         assert_eq!(done[3], Some(Ok(())));
     }

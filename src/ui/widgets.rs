@@ -1,7 +1,10 @@
-//! Numbers as people type them, and the fields they are typed into.
+//! What panels are made of: numbers as people type them and the fields they are typed into, buttons
+//! and pictures with a name, jobs under way.
 
+use super::action::Action;
 use crate::physics::parameter::{Parameter, Value};
-use egui::{DragValue, Response, Ui};
+use crate::worker::job::Job;
+use egui::{Align, DragValue, Layout, ProgressBar, Response, Role, Ui, WidgetInfo, WidgetText};
 use std::ops::RangeInclusive;
 
 /// Largest seed that a number typed into a field still means exactly.
@@ -44,7 +47,7 @@ pub fn number(
     let mut edited = value;
     let mut changed = false;
     let speed = (value.abs() * 0.005).max(1e-4);
-    labelled(ui, &parameter.title(), |ui| {
+    labelled(ui, parameter.title(), |ui| {
         let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
         let drag = drag
             .clamp_existing_to_range(false)
@@ -110,13 +113,37 @@ pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) ->
 }
 
 /// A name on the left, and on the right what it names.
-pub fn labelled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) {
+pub fn labelled(ui: &mut Ui, name: impl Into<WidgetText>, add: impl FnOnce(&mut Ui) -> Response) {
     ui.horizontal(|ui| {
         let label = ui.label(name);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             add(ui).labelled_by(label.id)
         });
     });
+}
+
+/// Gives a button a name that says more than its face.
+pub fn named(button: Response, name: &str) -> Response {
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), name));
+    button
+}
+
+/// Says in a sentence what a picture shows.
+pub fn described(picture: &Response, sentence: &str) {
+    picture.widget_info(|| WidgetInfo::labeled(Role::Image, true, sentence));
+}
+
+/// How far a job is, beside a button that ends it by this action.
+pub fn progress<T>(ui: &mut Ui, job: &Job<T>, end: Action, actions: &mut Vec<Action>) {
+    let mut button = ui.button("Cancel");
+    if end == Action::StopMeasuring {
+        button = button.on_hover_text("what is measured stays");
+    }
+    if button.clicked() {
+        actions.push(end);
+    }
+    let bar = ProgressBar::new(job.fraction as f32);
+    ui.add(bar.desired_width(60.0).desired_height(14.0));
 }
 
 #[cfg(test)]
@@ -145,7 +172,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_number_is_read_as_it_was_written_with_either_sign_of_decimals(x in any::<f64>().prop_filter("finite", |x| x.is_finite())) {
+        fn a_number_is_read_as_it_was_written_with_either_sign_of_decimals(
+            x in any::<f64>().prop_filter("finite", |x| x.is_finite())
+        ) {
             for text in [format!("{x}"), format!("{x:e}")] {
                 prop_assert_eq!(parse(&text), Some(x));
                 prop_assert_eq!(parse(&text.replace('.', ",")), Some(x));

@@ -1,0 +1,333 @@
+//! The two sliders of the left panel: the mean displacement u0, and the mesh number mu_rho.
+
+use super::action::Action;
+use super::theme;
+use super::view_state::ViewState;
+use crate::plot::ticks;
+use crate::scene::edit::{self, MU_RHO, TICKS};
+use egui::accesskit::{Action as Ask, ActionData};
+use egui::{
+    Align2, EventFilter, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
+};
+
+/// Accessible names of the sliders.
+const U0: &str = "mean displacement u0";
+const MESH_NUMBER: &str = "mesh number mu_rho";
+
+/// Id of the slider of u0: the keys of u0 work while it has the focus.
+pub fn u0_id() -> Id {
+    Id::unique("u0_slider")
+}
+
+/// Tells a screen reader of a slider with this value between two ends; the value it asks for.
+fn speak(
+    ui: &Ui,
+    response: &Response,
+    value: f64,
+    (low, high): (f64, f64),
+    name: &str,
+) -> Option<f64> {
+    response.widget_info(|| WidgetInfo::slider(true, value, name));
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_min_numeric_value(low);
+        node.set_max_numeric_value(high);
+        node.add_action(Ask::SetValue);
+    });
+    ui.input(|input| {
+        let requests = input.accesskit_action_requests(response.id, Ask::SetValue);
+        let value = |data: &Option<ActionData>| match data {
+            Some(ActionData::NumericValue(value)) => Some(*value),
+            _ => None,
+        };
+        requests.filter_map(|request| value(&request.data)).last()
+    })
+}
+
+/// Lets these keys reach the slider that has the focus; else they would move the focus away.
+fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
+    if response.has_focus() {
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keys));
+    }
+}
+
+/// The slider of the mean displacement: up is away, so dragging down lowers the body. Two marks:
+/// where it should go, and where it is.
+pub fn u0(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let tall = ui.ctx().content_rect().height() > 740.0;
+    let height = if tall { 236.0 } else { 180.0 };
+    let (_, rect) = ui.allocate_space(vec2(122.0, height));
+    let response = ui.interact(rect, u0_id(), Sense::click_and_drag());
+    let rail = Rect::from_min_max(
+        pos2(rect.left() + 38.0, rect.top() + 10.0),
+        pos2(rect.left() + 47.0, rect.bottom() - 10.0),
+    );
+    let (low, high) = state.limits;
+    let y_of = |u0: f64| {
+        rail.bottom() - ((u0 - low) / (high - low)).clamp(0.0, 1.0) as f32 * rail.height()
+    };
+    let u0_at =
+        |y: f32| high - f64::from((y - rail.top()) / rail.height()).clamp(0.0, 1.0) * (high - low);
+
+    if let Some(pointer) = response.interact_pointer_pos()
+        // Not `dragged()`, which waits for six pixels: the thumb must move within the frame.
+        && response.is_pointer_button_down_on()
+    {
+        response.request_focus();
+        let fine = ui.input(|i| i.modifiers.shift);
+        let moved = f64::from(ui.input(|i| i.pointer.delta().y) / rail.height()) * (high - low);
+        let wanted = if fine {
+            state.target - 0.1 * moved
+        } else {
+            u0_at(pointer.y)
+        };
+        actions.push(Action::SetTarget(wanted));
+    }
+    speak_u0(ui, state, actions, &response);
+
+    let palette = theme::palette(ui);
+    u0_ticks(ui, state, rail, &y_of);
+    let painter = ui.painter();
+    painter.rect_filled(rail, 4.0, ui.visuals().widgets.inactive.bg_fill);
+    let walked = Rect::from_min_max(
+        pos2(rail.left(), y_of(state.run.actual)),
+        rail.right_bottom(),
+    );
+    painter.rect_filled(walked, 4.0, palette.elastomer);
+    let actual = y_of(state.run.actual);
+    let tip = pos2(rail.center().x + 18.0, actual);
+    let arrow = vec![tip, tip + vec2(9.0, -6.0), tip + vec2(9.0, 6.0)];
+    painter.add(Shape::convex_polygon(
+        arrow,
+        palette.retraction,
+        Stroke::NONE,
+    ));
+    let visuals = ui.style().interact(&response);
+    let thumb = Rect::from_center_size(pos2(rail.center().x, y_of(state.target)), vec2(30.0, 13.0));
+    painter.rect(
+        thumb,
+        5.0,
+        palette.approach,
+        Stroke::new(1.5, visuals.fg_stroke.color),
+        egui::StrokeKind::Outside,
+    );
+    painter.hline(
+        thumb.x_range().shrink(7.0),
+        thumb.center().y,
+        Stroke::new(1.5, ui.visuals().panel_fill),
+    );
+    marks(ui, rail, thumb.center(), tip, state);
+}
+
+/// "target" and "actual" beside their marks, pushed apart where they would overlap.
+fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
+    let palette = theme::palette(ui);
+    let x = rail.center().x + 31.0;
+    let (mut target_y, mut actual_y) = (target.y, actual.y);
+    if (target_y - actual_y).abs() < 14.0 {
+        let middle = 0.5 * (target_y + actual_y);
+        let up = if target_y <= actual_y { -7.0 } else { 7.0 };
+        (target_y, actual_y) = (middle + up, middle - up);
+    }
+    ui.painter().text(
+        pos2(x, target_y),
+        Align2::LEFT_CENTER,
+        "target",
+        theme::small(),
+        palette.approach,
+    );
+    let word = if state.run.paused {
+        "paused"
+    } else if state.run.is_busy() {
+        "actual …"
+    } else {
+        "actual"
+    };
+    ui.painter().text(
+        pos2(x, actual_y),
+        Align2::LEFT_CENTER,
+        word,
+        theme::small(),
+        palette.retraction,
+    );
+}
+
+fn u0_ticks(ui: &Ui, state: &ViewState, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
+    let rho = state.rho();
+    let (low, high) = (state.limits.0 / rho, state.limits.1 / rho);
+    let (values, spacing) = ticks::within(low, high, 9.0);
+    let colour = ui.visuals().weak_text_color();
+    for value in values {
+        let y = y_of(value * rho);
+        ui.painter().hline(
+            rail.left() - 9.0..=rail.left() - 4.0,
+            y,
+            Stroke::new(1.0, colour),
+        );
+        let text = ticks::label(value, spacing);
+        ui.painter().text(
+            pos2(rail.left() - 15.0, y),
+            Align2::RIGHT_CENTER,
+            text,
+            theme::small(),
+            colour,
+        );
+    }
+}
+
+/// The slider for a screen reader, and what it asks for.
+fn speak_u0(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>, response: &Response) {
+    let rho = state.rho();
+    let limits = (state.limits.0 / rho, state.limits.1 / rho);
+    let wanted = speak(ui, response, state.target / rho, limits, U0);
+    actions.extend(wanted.map(|value| Action::SetTarget(value * rho)));
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_role(Role::Slider);
+        node.set_numeric_value_step(state.scene.drive.step / rho);
+        node.add_action(Ask::Increment);
+        node.add_action(Ask::Decrement);
+    });
+    let steps = ui.input(|input| {
+        input.num_accesskit_action_requests(response.id, Ask::Increment) as f64
+            - input.num_accesskit_action_requests(response.id, Ask::Decrement) as f64
+    });
+    if steps != 0.0 {
+        actions.push(Action::Step(steps));
+    }
+    let arrows = EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        ..EventFilter::default()
+    };
+    keep(ui, response, arrows);
+}
+
+/// Where each name of Table 1 stands: row beneath the rail, and on which side of its tick it is
+/// written.
+const PLACES: [(usize, bool); 7] = [
+    (2, false),
+    (0, false),
+    (1, false),
+    (2, true),
+    (0, true),
+    (1, true),
+    (2, true),
+];
+
+/// The slider of mu_rho: logarithmic, with the named meshes of Table 1 beneath and a hatched zone
+/// where the mesh lies.
+pub fn mu_rho(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let width = ui.available_width();
+    let (_, rect) = ui.allocate_space(vec2(width, 72.0));
+    let hit = Rect::from_min_max(rect.left_top(), pos2(rect.right(), rect.top() + 22.0));
+    let response = ui.interact(hit, Id::unique("mu_rho_slider"), Sense::click_and_drag());
+    let rail = Rect::from_min_max(
+        pos2(rect.left() + 9.0, rect.top() + 8.0),
+        pos2(rect.right() - 9.0, rect.top() + 14.0),
+    );
+    let x_of = |mu: f64| {
+        rail.left()
+            + ((mu / MU_RHO.0).ln() / (MU_RHO.1 / MU_RHO.0).ln()).clamp(0.0, 1.0) as f32
+                * rail.width()
+    };
+    let mut wanted = None;
+    if let Some(pointer) = response.interact_pointer_pos()
+        && response.is_pointer_button_down_on()
+    {
+        let share = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+        wanted = Some(MU_RHO.0 * (MU_RHO.1 / MU_RHO.0).powf(share));
+    }
+    speak_mu_rho(ui, state, &response, &mut wanted);
+    paint(ui, state, rail, &x_of, &response);
+    for ((name, mu), place) in TICKS.into_iter().zip(PLACES) {
+        if tick(ui, rail, x_of(mu), (name, mu), place) {
+            wanted = Some(mu);
+        }
+    }
+    if let Some(mu) = wanted {
+        let scene = edit::with_mu_rho(&state.scene, &state.model, mu, state.follows);
+        actions.push(Action::edit(scene));
+    }
+}
+
+fn paint(ui: &Ui, state: &ViewState, rail: Rect, x_of: &dyn Fn(f64) -> f32, response: &Response) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    painter.rect_filled(rail, 3.0, ui.visuals().widgets.inactive.bg_fill);
+    let zone = Rect::from_min_max(
+        pos2(x_of(0.5), rail.top() - 4.0),
+        pos2(rail.right(), rail.bottom() + 4.0),
+    );
+    painter.rect_filled(zone, 3.0, palette.warn.gamma_multiply(0.16));
+    let clipped = painter.with_clip_rect(zone.intersect(ui.clip_rect()));
+    let mut x = zone.left() - zone.height();
+    while x < zone.right() {
+        clipped.line_segment(
+            [pos2(x, zone.bottom()), pos2(x + zone.height(), zone.top())],
+            Stroke::new(1.0, palette.warn.gamma_multiply(0.75)),
+        );
+        x += 6.0;
+    }
+    let visuals = ui.style().interact(response);
+    painter.circle(
+        pos2(x_of(state.model.mu_rho), rail.center().y),
+        8.0,
+        palette.approach,
+        Stroke::new(1.5, visuals.fg_stroke.color),
+    );
+}
+
+/// One named tick, a button on its name; true when clicked.
+fn tick(ui: &Ui, rail: Rect, x: f32, (name, mu): (&str, f64), (row, right): (usize, bool)) -> bool {
+    let y = rail.bottom() + 12.0 + 14.0 * row as f32;
+    let (anchor, at) = if right {
+        (Align2::LEFT_CENTER, pos2(x + 3.0, y))
+    } else {
+        (Align2::RIGHT_CENTER, pos2(x - 3.0, y))
+    };
+    let galley = ui.painter().layout_no_wrap(
+        name.to_owned(),
+        theme::small(),
+        ui.visuals().weak_text_color(),
+    );
+    let area = anchor.anchor_size(at, galley.size());
+    let response = ui.interact(area, Id::unique(("mu_rho_tick", name)), Sense::click());
+    response
+        .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("mu_rho of {name}, {mu}")));
+    let colour = if response.hovered() || response.has_focus() {
+        ui.visuals().strong_text_color()
+    } else {
+        ui.visuals().text_color().gamma_multiply(0.75)
+    };
+    ui.painter().vline(
+        x,
+        rail.bottom() + 3.0..=y + 5.0,
+        Stroke::new(1.0, colour.gamma_multiply(0.6)),
+    );
+    ui.painter()
+        .galley_with_override_text_color(area.min, galley, colour);
+    response
+        .on_hover_text(format!("{name}: mu_rho = {mu}"))
+        .clicked()
+}
+
+/// The slider for a screen reader and for the arrow keys, and what they ask for.
+fn speak_mu_rho(ui: &Ui, state: &ViewState, response: &Response, wanted: &mut Option<f64>) {
+    let clamped = |mu: f64| mu.clamp(MU_RHO.0, MU_RHO.1);
+    let mu = state.model.mu_rho;
+    let asked = speak(ui, response, mu, MU_RHO, MESH_NUMBER);
+    *wanted = asked.map(clamped).or(*wanted);
+    let arrows = EventFilter {
+        horizontal_arrows: true,
+        ..EventFilter::default()
+    };
+    keep(ui, response, arrows);
+    if response.has_focus() {
+        let steps = ui.input(|i| {
+            i.num_presses(egui::Key::ArrowRight) as f64 - i.num_presses(egui::Key::ArrowLeft) as f64
+        });
+        if steps != 0.0 {
+            *wanted = Some(clamped(mu * 1.02f64.powf(steps)));
+        }
+    }
+}
