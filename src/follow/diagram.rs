@@ -8,6 +8,7 @@
 
 mod equal_energy;
 mod flat_ground;
+mod meeting;
 mod trace;
 mod uneven;
 

@@ -12,6 +12,8 @@ use crate::physics::pattern::Pattern;
 const BETWEEN: usize = 8;
 /// What is left free at the ends of both axes, in shares of what is shown.
 const MARGIN: [f64; 2] = [0.02, 0.06];
+/// What is shown of compression, in units of the largest tension.
+const DEEP: f64 = 0.5;
 /// Stable pieces narrower than this share of the axis bear no name, which would not fit.
 const NAMED: f64 = 0.05;
 
@@ -49,9 +51,14 @@ pub fn counts(diagram: &Diagram) -> String {
 pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     let shown = |u0: f64, stress: f64| [u0 / law.range, stress / law.traction_max()];
     let at = |p: &Point| shown(p.state.mean_displacement, p.state.stress);
-    let places = |kind: Kind| {
+    // Those of unstable states, of which a long cell has hundreds, must not hide the others.
+    let places = |kind: Kind, between_unstable: bool| {
+        let unstable = |p: &Point| !p.index.contains(&0);
         let of_kind = diagram.events().filter(|(_, p)| p.kind == kind);
-        of_kind.map(|(_, p)| at(p)).collect::<Vec<_>>()
+        of_kind
+            .filter(|(_, p)| unstable(p) == between_unstable)
+            .map(|(_, p)| at(p))
+            .collect::<Vec<_>>()
     };
     let equal = diagram.equal_energies.iter();
     let equal = equal
@@ -65,15 +72,28 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     let symbols = |name: &str, symbol: Symbol, points: Vec<[f64; 2]>| {
         Series::symbols(name, symbol, Colour::Ink, points)
     };
+    let (fold, bifurcation) = (Kind::Fold, Kind::Bifurcation);
+    let among_unstable = [places(fold, true), places(bifurcation, true)].concat();
     let marks = [
-        symbols("fold", Symbol::Square, places(Kind::Fold)),
-        symbols("bifurcation", Symbol::Circle, places(Kind::Bifurcation)),
+        symbols(
+            "fold or bifurcation of unstable states",
+            Symbol::Dot,
+            among_unstable,
+        ),
+        symbols("fold", Symbol::Square, places(fold, false)),
+        symbols("bifurcation", Symbol::Circle, places(bifurcation, false)),
         symbols("equal energy", Symbol::Diamond, equal).filled(),
     ];
     let [x, y] = [0, 1].map(|k| {
         let values = curves.iter().flat_map(|s| &s.points).map(|p| p[k]);
         let (low, high) = ends(values.filter(|v| v.is_finite()));
         let [low, high] = if low < high { [low, high] } else { [0.0, 1.0] };
+        // Deep in compression there is nothing to see.
+        let low = if k == 1 {
+            low.max(-DEEP * high.abs())
+        } else {
+            low
+        };
         let room = MARGIN[k] * (high - low);
         [low - room, high + room]
     });
@@ -152,8 +172,8 @@ fn between(a: &Point, b: &Point, i: usize, law: &Law) -> [f64; 2] {
 /// The pattern in the middle of each stable piece that is wide enough.
 fn names(branch: &Branch, width: f64, at: &dyn Fn(&Point) -> [f64; 2]) -> Vec<Label> {
     let (colour, _) = look(branch);
-    let unnamed = [Pattern::Flat, Pattern::Other];
-    let stable = |p: &Point| p.index.contains(&0) && !unnamed.contains(&p.pattern);
+    let named = [Pattern::Bulge, Pattern::Ridge, Pattern::Dimple];
+    let stable = |p: &Point| p.index.contains(&0) && named.contains(&p.pattern);
     branch
         .points
         .chunk_by(|a, b| stable(a) == stable(b) && a.pattern == b.pattern)

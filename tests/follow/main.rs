@@ -1,6 +1,9 @@
 //! Loops: walked and read off the atlas, with their events and their ledger.
 
 mod atlas;
+#[path = "../solver/dense.rs"]
+mod dense;
+mod diagram;
 mod dissipation;
 mod invariance;
 mod landings;

@@ -231,6 +231,70 @@ fn a_run_writes_every_file_and_one_closing_line() {
     assert_eq!(hidden.count(), 0, "no temporary file is left");
 }
 
+#[test]
+fn a_diagram_writes_its_files_and_one_closing_line() {
+    let home = folder();
+    let out = home.path().join("branches");
+    let output = tackscope()
+        .args(["diagram", "ridge-line", "--out"])
+        .arg(&out)
+        .output()
+        .expect("runs");
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let line = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(line.starts_with("2 branches, 2 folds,"), "{line}");
+    let table = |name: &str| fs::read_to_string(out.join(name)).expect(name);
+    let branches = table("branches.csv");
+    let first = "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual";
+    assert_eq!(branches.lines().next(), Some(first));
+    let named = |name: &str| branches.lines().filter(|row| row.starts_with(name)).count();
+    assert!(named("flat,") > 100 && named("ridge,") > 20);
+    let points = table("points.csv");
+    let first = "kind,branch,mean_displacement,stress,energy,index_before,index_after";
+    assert_eq!(points.lines().next(), Some(first));
+    let kinds = [
+        "fold,ridge,",
+        "bifurcation,flat,",
+        "equal_energy,flat/ridge,",
+    ];
+    for (kind, count) in kinds.into_iter().zip([2, 6, 2]) {
+        let found = points.lines().filter(|row| row.starts_with(kind)).count();
+        assert_eq!(found, count, "{kind}");
+    }
+    assert!(table("diagram.svg").contains("bifurcation"));
+    let png = fs::read(out.join("diagram.png")).expect("diagram.png");
+    assert!(png.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_diagram_that_is_not_complete_says_what_is_missing() {
+    let home = folder();
+    let file = home.path().join("scene.toml");
+    // So low that the first state of the drive is not at rest on this ground.
+    let scene = presets::find("wavy")
+        .expect("built in")
+        .text
+        .replace("start = 1.5", "start = 0.79");
+    fs::write(&file, scene).expect("written");
+    let out = home.path().join("out");
+    let output = tackscope()
+        .args([
+            "diagram".as_ref(),
+            file.as_os_str(),
+            "--out".as_ref(),
+            out.as_os_str(),
+        ])
+        .output()
+        .expect("runs");
+    let words = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{words}");
+    assert!(
+        words.contains("missing: the first state"),
+        "{words}"
+    );
+    assert!(out.join("points.csv").is_file());
+}
+
 /// A preset with one line replaced, run from a file of its own.
 fn run_with(preset: &str, lines: &[(&str, &str)], out: &Path, more: &[&str]) -> Output {
     let path = out.join("mine.toml");
@@ -500,7 +564,9 @@ fn presets_are_listed_with_title_and_facts() {
 fn the_help_names_the_commands_that_exist_and_no_others() {
     let help =
         String::from_utf8(tackscope().arg("--help").output().expect("runs").stdout).expect("UTF-8");
-    for word in ["run", "chart", "figure", "table", "presets", "130"] {
+    for word in [
+        "run", "diagram", "chart", "figure", "table", "presets", "130",
+    ] {
         assert!(help.contains(word), "{word} is missing in: {help}");
     }
 }

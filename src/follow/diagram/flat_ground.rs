@@ -2,6 +2,7 @@
 //! and that of square patterns from its limits, then those that join them where a stable pattern
 //! breaks its symmetry.
 
+use super::meeting::{meeting, way_to};
 use super::trace::{End, Start, Tracer};
 use super::{Branch, Diagram, Ending, Kind, Point, Report};
 use crate::follow::atlas::Meshes;
@@ -27,12 +28,6 @@ const FLAT_POINTS: usize = 60;
 /// to factorise than it saves in products.
 const REACH: f64 = 3.3;
 const REACHES: [f64; 2] = [8.0, 14.0];
-/// A branch about to meet another is taken to the known point of that when it is so near (ranges)
-/// and heads for it with this cosine: there two directions lead on, and the bordered system is
-/// singular. Until then a step goes no more than half the way.
-const CLOSE: f64 = 0.1;
-const ALIGNED: f64 = 0.9;
-
 /// One symmetry on one mesh.
 struct Sheet {
     mechanics: Mechanics,
@@ -230,11 +225,11 @@ fn from_flat(
         };
         let (mut points, ending) = sheet.follow(&name, from, &mut back, report);
         let first = points.first().map_or(0, |p| p.index[0]);
-        points.insert(0, meeting(flat, 0.0, first));
+        points.insert(0, meeting(flat, None, first));
         if ending == Ending::Flat {
-            let (arc, last) = points.last().map_or((0.0, 0), |p| (p.arc, p.index[1]));
-            let left = between(&points[points.len() - 1].state, &other);
-            points.push(meeting(other, arc + dot(&left, &left).sqrt(), last));
+            let last = points.last().map_or(0, |p| p.index[1]);
+            let met = meeting(other, points.last(), last);
+            points.push(met);
         } else {
             let at = points.last().map_or(limit, |p| p.state.mean_displacement);
             diagram.missing.push(format!(
@@ -253,30 +248,6 @@ fn from_flat(
         }
     }
     diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
-}
-
-/// The way from one surface to another; entry 0 is that of u0.
-fn between(a: &State, b: &State) -> Vec<f64> {
-    let mut d = b.amplitudes.clone();
-    add(&mut d, -1.0, &a.amplitudes);
-    d[0] = b.mean_displacement - a.mean_displacement;
-    d
-}
-
-/// Where a branch begins or ends on another one: it leaves along a mode of other symmetry, at
-/// constant u0 and stress to first order.
-fn meeting(state: State, arc: f64, index: usize) -> Point {
-    Point {
-        state,
-        arc,
-        rates: [0.0; 2],
-        kind: Kind::Bifurcation,
-        index: [index; 2],
-        pattern: Pattern::Other,
-        residual: 0.0,
-        class: None,
-        mode: Vec::new(),
-    }
 }
 
 /// Where a stable piece of a branch breaks its symmetry along y.
@@ -311,26 +282,6 @@ impl Break {
             joined: false,
         })
     }
-}
-
-/// How far a step may go after the way from `a` to `b`, where the branch may meet others at these
-/// states.
-///
-/// # Errors
-/// Which of them it has met.
-fn way_to(states: &[State], a: &State, b: &State, range: f64) -> Result<f64, usize> {
-    let step = between(a, b);
-    let mut longest = f64::INFINITY;
-    for (i, state) in states.iter().enumerate() {
-        let left = between(b, state);
-        let far = dot(&left, &left).sqrt();
-        let aligned = dot(&left, &step) > ALIGNED * far * dot(&step, &step).sqrt();
-        if far < CLOSE * range && aligned {
-            return Err(i);
-        }
-        longest = longest.min((0.5 * far).max(0.5 * CLOSE * range));
-    }
-    Ok(longest)
 }
 
 /// The branches of states that are even and no more, from each end of a stable piece where its
@@ -369,18 +320,14 @@ fn joining(diagram: &mut Diagram, sheet: &mut Sheet, report: Report<'_>) {
         };
         let (mut points, ending) = sheet.follow(&name, begin, &mut met, report);
         let first = points.first().map_or(0, |p| p.index[0]);
-        points.insert(0, meeting(ends[i].state.clone(), 0.0, first));
+        points.insert(0, meeting(ends[i].state.clone(), None, first));
         let last = &points[points.len() - 1];
         if let Some(j) = reached {
             ends[j].joined = true;
             let state = images(&ends[j].state, &last.state.amplitudes)
                 .unwrap_or_else(|| ends[j].state.clone());
-            let left = between(&last.state, &state);
-            points.push(meeting(
-                state,
-                last.arc + dot(&left, &left).sqrt(),
-                last.index[1],
-            ));
+            let met = meeting(state, Some(last), last.index[1]);
+            points.push(met);
         } else {
             diagram.missing.push(format!(
                 "the branch \"{name}\" from \"{}\" beyond u0 = {:.5}: {ending}",

@@ -1,0 +1,318 @@
+//! The whole diagram: every branch, stable and unstable, against dense eigenvalues, the loops of
+//! the walk and the atlas, and itself on another mesh.
+
+use crate::dense::Dense;
+use crate::loops::{flat_ground, planned, preset, walked};
+use ndarray::Array2;
+use tackscope::follow::diagram::{Branch, Diagram, Ending, Kind, Point};
+use tackscope::follow::record::Cause;
+use tackscope::follow::run::LoopRun;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::grid::Grid;
+use tackscope::physics::law::{Mie, Morse, Shape};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::theory::flat;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Scene};
+
+fn diagram(scene: &Scene, part: Part) -> Diagram {
+    let found = Diagram::of(scene, part, &Cancel::default(), &mut |_, _, _| {}).unwrap();
+    assert!(found.is_complete(), "{}: {:?}", scene.title, found.missing);
+    found
+}
+
+fn fig2(points: usize) -> Scene {
+    let mut scene = preset("fig2");
+    scene.cell.points = Points::Square(points);
+    scene
+}
+
+fn branch<'d>(diagram: &'d Diagram, name: &str) -> &'d Branch {
+    diagram.branches.iter().find(|b| b.name == name).unwrap()
+}
+
+/// Kind, index before and after of every fold and bifurcation, u0 beside them.
+fn events(branch: &Branch) -> Vec<(Kind, [usize; 2], f64)> {
+    let special = branch.points.iter().filter(|p| p.kind != Kind::Regular);
+    special
+        .map(|p| (p.kind, p.index, p.state.mean_displacement))
+        .collect()
+}
+
+fn ends(branch: &Branch) -> [f64; 2] {
+    let at = |p: &Point| p.state.mean_displacement;
+    [
+        at(&branch.points[0]),
+        at(&branch.points[branch.points.len() - 1]),
+    ]
+}
+
+/// Every jump of a loop that leaves a pattern lies at a fold or a bifurcation of the diagram.
+fn holds_jumps_of(diagram: &Diagram, run: &LoopRun, within: f64) {
+    let patterned = run
+        .record
+        .jumps
+        .iter()
+        .filter(|j| j.cause != Cause::FlatLimit);
+    let mut count = 0;
+    for jump in patterned {
+        let far = |p: &Point| (p.state.mean_displacement - jump.mean_displacement).abs();
+        let nearest = diagram
+            .events()
+            .map(|(_, p)| far(p))
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < within, "{jump:?}: {nearest:e}");
+        count += 1;
+    }
+    assert!(count >= 2, "{count} jumps");
+}
+
+#[test]
+fn fig_2_has_one_square_branch_one_of_ridges_and_two_that_join_them() {
+    let scene = fig2(48);
+    let found = diagram(&scene, Part::Whole);
+    let names: Vec<&str> = found.branches.iter().map(|b| &*b.name).collect();
+    assert_eq!(names, ["flat", "square", "ridge", "mixed_1", "mixed_2"]);
+
+    let model = scene.model().unwrap();
+    let (low, high) = flat::limits(&model.law, model.grid.length).unwrap();
+    for name in ["square", "ridge"] {
+        assert_eq!(branch(&found, name).ending, Ending::Flat);
+        assert_eq!(ends(branch(&found, name)), [high, low], "{name}");
+    }
+    // Out of the flat state, a fold makes it stable; it breaks its symmetry; the S between bulge
+    // and dimple; and so on to the last fold.
+    let square = events(branch(&found, "square"));
+    let kinds: Vec<_> = square
+        .iter()
+        .map(|(kind, index, _)| (*kind, *index))
+        .collect();
+    let (fold, bifurcation) = (Kind::Fold, Kind::Bifurcation);
+    let expected = [
+        (bifurcation, [1, 1]),
+        (fold, [1, 0]),
+        (bifurcation, [0, 1]),
+        (fold, [1, 2]),
+        (fold, [2, 1]),
+        (bifurcation, [1, 0]),
+        (fold, [0, 1]),
+        (bifurcation, [1, 1]),
+    ];
+    assert_eq!(kinds, expected);
+    let stable = |pattern: Pattern| {
+        let points = branch(&found, "square").points.iter();
+        points
+            .filter(|p| p.pattern == pattern && p.index == [0, 0])
+            .count()
+    };
+    assert!(stable(Pattern::Bulge) > 2 && stable(Pattern::Dimple) > 2);
+
+    // Both join a break-up of a square pattern to one of a ridge, and are subcritical: nowhere
+    // stable.
+    let breaks = |name: &str| -> Vec<f64> {
+        let of_zero = events(branch(&found, name)).into_iter();
+        of_zero
+            .filter(|(kind, index, _)| *kind == bifurcation && index.contains(&0))
+            .map(|(.., u0)| u0)
+            .collect()
+    };
+    let (squares, ridges) = (breaks("square"), breaks("ridge"));
+    for (name, from, to) in [
+        ("mixed_1", squares[0], ridges[0]),
+        ("mixed_2", squares[1], ridges[1]),
+    ] {
+        let mixed = branch(&found, name);
+        assert_eq!(
+            (mixed.ending, ends(mixed)),
+            (Ending::Joined, [from, to]),
+            "{name}"
+        );
+        assert!(mixed.points.iter().all(|p| p.index == [1, 1]), "{name}");
+    }
+    holds_jumps_of(&found, &planned(&scene), 1e-4);
+}
+
+#[test]
+fn folds_and_bifurcations_of_fig_2_are_the_same_on_a_finer_mesh() {
+    let [coarse, fine] = [48, 64].map(|n| diagram(&fig2(n), Part::Whole));
+    let (a, b): (Vec<_>, Vec<_>) = (coarse.events().collect(), fine.events().collect());
+    assert_eq!(a.len(), b.len());
+    for ((branch, p), (_, q)) in a.iter().zip(&b) {
+        let apart = (p.state.mean_displacement - q.state.mean_displacement).abs();
+        assert!(
+            apart < 1e-4,
+            "{}: {apart:e} at {}",
+            branch.name,
+            p.state.mean_displacement
+        );
+        assert_eq!((p.kind, p.index), (q.kind, q.index), "{}", branch.name);
+    }
+}
+
+#[test]
+fn a_long_cell_has_a_stable_bulge_that_no_path_reaches() {
+    let mut scene = preset("fig3");
+    scene.cell.points = Points::Square(96);
+    // So coarse a mesh traps the edges of mixed states, which are not all followed to their ends.
+    let found = Diagram::of(&scene, Part::Whole, &Cancel::default(), &mut |_, _, _| {}).unwrap();
+    let bulges = branch(&found, "square").points.iter();
+    let stable = bulges.filter(|p| p.pattern == Pattern::Bulge && p.index == [0, 0]);
+    assert!(stable.count() > 5);
+    let loops = planned(&scene);
+    assert!(
+        loops
+            .record
+            .states
+            .iter()
+            .all(|s| s.pattern != Pattern::Bulge)
+    );
+}
+
+/// The index of points all along each branch is the number of negative eigenvalues of the dense
+/// Hessian of the whole cell, which knows nothing of classes, blocks or branches.
+#[test]
+fn every_index_is_that_of_the_dense_hessian() {
+    let shapes = [Shape::Morse(Morse), Shape::Mie(Mie { m: 8.0, n: 2.0 })];
+    for (shape, periods) in shapes.into_iter().zip([2.2, 1.7]) {
+        let scene = flat_ground(shape, periods, Points::Square(24));
+        let law = scene.model().unwrap().law;
+        let found = diagram(&scene, Part::Whole);
+        let mut seen = std::collections::BTreeSet::new();
+        for branch in &found.branches {
+            let grid = branch.system.grid();
+            // Of a ridge waves along y count that soften: two here.
+            let ny = if grid.is_line() { 12 } else { grid.ny };
+            let square = Grid { ny, ..*grid };
+            let dense = Dense::new(square);
+            for point in branch
+                .points
+                .iter()
+                .filter(|p| p.kind == Kind::Regular)
+                .step_by(4)
+            {
+                let gap = branch.gap(point);
+                // A line is the row of a square.
+                let gap = Array2::from_shape_fn(square.shape(), |(j, i)| gap[[j % gap.nrows(), i]]);
+                // What is uniform does not slide.
+                let slides = [branch.name != "flat"; 2];
+                let hessian = dense.at(&gap, &gap, &law, slides, true);
+                let values = hessian.symmetric_eigenvalues();
+                let nearest = values
+                    .iter()
+                    .fold(f64::INFINITY, |a: f64, v| a.min(v.abs()));
+                if nearest < 1e-4 * grid.q1() {
+                    continue;
+                }
+                let negative = values.iter().filter(|v| **v < 0.0).count();
+                let at = point.state.mean_displacement;
+                assert_eq!(point.index, [negative; 2], "{} at {at}", branch.name);
+                seen.insert(negative);
+            }
+        }
+        assert!(seen.len() > 3, "{seen:?}");
+    }
+}
+
+/// dV = stress du0 along a branch, through its folds: by the trapezoid with its end correction
+/// between points, whose error is of fifth order in their distance.
+#[test]
+fn along_every_branch_the_energy_is_the_integral_of_the_stress() {
+    let scene = fig2(48);
+    let gamma = scene.law.surface_energy;
+    for branch in &diagram(&scene, Part::Whole).branches {
+        let (mut work, mut way) = (0.0, 0.0);
+        for pair in branch.points.windows(2) {
+            let h = pair[1].arc - pair[0].arc;
+            let [a, b] = [&pair[0], &pair[1]].map(|p| p.state.stress * p.rates[0]);
+            work += 0.5 * h * (a + b);
+            way += h;
+        }
+        let (first, last) = (&branch.points[0], &branch.points[branch.points.len() - 1]);
+        let rise = last.state.energy - first.state.energy;
+        assert!(
+            (work - rise).abs() < 2e-3 * gamma * way,
+            "{}: {work} {rise}",
+            branch.name
+        );
+    }
+}
+
+#[test]
+fn a_tip_goes_through_an_s_whose_folds_are_its_jumps() {
+    let mut scene = preset("hertz");
+    scene.cell.points = Points::Square(64);
+    let found = diagram(&scene, Part::Quarter);
+    let contact = branch(&found, "contact");
+    let kinds: Vec<_> = events(contact)
+        .iter()
+        .map(|(kind, index, _)| (*kind, *index))
+        .collect();
+    assert_eq!(kinds, [(Kind::Fold, [0, 1]), (Kind::Fold, [1, 0])]);
+    let range = scene.model().unwrap().law.range;
+    holds_jumps_of(&found, &walked(&scene, Part::Quarter), 1e-4 * range);
+}
+
+/// Crests touch one after the other: the loop goes over branches that break the symmetry of the
+/// ground.
+#[test]
+fn wavy_ground_has_the_branches_that_its_loop_goes_over() {
+    let scene = preset("wavy");
+    let found = diagram(&scene, Part::Whole);
+    let range = scene.model().unwrap().law.range;
+    holds_jumps_of(&found, &planned(&scene), 1e-3 * range);
+    let bifurcations = found.events().filter(|(_, p)| p.kind == Kind::Bifurcation);
+    assert!(bifurcations.count() > 2);
+}
+
+#[test]
+fn a_line_cell_has_the_flat_state_and_the_ridge() {
+    let scene = preset("ridge-line");
+    let found = diagram(&scene, Part::Line);
+    let names: Vec<&str> = found.branches.iter().map(|b| &*b.name).collect();
+    assert_eq!(names, ["flat", "ridge"]);
+    holds_jumps_of(&found, &planned(&scene), 1e-3);
+    assert_eq!(found.equal_energies.len(), 2);
+}
+
+#[test]
+fn the_flat_index_counts_the_waves_that_are_soft() {
+    let scene = fig2(48);
+    let model = scene.model().unwrap();
+    for point in &branch(&diagram(&scene, Part::Whole), "flat").points {
+        let softening = -model.law.at(point.state.mean_displacement).stiffness;
+        let q1 = std::f64::consts::TAU / model.grid.length;
+        let soft = |k: i32, l: i32| 0.5 * q1 * f64::from(k * k + l * l).sqrt() < softening;
+        let waves = (-9..=9).flat_map(|k| (-9..=9).map(move |l| (k, l)));
+        let count = waves
+            .filter(|&(k, l)| (k, l) != (0, 0) && soft(k, l))
+            .count();
+        let [few, many] = [
+            point.index[0].min(point.index[1]),
+            point.index[0].max(point.index[1]),
+        ];
+        assert!(
+            (few..=many).contains(&count),
+            "{count} of {:?}",
+            point.index
+        );
+    }
+}
+
+#[test]
+fn a_stopped_diagram_keeps_what_it_has_and_says_so() {
+    let cancel = Cancel::default();
+    let mut told = 0;
+    let found = Diagram::of(&fig2(48), Part::Whole, &cancel, &mut |_, _, _| {
+        told += 1;
+        if told == 12 {
+            cancel.request();
+        }
+    })
+    .unwrap();
+    assert!(found.cancelled && !found.is_complete());
+    assert!(branch(&found, "square").points.len() > 10);
+    assert_eq!(
+        branch(&found, "square").ending.to_string(),
+        "a request to stop"
+    );
+}
