@@ -234,24 +234,18 @@ impl LowBlock {
         })
     }
 
-    /// Amplitudes in a `whole` system of the cell, unfolded as by [`System::unfolded`], of a mode
-    /// given by coefficients of all waves of the class.
-    pub fn unfolded(&self, coefficients: &[f64], whole: &System) -> Vec<f64> {
-        let mut z = vec![0.0; whole.dimension()];
+    /// How the modes of the class lie in a `whole` system of the cell, unfolded as by
+    /// [`System::unfolded`].
+    pub fn unfolding(&self, whole: &System) -> Unfolding {
+        let mut places = Vec::new();
         self.each_place(whole, |wave, pair, factor| {
-            z[2 * pair] += factor.re * coefficients[wave];
-            z[2 * pair + 1] += factor.im * coefficients[wave];
+            places.push((wave, pair, factor));
         });
-        z
-    }
-
-    /// The part of amplitudes of the `whole` cell that belongs to the class.
-    pub fn folded(&self, z: &[f64], whole: &System) -> Vec<f64> {
-        let mut coefficients = vec![0.0; self.waves.len()];
-        self.each_place(whole, |wave, pair, factor| {
-            coefficients[wave] += factor.re * z[2 * pair] + factor.im * z[2 * pair + 1];
-        });
-        coefficients
+        Unfolding {
+            places,
+            waves: self.waves.len(),
+            dimension: whole.dimension(),
+        }
     }
 
     /// Every amplitude of the whole cell that a wave of norm 1 has, with its value there.
@@ -496,6 +490,36 @@ impl LowBlock {
             z[k * self.ny + l] = FRAC_1_SQRT_2 * x;
             z[l * self.ny + k] = mirrored * FRAC_1_SQRT_2 * x;
         }
+    }
+}
+
+/// The waves of a class as amplitudes of the whole cell.
+#[derive(Clone, Debug)]
+pub struct Unfolding {
+    /// Wave of the class, amplitude pair of the whole cell, and the value there.
+    places: Vec<(usize, usize, Complex<f64>)>,
+    waves: usize,
+    dimension: usize,
+}
+
+impl Unfolding {
+    /// Amplitudes of the whole cell of a mode given by coefficients of all waves of the class.
+    pub fn unfolded(&self, coefficients: &[f64]) -> Vec<f64> {
+        let mut z = vec![0.0; self.dimension];
+        for &(wave, pair, factor) in &self.places {
+            z[2 * pair] += factor.re * coefficients[wave];
+            z[2 * pair + 1] += factor.im * coefficients[wave];
+        }
+        z
+    }
+
+    /// The part of amplitudes of the whole cell that belongs to the class.
+    pub fn folded(&self, z: &[f64]) -> Vec<f64> {
+        let mut coefficients = vec![0.0; self.waves];
+        for &(wave, pair, factor) in &self.places {
+            coefficients[wave] += factor.re * z[2 * pair] + factor.im * z[2 * pair + 1];
+        }
+        coefficients
     }
 }
 

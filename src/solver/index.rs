@@ -11,7 +11,7 @@ use super::equilibrium::Lost;
 use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use super::stability::Tracker;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
-use crate::physics::low_block::{Class, LowBlock};
+use crate::physics::low_block::{Class, LowBlock, Unfolding};
 use crate::physics::system::{Fields, System};
 use crate::physics::theory::flat;
 use rand::SeedableRng;
@@ -62,6 +62,8 @@ struct ClassBlock {
     /// Of the longest waves, and all of them.
     block: LowBlock,
     all: LowBlock,
+    /// Where they lie in the whole cell, if that is looked at.
+    unfolding: Option<Unfolding>,
     /// How many times the whole cell has them.
     copies: usize,
 }
@@ -149,13 +151,18 @@ impl Index {
         } else {
             (REACH * periods).clamp(LEAST_REACH, MOST_REACH)
         };
-        let block = |(class, copies): (Class, usize)| ClassBlock {
-            class,
-            block: LowBlock::new(system, class, reach),
-            all: LowBlock::new(system, class, f64::INFINITY),
-            copies,
+        let cell =
+            (!on_line).then(|| Box::new(Mechanics::new(System::whole(system), Slides::Never)));
+        let block = |(class, copies): (Class, usize)| {
+            let all = LowBlock::new(system, class, f64::INFINITY);
+            ClassBlock {
+                class,
+                block: LowBlock::new(system, class, reach),
+                unfolding: cell.as_ref().map(|cell| all.unfolding(&cell.system)),
+                all,
+                copies,
+            }
         };
-        let cell = || Box::new(Mechanics::new(System::whole(system), Slides::Never));
         // A shorter reach makes a block too stiff by who knows how much.
         let doubt = if REACH * periods > MOST_REACH {
             f64::INFINITY
@@ -164,7 +171,7 @@ impl Index {
         };
         Self(Kind::Classes {
             classes: symmetry.classes(periods).into_iter().map(block).collect(),
-            cell: (!on_line).then(cell),
+            cell,
             doubt,
             stiffness: preconditioner_stiffness(system),
         })
@@ -227,7 +234,11 @@ impl Index {
         let mut counts = Vec::with_capacity(classes.len());
         for of in classes {
             of.block.assemble_beside(&mechanics.system, &d, mean, z);
-            let below = of.block.negative_below(doubt).min(of.block.size());
+            let below = if doubt.is_finite() {
+                of.block.negative_below(doubt)
+            } else {
+                of.block.size()
+            };
             let mut count = if below == 0 {
                 0
             } else {
@@ -330,6 +341,7 @@ impl ClassBlock {
         [relative, absolute, stiffness]: [f64; 3],
     ) -> EigenPairs {
         let Self { block, all, .. } = self;
+        let unfolding = self.unfolding.as_ref().expect("made with the cell");
         let q1 = cell.system.grid().q1();
         let limits = EigenLimits {
             pairs: count,
@@ -353,9 +365,8 @@ impl ClassBlock {
         let cancel = cell.cancel.clone();
         smallest(
             |x, out| {
-                let mode = all.unfolded(x, &cell.system);
-                cell.hessian(fields, &mode, &mut image);
-                out.copy_from_slice(&all.folded(&image, &cell.system));
+                cell.hessian(fields, &unfolding.unfolded(x), &mut image);
+                out.copy_from_slice(&unfolding.folded(&image));
             },
             start,
             all.sliding(z).as_slice(),

@@ -4,6 +4,7 @@
 use crate::dense::Dense;
 use crate::loops::{flat_ground, planned, preset, walked};
 use ndarray::Array2;
+use tackscope::follow::atlas::{Atlas, Meshes};
 use tackscope::follow::diagram::{Branch, Diagram, Ending, Kind, Point};
 use tackscope::follow::record::Cause;
 use tackscope::follow::run::LoopRun;
@@ -13,7 +14,7 @@ use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Points, Scene, Turn};
 
 fn diagram(scene: &Scene, part: Part) -> Diagram {
     let found = Diagram::of(scene, part, &Cancel::default(), &mut |_, _, _| {}).unwrap();
@@ -152,20 +153,20 @@ fn folds_and_bifurcations_of_fig_2_are_the_same_on_a_finer_mesh() {
 #[test]
 fn a_long_cell_has_a_stable_bulge_that_no_path_reaches() {
     let mut scene = preset("fig3");
-    scene.cell.points = Points::Square(96);
-    // So coarse a mesh traps the edges of mixed states, which are not all followed to their ends.
-    let found = Diagram::of(&scene, Part::Whole, &Cancel::default(), &mut |_, _, _| {}).unwrap();
+    scene.cell.points = Points::Square(192);
+    let found = diagram(&scene, Part::Whole);
     let bulges = branch(&found, "square").points.iter();
     let stable = bulges.filter(|p| p.pattern == Pattern::Bulge && p.index == [0, 0]);
     assert!(stable.count() > 5);
-    let loops = planned(&scene);
-    assert!(
-        loops
-            .record
-            .states
-            .iter()
-            .all(|s| s.pattern != Pattern::Bulge)
-    );
+    let model = scene.model().unwrap();
+    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, 192));
+    let drive = &scene.drive;
+    let Turn::At(turn) = drive.turn else {
+        panic!("a number")
+    };
+    let jumps = atlas.cycle(drive.start, turn).unwrap().jumps;
+    let patterns: Vec<Pattern> = jumps.iter().map(|jump| jump.to).collect();
+    assert!(patterns.contains(&Pattern::Ridge) && !patterns.contains(&Pattern::Bulge));
 }
 
 /// The index of points all along each branch is the number of negative eigenvalues of the dense

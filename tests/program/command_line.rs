@@ -288,10 +288,7 @@ fn a_diagram_that_is_not_complete_says_what_is_missing() {
         .expect("runs");
     let words = errors(&output);
     assert_eq!(output.status.code(), Some(3), "{words}");
-    assert!(
-        words.contains("missing: the first state"),
-        "{words}"
-    );
+    assert!(words.contains("missing: the first state"), "{words}");
     assert!(out.join("points.csv").is_file());
 }
 

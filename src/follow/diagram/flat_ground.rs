@@ -2,7 +2,7 @@
 //! and that of square patterns from its limits, then those that join them where a stable pattern
 //! breaks its symmetry.
 
-use super::meeting::{meeting, way_to};
+use super::meeting::{distance, meeting, way_to};
 use super::trace::{End, Start, Tracer};
 use super::{Branch, Diagram, Ending, Kind, Point, Report};
 use crate::follow::atlas::Meshes;
@@ -16,6 +16,7 @@ use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{State, System, carried};
 use crate::physics::theory::flat;
 use crate::scene::{Model, Scene, Turn};
+use crate::solver::Lost;
 use crate::solver::continuation::Knot;
 use crate::solver::index::{Index, Symmetry};
 use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
@@ -28,6 +29,10 @@ const FLAT_POINTS: usize = 60;
 /// to factorise than it saves in products.
 const REACH: f64 = 3.3;
 const REACHES: [f64; 2] = [8.0, 14.0];
+/// A branch that is lost so near to where another is left (ranges) has met it: a ridge is known on a
+/// finer mesh than what joins it, and its break-up lies a little beside the one of that.
+const ABOUT: f64 = 0.5;
+
 /// One symmetry on one mesh.
 struct Sheet {
     mechanics: Mechanics,
@@ -318,10 +323,18 @@ fn joining(diagram: &mut Diagram, sheet: &mut Sheet, report: Report<'_>) {
                 Ending::Joined
             })
         };
-        let (mut points, ending) = sheet.follow(&name, begin, &mut met, report);
+        let (mut points, mut ending) = sheet.follow(&name, begin, &mut met, report);
         let first = points.first().map_or(0, |p| p.index[0]);
         points.insert(0, meeting(ends[i].state.clone(), None, first));
         let last = &points[points.len() - 1];
+        if ending == Ending::Lost(Lost::Gone) {
+            let near = |j: &usize| {
+                images(&ends[*j].state, &last.state.amplitudes)
+                    .is_some_and(|image| distance(&last.state, &image) < ABOUT * range)
+            };
+            reached = others.into_iter().find(near);
+            ending = reached.map_or(ending, |_| Ending::Joined);
+        }
         if let Some(j) = reached {
             ends[j].joined = true;
             let state = images(&ends[j].state, &last.state.amplitudes)

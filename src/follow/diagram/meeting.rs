@@ -1,7 +1,7 @@
 //! Where branches meet: a bifurcation, as the first or the last point of the branch that leaves it.
 
 use super::{Kind, Point};
-use crate::numerics::vector::{add, dot};
+use crate::numerics::vector::{add, dot, norm};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::State;
 
@@ -14,10 +14,7 @@ const ALIGNED: f64 = 0.9;
 /// Where a branch begins or ends on another one: it leaves along a mode of other symmetry, at
 /// constant u0 and stress to first order. It comes after the `last` point, if there is one.
 pub(super) fn meeting(state: State, last: Option<&Point>, index: usize) -> Point {
-    let arc = last.map_or(0.0, |last| {
-        let left = between(&last.state, &state);
-        last.arc + dot(&left, &left).sqrt()
-    });
+    let arc = last.map_or(0.0, |last| last.arc + distance(&last.state, &state));
     Point {
         state,
         arc,
@@ -57,4 +54,9 @@ fn between(a: &State, b: &State) -> Vec<f64> {
     add(&mut d, -1.0, &a.amplitudes);
     d[0] = b.mean_displacement - a.mean_displacement;
     d
+}
+
+/// Root mean square distance of two surfaces.
+pub(super) fn distance(a: &State, b: &State) -> f64 {
+    norm(&between(a, b))
 }

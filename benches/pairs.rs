@@ -1,0 +1,89 @@
+//! Whole computations in units of the transform: `cargo bench --no-default-features --bench pairs`.
+//!
+//! A *pair* is the duration of one forward and one back transform of 64 x 64 points on one thread,
+//! measured in the same run: machines differ, their ratio hardly does.
+
+use ndarray::Array2;
+use std::time::{Duration, Instant};
+use tackscope::follow::atlas::{Atlas, Meshes};
+use tackscope::follow::diagram::Diagram;
+use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::fourier::Fourier;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Scene};
+use tackscope::storage::presets;
+
+/// Runs of each row, of which the median counts.
+const RUNS: usize = 9;
+/// Pairs timed together.
+const PAIRS: usize = 2000;
+
+fn main() {
+    let pair = pair();
+    println!("pair: {:.1} us", 1e6 * pair.as_secs_f64());
+    println!("{:<44} {:>9} {:>11}", "", "pairs", "transforms");
+    for n in [48, 64] {
+        row(
+            &format!("Fig. 2, n = {n}, loop by the atlas, cold"),
+            pair,
+            || {
+                let scene = fig2(n);
+                let model = scene.model().expect("allowed");
+                let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, n));
+                atlas.cycle(4.2, 0.2).expect("a loop");
+                atlas.transforms().iter().sum()
+            },
+        );
+        row(
+            &format!("Fig. 2, n = {n}, whole diagram, cold"),
+            pair,
+            || {
+                let report = &mut |_: &str, _: usize, _: f64| {};
+                let found = Diagram::of(&fig2(n), Part::Whole, &Cancel::default(), report);
+                let found = found.expect("allowed");
+                assert!(found.is_complete(), "{:?}", found.missing);
+                found.transforms
+            },
+        );
+    }
+}
+
+fn fig2(n: usize) -> Scene {
+    let mut scene = presets::resolve("fig2").expect("built in");
+    scene.cell.points = Points::Square(n);
+    scene
+}
+
+/// The duration of a pair.
+fn pair() -> Duration {
+    let plan = Fourier::new(64, 64);
+    let mut field = Array2::from_shape_fn((64, 64), |(j, i)| (i * 7 + j * 3) as f64 % 11.0);
+    let (mut spectrum, mut scratch) = (plan.spectrum(), plan.scratch());
+    let times = || {
+        let begun = Instant::now();
+        for _ in 0..PAIRS {
+            plan.forward(&field, &mut spectrum, &mut scratch);
+            plan.inverse(&mut spectrum, &mut field, &mut scratch);
+        }
+        begun.elapsed() / PAIRS as u32
+    };
+    median(times)
+}
+
+fn median(mut time: impl FnMut() -> Duration) -> Duration {
+    let mut times: Vec<Duration> = (0..RUNS).map(|_| time()).collect();
+    times.sort();
+    times[RUNS / 2]
+}
+
+/// Prints what `work` takes; it returns its transforms.
+fn row(name: &str, pair: Duration, mut work: impl FnMut() -> usize) {
+    let mut transforms = 0;
+    let time = median(|| {
+        let begun = Instant::now();
+        transforms = work();
+        begun.elapsed()
+    });
+    let pairs = time.as_secs_f64() / pair.as_secs_f64();
+    println!("{name:<44} {pairs:>9.0} {transforms:>11}");
+}
