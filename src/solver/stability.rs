@@ -191,7 +191,7 @@ impl Tracker {
 
     /// The negative eigenvalues at the surface `z` with these `fields`, and the smallest of the
     /// others, with their modes: proved to be all but for the chance stated by [`CHANCE`]. Sliding
-    /// modes are removed. The errors of the values are below `relative` or [`NEAR_ZERO`].
+    /// modes are removed. The errors of the values are below `relative` or 1e-4 of q1.
     ///
     /// A Hessian that is negative on k modes, and positive beside them, has k negative eigenvalues.
     ///

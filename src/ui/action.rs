@@ -65,6 +65,10 @@ pub enum Action {
     Measure(Measurement),
     /// Drop the measurement under way.
     StopMeasuring,
+    /// Give up the branches that are being followed.
+    StopBranches,
+    /// Show the state at this point (branch, place) of the diagram.
+    ShowBranchPoint([usize; 2]),
     /// Turn to a page of the paper.
     OpenPage(Page),
     /// Give up the page that is being computed.
@@ -188,6 +192,8 @@ pub enum Tab {
     Events,
     /// The smallest eigenvalue, or the time steps.
     Stability,
+    /// Every branch of the scene.
+    Branches,
     /// The energy along the soft mode.
     EnergyWell,
     /// Speed against accuracy of every method.

@@ -94,6 +94,7 @@ impl App {
             self.solver.send(command);
         }
         self.state.begin_page(&*self.solver);
+        self.state.follow_branches(&*self.solver);
     }
 
     fn listen(&mut self) {
@@ -246,6 +247,8 @@ impl App {
             Action::OverlayTheory(overlay) => state.paper.overlay = overlay,
             Action::EnlargePage(large) => state.paper.large = large,
             Action::Measure(what) => state.measure(what, &*self.solver),
+            Action::StopBranches => state.stop_branches(),
+            Action::ShowBranchPoint(which) => state.show_branch_point(which),
             Action::StopMeasuring => state.stop_measuring(),
             Action::UseChartRow(index) => state.use_chart_row(index),
             Action::SelectState { at, reach } => state.select_near(at, reach),

@@ -206,6 +206,7 @@ fn panel(state: &ViewState) -> Panel {
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
+    panel.series.extend(beneath(state));
     panel.series.extend(state.plots.flat_state.iter().cloned());
     panel.series.extend(live(state));
     panel
@@ -234,6 +235,20 @@ fn panel(state: &ViewState) -> Panel {
             .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
     }
     panel
+}
+
+/// The branches of the diagram, if they are known of this scene: unstable ones, which the loop cannot
+/// show, and where stable ones end.
+fn beneath(state: &ViewState) -> Vec<Series> {
+    let Some(shown) = state.branches.of_scene() else {
+        return Vec::new();
+    };
+    let marks = [Symbol::Square, Symbol::Circle];
+    let seen = |series: &&Series| {
+        series.role == Role::Unstable && series.colour != Colour::FLAT
+            || series.symbol.is_some_and(|symbol| marks.contains(&symbol))
+    };
+    shown.panel.series.iter().filter(seen).cloned().collect()
 }
 
 /// Pieces as one broken line.

@@ -15,6 +15,7 @@ pub mod theme;
 pub mod view_state;
 
 mod accuracy;
+mod branches;
 mod commands;
 mod controls;
 mod diagram;

@@ -2,16 +2,21 @@
 
 use super::action::{Action, Tab, ViewOptions};
 use super::view_state::ViewState;
-use super::{accuracy, energy_well, event_list, paper, stability};
+use super::{accuracy, branches, energy_well, event_list, paper, stability};
 use egui::{Role, Ui, WidgetInfo};
 
 /// The tabs in order.
-pub const TABS: [(Tab, &str, &str); 5] = [
+pub const TABS: [(Tab, &str, &str); 6] = [
     (Tab::Events, "Events", "every jump so far"),
     (
         Tab::Stability,
         "Stability",
         "how far the next jump is, and which time steps GFMD survives",
+    ),
+    (
+        Tab::Branches,
+        "Branches",
+        "every state of equilibrium, stable and unstable: why there are jumps",
     ),
     (
         Tab::EnergyWell,
@@ -39,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             let chosen = state.view.tab == tab;
             let short = match tab {
                 Tab::Accuracy if narrow => "Accuracy",
-                Tab::EnergyWell if ui.available_width() < 350.0 => "Well",
+                Tab::EnergyWell if narrow => "Well",
                 _ => name,
             };
             let response = ui.selectable_label(chosen, short).on_hover_text(what);
@@ -54,6 +59,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     match state.view.tab {
         Tab::Events => event_list::show(ui, state, actions),
         Tab::Stability => stability::show(ui, state, actions),
+        Tab::Branches => branches::show(ui, state, actions),
         Tab::EnergyWell => energy_well::show(ui, state),
         Tab::Accuracy => accuracy::show(ui, state, actions),
         Tab::Paper => paper::show(ui, state, actions),

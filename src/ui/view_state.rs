@@ -1,9 +1,11 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
+mod branches;
 mod jobs;
 mod plots;
 mod run;
 
+pub use branches::{Branches, Shown};
 pub use jobs::PaperState;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
@@ -56,6 +58,8 @@ pub struct ViewState {
     pub plots: Plots,
     /// The measurement of speed against accuracy.
     pub chart: Option<Job<ChartSoFar>>,
+    /// Every branch of the scene.
+    pub branches: Branches,
     /// The paper's pages.
     pub paper: PaperState,
     /// What is said in words.
@@ -121,6 +125,7 @@ impl ViewState {
             run: RunView::new(1, limits.1, limits.1),
             frame: None,
             chart: None,
+            branches: Branches::default(),
             paper: PaperState::default(),
             messages: Messages {
                 failure: None,
@@ -183,6 +188,7 @@ impl ViewState {
         if loop_of(&model) != loop_of(&self.model) {
             self.chart = None;
         }
+        self.branches.restart();
         self.plots.flat_state = flat_state(&model, self.limits.into());
         self.scene = Arc::new(scene);
         self.model = model;
@@ -214,6 +220,7 @@ impl ViewState {
         if self.set_scene(scene) {
             // Another scene: nothing of the last one is true of it.
             self.frame = None;
+            self.branches = Branches::default();
             self.history.end_gesture();
             self.history.remember(before);
             self.messages.hint = true;

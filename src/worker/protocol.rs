@@ -1,6 +1,7 @@
 //! What the window says to the solver, and what it hears back.
 
 use super::job::Job;
+use crate::follow::diagram::Diagram;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::walk::EnergyWell;
@@ -285,6 +286,9 @@ pub trait SolverHandle {
 
     /// Begins to measure speed against accuracy of every method.
     fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar>;
+
+    /// Begins to follow every branch of equilibria.
+    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>>;
 
     /// Begins to compute a page of the paper.
     fn page(&self, page: Page) -> Job<PageContent>;

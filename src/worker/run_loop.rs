@@ -10,6 +10,7 @@ use super::protocol::{
 };
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
+use crate::follow::diagram::Diagram;
 use crate::numerics::cancel::Cancel;
 use crate::scene::{Drive, Model, Scene};
 use crate::study::chart::Effort;
@@ -106,6 +107,12 @@ impl SolverHandle for Worker {
     fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
         Job::start(self.wake.clone(), move |report| {
             background::chart(&scene, effort, report)
+        })
+    }
+
+    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>> {
+        Job::start(self.wake.clone(), move |report| {
+            background::diagram(&scene, report)
         })
     }
 

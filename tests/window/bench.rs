@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
+use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
@@ -34,6 +35,7 @@ struct Wire {
     events: Vec<Envelope<Event>>,
     time_steps: Vec<(Arc<Scene>, f64, Reporter<TimeStepMap>)>,
     charts: Vec<(Effort, Reporter<ChartSoFar>)>,
+    diagrams: Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)>,
     pages: Vec<(Page, Reporter<PageContent>)>,
 }
 
@@ -59,6 +61,12 @@ impl SolverHandle for FakeSolver {
     fn chart(&self, _: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
         let (job, report) = Job::new(Arc::new(|| {}));
         self.0.borrow_mut().charts.push((effort, report));
+        job
+    }
+
+    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>> {
+        let (job, report) = Job::new(Arc::new(|| {}));
+        self.0.borrow_mut().diagrams.push((scene, report));
         job
     }
 
@@ -153,6 +161,11 @@ impl Bench {
             .charts
             .pop()
             .expect("it was asked for")
+    }
+
+    /// The diagrams of branches that were asked for since the last call.
+    pub fn diagrams(&self) -> Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)> {
+        std::mem::take(&mut self.solver.0.borrow_mut().diagrams)
     }
 
     /// The pages that were asked for since the last call.

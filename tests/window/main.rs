@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod bench;
+mod branches;
 mod commands;
 mod dialogs;
 mod limits;

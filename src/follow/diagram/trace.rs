@@ -31,9 +31,12 @@ const LOCATED: f64 = 1e-5;
 const TRIALS: usize = 40;
 /// Steps shorter than this (ranges) are not halved to tell two events apart.
 const APART: f64 = 1e-3;
+/// Most steps in a row so short that they count as no progress: as at the edge of a cosine law, where
+/// the stiffness jumps.
+const CREEPING: usize = 40;
 /// Most points of one branch: a mesh that traps edges has hundreds of folds, which say nothing of
 /// the body.
-const POINTS: usize = 1500;
+const POINTS: usize = 800;
 
 /// Follows branches of one pattern.
 pub(super) struct Tracer<'a> {
@@ -89,7 +92,7 @@ impl Tracer<'_> {
             }
         };
         let mut behind: Option<Knot> = None;
-        let mut step = FIRST * range;
+        let (mut step, mut creeping) = (FIRST * range, 0);
         while points.len() < POINTS {
             let found = self.step(behind.as_ref(), &here, step);
             let resolved = match found {
@@ -106,6 +109,14 @@ impl Tracer<'_> {
                 }
                 continue;
             };
+            creeping = if step < APART * range {
+                creeping + 1
+            } else {
+                0
+            };
+            if creeping > CREEPING {
+                return Err(Lost::Gone);
+            }
             let longer = (AIM * range / error.max(1e-12 * range)).powf(0.3);
             step = (step * longer.clamp(0.4, 2.0)).min(LONGEST * range);
             (self.report)(&next.knot);
