@@ -245,11 +245,15 @@ impl Index {
                 of.block.negative_below(0.0)
             };
             if let Some(cell) = cell.as_mut().filter(|_| count < below) {
+                cell.cancel = mechanics.cancel.clone();
                 let fields = whole.get_or_insert_with(|| unfolded(mechanics, fields));
                 let mut seen = if doubt.is_finite() { below } else { count + 1 };
                 count = loop {
                     let goals = [SIGN, ZERO, stiffness];
                     let found = negative(&of.among_all(cell, fields, z, seen, goals));
+                    if cell.cancel.requested() {
+                        return Err(Lost::Cancelled);
+                    }
                     if found < seen {
                         break found;
                     }
@@ -290,6 +294,7 @@ impl Index {
                 of.block.negative_below(0.0);
                 match cell {
                     Some(cell) => {
+                        cell.cancel = mechanics.cancel.clone();
                         let fields = unfolded(mechanics, fields);
                         of.among_all(cell, &fields, z, rank + 1, [CLOSELY, ZERO, *stiffness])
                     }

@@ -23,8 +23,8 @@ use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Points of the flat state between two of its bifurcations.
-const FLAT_POINTS: usize = 60;
+/// Points of the flat state, at least three between two of its bifurcations.
+const FLAT_POINTS: usize = 800;
 /// Reach of the exact block of a preconditioner, in units of L/L_c, and its bounds: more costs more
 /// to factorise than it saves in products.
 const REACH: f64 = 3.3;
@@ -127,43 +127,51 @@ fn flat_state(scene: &Scene, model: &Model) -> Branch {
         Turn::At(turn) => (scene.drive.start, turn),
         Turn::ZeroLoad => (scene.drive.start, law.equilibrium_gap()),
     };
-    // Waves by the square of their length in periods, with how many there are of each.
-    let most = (length / flat::critical_length(&law)).floor() as i64;
+    // Waves that can soften and that the mesh has, by the square of their number of periods, with
+    // how many there are of each.
+    let softest = (length / flat::critical_length(&law)).floor() as i64;
+    let most = softest.min(model.grid.nx as i64 / 2);
+    let across = if model.grid.is_line() { 0 } else { most };
     let mut waves: BTreeMap<i64, usize> = BTreeMap::new();
     for k in -most..=most {
-        let across = if model.grid.is_line() { 0 } else { most };
         for l in -across..=across {
             if k * k + l * l > 0 {
                 *waves.entry(k * k + l * l).or_default() += 1;
             }
         }
     }
+    let periods = |square: &i64| (*square as f64).sqrt();
+    let up_to: Vec<(f64, usize)> = waves
+        .iter()
+        .scan(0, |sum, (square, many)| {
+            *sum += many;
+            Some((periods(square), *sum))
+        })
+        .collect();
     let index = |u0: f64| {
-        let softening = -law.at(u0).stiffness;
-        let soft = |square: i64| (square as f64).sqrt() * PI / length < softening;
-        waves
-            .iter()
-            .filter(|(square, _)| soft(**square))
-            .map(|(_, many)| many)
-            .sum::<usize>()
+        let soft = -law.at(u0).stiffness * length / PI;
+        match up_to.partition_point(|(periods, _)| *periods < soft) {
+            0 => 0,
+            longer => up_to[longer - 1].1,
+        }
     };
-    let limits = |square: &i64| flat::limits(&law, length / (*square as f64).sqrt());
     let mut places: Vec<(f64, Kind)> = waves
         .keys()
-        .filter_map(limits)
+        .filter_map(|square| flat::limits(&law, length / periods(square)))
         .flat_map(|(low, high)| [(low, Kind::Bifurcation), (high, Kind::Bifurcation)])
         .filter(|(u0, _)| turn < *u0 && *u0 < start)
         .chain([(start, Kind::Regular), (turn, Kind::Regular)])
         .collect();
     places.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let between = (FLAT_POINTS / places.len()).max(3);
     let mut points = Vec::new();
     for pair in places.windows(2) {
         let ((high, kind), (low, _)) = (pair[0], pair[1]);
         let within = index(0.5 * (high + low));
         let above = points.last().map_or(within, |p: &Point| p.index[1]);
         points.push(uniform(model, high, start - high, kind, [above, within]));
-        for i in 1..FLAT_POINTS {
-            let u0 = high + (low - high) * i as f64 / FLAT_POINTS as f64;
+        for i in 1..between {
+            let u0 = high + (low - high) * i as f64 / between as f64;
             points.push(uniform(model, u0, start - u0, Kind::Regular, [within; 2]));
         }
     }

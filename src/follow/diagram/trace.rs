@@ -29,8 +29,11 @@ const AUDIT: [f64; 2] = [0.2, 1e-3];
 const LOCATED: f64 = 1e-5;
 /// Most trials to locate one.
 const TRIALS: usize = 40;
-/// Steps shorter than this (ranges) are not halved to tell two events apart.
-const APART: f64 = 1e-3;
+/// Steps shorter than this (ranges) are not halved to tell two events apart: at a state of higher
+/// symmetry a branch turns back as its own image, and fold and bifurcation are one.
+const APART: f64 = 0.02;
+/// Steps shorter than this (ranges) are no progress.
+const SHORT: f64 = 1e-3;
 /// Most steps in a row so short that they count as no progress: as at the edge of a cosine law, where
 /// the stiffness jumps.
 const CREEPING: usize = 40;
@@ -94,22 +97,28 @@ impl Tracer<'_> {
         let mut behind: Option<Knot> = None;
         let (mut step, mut creeping) = (FIRST * range, 0);
         while points.len() < POINTS {
-            let found = self.step(behind.as_ref(), &here, step);
-            let resolved = match found {
-                Err(Lost::Cancelled) => return Err(Lost::Cancelled),
-                Err(_) => None,
-                // Two events of one step that hide each other are told apart by a shorter one.
-                Ok((next, _)) if step > APART * range && hidden(&here, &next) => None,
-                Ok(found) => Some(found),
-            };
-            let Some((next, error)) = resolved else {
+            // Two events of one step that hide each other are told apart by a shorter one, and one
+            // that is not found is found by it.
+            let found = self
+                .step(behind.as_ref(), &here, step)
+                .and_then(|(next, error)| {
+                    if step > APART * range && hidden(&here, &next) {
+                        return Err(Lost::Gone);
+                    }
+                    let events = self.events(&here, &next)?;
+                    Ok((next, error, events))
+                });
+            if found.as_ref().is_err_and(|lost| *lost == Lost::Cancelled) {
+                return Err(Lost::Cancelled);
+            }
+            let Ok((next, error, events)) = found else {
                 step *= 0.4;
                 if step < SHORTEST * range {
                     return Err(Lost::Gone);
                 }
                 continue;
             };
-            creeping = if step < APART * range {
+            creeping = if step < SHORT * range {
                 creeping + 1
             } else {
                 0
@@ -120,7 +129,7 @@ impl Tracer<'_> {
             let longer = (AIM * range / error.max(1e-12 * range)).powf(0.3);
             step = (step * longer.clamp(0.4, 2.0)).min(LONGEST * range);
             (self.report)(&next.knot);
-            points.extend(self.events(&here, &next)?);
+            points.extend(events);
             points.push(next.point());
             match end(&here.knot, &next.knot) {
                 Ok(longest) => step = step.min(longest),

@@ -124,12 +124,13 @@ impl Search<'_> {
             Start::Meeting(knot) => Some(knot.state.clone()),
             Start::Point(_) => None,
         };
-        for place in &mut self.meetings {
-            place.joined |= Some(&place.state) == begin.as_ref();
-        }
+        // It may also come back to where it began.
         let others: Vec<usize> = (0..self.meetings.len())
             .filter(|i| !self.meetings[*i].joined)
             .collect();
+        for place in &mut self.meetings {
+            place.joined |= Some(&place.state) == begin.as_ref();
+        }
         let states: Vec<State> = others
             .iter()
             .map(|i| self.meetings[*i].state.clone())
