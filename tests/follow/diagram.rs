@@ -13,6 +13,8 @@ use tackscope::physics::grid::Grid;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::theory::flat;
+use tackscope::physics::theory::jkr::Jkr;
+use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene, Turn};
 
@@ -315,5 +317,53 @@ fn a_stopped_diagram_keeps_what_it_has_and_says_so() {
     assert_eq!(
         branch(&found, "square").ending.to_string(),
         "a request to stop"
+    );
+}
+
+/// The unstable part of the S is what becomes of the unstable branch of JKR (in a periodic cell, in
+/// closed form): the displacement at a force in its middle comes closer with the range to the power
+/// 2/3, by 1.26 from mesh to mesh.
+#[test]
+fn the_unstable_states_of_a_tip_tend_to_those_of_periodic_jkr() {
+    let apart = |points: usize| {
+        let mut scene = preset("hertz");
+        scene.cell.points = Points::Square(points);
+        let found = diagram(&scene, Part::Quarter);
+        let law = scene.model().unwrap().law;
+        let tip = Jkr {
+            radius: 1.0,
+            surface_energy: law.surface_energy,
+        };
+        let jkr = PeriodicJkr::new(tip, 1.0);
+        // Contacts smaller than the last stable one are unstable.
+        let (mut low, mut high) = (0.0, jkr.end_of_displacement().radius);
+        let force = 0.6 * jkr.contact(high).force;
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if jkr.contact(middle).force < force {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let theory = jkr.contact(low).mean_displacement;
+        let unstable: Vec<&Point> = branch(&found, "contact")
+            .points
+            .iter()
+            .filter(|p| p.index.contains(&1))
+            .collect();
+        let pair = unstable
+            .windows(2)
+            .find(|pair| (pair[0].state.stress - force) * (pair[1].state.stress - force) <= 0.0)
+            .expect("the force lies between the folds");
+        let [a, b] = [&pair[0].state, &pair[1].state];
+        let share = (force - a.stress) / (b.stress - a.stress);
+        let u0 = a.mean_displacement + share * (b.mean_displacement - a.mean_displacement);
+        (u0 - theory).abs()
+    };
+    let [coarse, middle, fine] = [64, 128, 256].map(apart);
+    assert!(
+        coarse > 1.2 * middle && middle > 1.2 * fine,
+        "{coarse:e} {middle:e} {fine:e}"
     );
 }
