@@ -187,6 +187,28 @@ impl Diagram {
         Ok(diagram)
     }
 
+    /// Adds a branch as far as it was followed.
+    fn add(&mut self, branch: Branch) {
+        let Branch {
+            name,
+            points,
+            ending,
+            ..
+        } = &branch;
+        if matches!(ending, Ending::Budget | Ending::Lost(_)) {
+            let last = points
+                .last()
+                .map_or(f64::NAN, |p| p.state.mean_displacement);
+            self.missing.push(format!(
+                "the branch \"{name}\" beyond u0 = {last:.5}: {ending}"
+            ));
+        }
+        // Where it was lost at once there is only the state that it leaves.
+        if points.len() > 1 {
+            self.branches.push(branch.classified());
+        }
+    }
+
     /// Folds and bifurcations with the branch on which they are, in their order.
     pub fn events(&self) -> impl Iterator<Item = (&Branch, &Point)> {
         self.branches.iter().flat_map(|branch| {

@@ -102,17 +102,25 @@ pub(super) fn fill(
     let n = model.grid.nx.next_multiple_of(8);
     let meshes = Meshes::new(&model.law, length, n);
     let line = Grid::line(length, meshes.line);
-    if model.grid.is_line() {
-        let mut sheet = Sheet::new(model, Grid::line(length, n), Symmetry::Line, cancel);
-        from_flat(diagram, &mut sheet, "ridge", limits, report);
-        return;
+    let square = Grid::square(length, n);
+    let primary: &[_] = if model.grid.is_line() {
+        &[("ridge", Grid::line(length, n), Symmetry::Line)]
+    } else {
+        &[
+            ("square", square, Symmetry::Square),
+            ("ridge", line, Symmetry::Ridge),
+        ]
+    };
+    for (name, grid, symmetry) in primary {
+        if !cancel.requested() {
+            let mut sheet = Sheet::new(model, *grid, *symmetry, cancel);
+            from_flat(diagram, &mut sheet, name, limits, report);
+        }
     }
-    let mut square = Sheet::new(model, Grid::square(length, n), Symmetry::Square, cancel);
-    from_flat(diagram, &mut square, "square", limits, report);
-    let mut ridge = Sheet::new(model, line, Symmetry::Ridge, cancel);
-    from_flat(diagram, &mut ridge, "ridge", limits, report);
-    let mut mixed = Sheet::new(model, Grid::square(length, n), Symmetry::Even, cancel);
-    joining(diagram, &mut mixed, report);
+    if !model.grid.is_line() {
+        let mut mixed = Sheet::new(model, square, Symmetry::Even, cancel);
+        joining(diagram, &mut mixed, report);
+    }
 }
 
 /// The closed form between the ends of the drive, with the bifurcations of all waves.
@@ -247,20 +255,14 @@ fn from_flat(
             let last = points.last().map_or(0, |p| p.index[1]);
             let met = meeting(other, points.last(), last);
             points.push(met);
-        } else {
-            let at = points.last().map_or(limit, |p| p.state.mean_displacement);
-            diagram.missing.push(format!(
-                "the branch \"{name}\" beyond u0 = {at:.5}: {ending}"
-            ));
         }
-        let branch = Branch {
+        diagram.add(Branch {
             name,
             system: system.clone(),
             points,
             ending,
-        };
-        diagram.branches.push(branch.classified());
-        if ending == Ending::Flat {
+        });
+        if ending == Ending::Flat || sheet.mechanics.cancel.requested() {
             break;
         }
     }
@@ -269,7 +271,6 @@ fn from_flat(
 
 /// Where a stable piece of a branch breaks its symmetry along y.
 struct Break {
-    branch: String,
     point: Point,
     /// Its state in the system of the branches that leave it.
     state: State,
@@ -292,7 +293,6 @@ impl Break {
             ..point.state.clone()
         };
         Some(Self {
-            branch: branch.name.clone(),
             mode: waves.mode(&point.mode, to),
             point: point.clone(),
             state,
@@ -360,19 +360,13 @@ fn joining(diagram: &mut Diagram, sheet: &mut Sheet, report: Report<'_>) {
                 .unwrap_or_else(|| ends[j].state.clone());
             let met = meeting(state, Some(last), last.index[1]);
             points.push(met);
-        } else {
-            diagram.missing.push(format!(
-                "the branch \"{name}\" from \"{}\" beyond u0 = {:.5}: {ending}",
-                ends[i].branch, last.state.mean_displacement
-            ));
         }
-        let branch = Branch {
+        diagram.add(Branch {
             name,
             system: system.clone(),
             points,
             ending,
-        };
-        diagram.branches.push(branch.classified());
+        });
     }
     diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
 }

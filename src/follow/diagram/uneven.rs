@@ -178,22 +178,12 @@ impl Search<'_> {
             points.push(met);
         }
         diagram.transforms += self.mechanics.transforms() + self.index.transforms() - spent;
-        if matches!(ending, Ending::Budget | Ending::Lost(_)) {
-            let at = points
-                .last()
-                .map_or(f64::NAN, |p| p.state.mean_displacement);
-            diagram.missing.push(format!(
-                "the branch \"{name}\" beyond u0 = {at:.5}: {ending}"
-            ));
-        }
-        let system = self.mechanics.system.clone();
-        let branch = Branch {
+        diagram.add(Branch {
             name,
-            system,
+            system: self.mechanics.system.clone(),
             points,
             ending,
-        };
-        diagram.branches.push(branch.classified());
+        });
     }
 }
 
