@@ -90,13 +90,34 @@ struct Bordered<'a> {
     removed: Vec<Vec<f64>>,
 }
 
+/// Which block the preconditioner has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Block {
+    /// One made anew.
+    Anew,
+    /// That of a surface a Newton step away.
+    Kept,
+}
+
 impl<'a> Bordered<'a> {
-    /// At a surface `z` with these `fields`. Two transforms.
-    fn new(mechanics: &'a mut Mechanics, z: &[f64], fields: &'a Fields, border: &'a [f64]) -> Self {
+    /// At the surface `z` with these `fields`. One transform, two where an uneven system has its
+    /// block made anew.
+    fn new(
+        mechanics: &'a mut Mechanics,
+        z: &[f64],
+        fields: &'a Fields,
+        border: &'a [f64],
+        block: Block,
+    ) -> Self {
         let removed = mechanics.sliding_basis(z, fields);
         let mut forces = vec![0.0; z.len()];
-        mechanics.refresh(fields);
         let stress = mechanics.stiffness_amplitudes(fields, &mut forces);
+        match mechanics.preconditioner.low_block_mut() {
+            _ if block == Block::Kept => {}
+            // That of an even system is made of the same amplitudes.
+            Some(low) => low.assemble(&mechanics.system, &forces, stress),
+            None => mechanics.refresh(fields),
+        }
         mechanics.class.project(&mechanics.system, &mut forces);
         forces[0] = 0.0;
         Self {
@@ -192,7 +213,8 @@ impl Mechanics {
                 return Err(Lost::Gone);
             }
             if force <= goal {
-                return self.measured(at, direction);
+                let block = if step == 0 { Block::Anew } else { Block::Kept };
+                return self.measured(at, direction, block);
             }
             if step == STEPS || force > 3.0 * before {
                 return Err(Lost::Gone);
@@ -203,7 +225,8 @@ impl Mechanics {
                 .min(0.1);
             let mut b = at.gradient.clone();
             scale(&mut b, -1.0);
-            let mut bordered = Bordered::new(self, &at.state.amplitudes, &at.fields, direction);
+            let (z, fields) = (&at.state.amplitudes, &at.fields);
+            let mut bordered = Bordered::new(self, z, fields, direction, Block::Anew);
             project_out(&mut b, &bordered.removed);
             b[0] = 0.0;
             let mut dx = bordered.solve(&b, forcing)?;
@@ -215,9 +238,15 @@ impl Mechanics {
     }
 
     /// An equilibrium with its tangent.
-    fn measured(&mut self, at: Evaluation, direction: &[f64]) -> Result<(Knot, Fields), Lost> {
+    fn measured(
+        &mut self,
+        at: Evaluation,
+        direction: &[f64],
+        block: Block,
+    ) -> Result<(Knot, Fields), Lost> {
         let residual = self.residual(&at);
-        let mut bordered = Bordered::new(self, &at.state.amplitudes, &at.fields, direction);
+        let (z, fields) = (&at.state.amplitudes, &at.fields);
+        let mut bordered = Bordered::new(self, z, fields, direction, block);
         let mut b = vec![0.0; direction.len()];
         b[0] = 1.0;
         let mut tangent = bordered.solve(&b, TANGENT)?;
