@@ -8,10 +8,9 @@ use super::{
 use crate::follow::diagram::Diagram;
 use crate::plot::diagram_panel::{counts, page};
 use crate::plot::ticks::digits;
-use crate::scene::part::{Part, Strategy};
 use crate::storage::export::{write_branches_csv, write_points_csv};
 use crate::storage::{Failure, drawing, scene_file};
-use crate::study::plan::plan;
+use crate::study::plan;
 
 /// What is written.
 const FILES: [&str; 4] = ["branches.csv", "points.csv", "diagram.svg", "diagram.png"];
@@ -26,10 +25,6 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     let (scene, place) = scene_with_points(&arguments.scene, arguments.points)?;
     let refused = |error| scene_file::refused(&place, error);
     let model = scene.model().map_err(refused)?;
-    let part = match plan(&scene, &model, None).strategy {
-        Strategy::Walk(part) => part,
-        Strategy::Atlas => Part::Whole,
-    };
     let cancel = cancel_on_signal();
     let output = &arguments.output;
     let folder = output.claim(&[], ROOM, |name| FILES.contains(&name))?;
@@ -46,7 +41,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         let u0 = digits(u0, 0.01 * scene.drive.step);
         monitor.now(&format!("{branch}: {points} points, u0 = {u0}"));
     };
-    let found = Diagram::of(&scene, part, &cancel, &mut report).map_err(refused)?;
+    let found = plan::diagram(&scene, &cancel, &mut report).map_err(refused)?;
     monitor.finish();
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
     let page = page(&found, &model.law, &scene.title);

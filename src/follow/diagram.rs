@@ -161,7 +161,7 @@ impl Branch {
 
 /// What is told while a diagram is computed: the name of the branch under way, its points so far,
 /// and u0 (length).
-pub type Report<'r> = &'r mut dyn FnMut(&str, usize, f64);
+pub type Observe<'r> = &'r mut dyn FnMut(&str, usize, f64);
 
 impl Diagram {
     /// The diagram of `scene`, on uneven ground by the `part` of the cell that holds its loop.
@@ -173,14 +173,14 @@ impl Diagram {
         scene: &Scene,
         part: Part,
         cancel: &Cancel,
-        report: Report<'_>,
+        observe: Observe<'_>,
     ) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let mut diagram = Self::default();
         if model.indenter == Indenter::Flat {
-            flat_ground::fill(&mut diagram, scene, &model, cancel, report);
+            flat_ground::fill(&mut diagram, scene, &model, cancel, observe);
         } else {
-            uneven::fill(&mut diagram, scene, part, cancel, report)?;
+            uneven::fill(&mut diagram, scene, part, cancel, observe)?;
         }
         diagram.equal_energies = equal_energy::all(&diagram.branches);
         diagram.cancelled = cancel.requested();

@@ -82,6 +82,23 @@ pub fn add(y: &mut [f64], s: f64, x: &[f64]) {
     }
 }
 
+/// Cubic Hermite between two ends a distance `h` apart, at a share `t` of the way (beyond them too):
+/// of value and derivative at the first, and value and derivative at the second.
+pub fn hermite(ends: [&[f64]; 4], h: f64, t: f64) -> Vec<f64> {
+    let (t2, t3) = (t * t, t * t * t);
+    let weights = [
+        2.0 * t3 - 3.0 * t2 + 1.0,
+        (t3 - 2.0 * t2 + t) * h,
+        3.0 * t2 - 2.0 * t3,
+        (t3 - t2) * h,
+    ];
+    let mut sum = vec![0.0; ends[0].len()];
+    for (weight, end) in weights.into_iter().zip(ends) {
+        add(&mut sum, weight, end);
+    }
+    sum
+}
+
 /// x *= s.
 pub fn scale(x: &mut [f64], s: f64) {
     x.iter_mut().for_each(|x| *x *= s);

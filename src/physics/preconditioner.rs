@@ -8,9 +8,25 @@
 
 use super::low_block::{Class, FLOOR, LowBlock};
 use super::system::{Fields, System, Workspace};
+use super::theory::flat;
 use crate::numerics::factor::Factor;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+/// Reach of an exact block of one symmetry class in units of L/L_c, the number of periods of the
+/// shortest wave that can soften on a flat surface: pattern edges are sharper than that.
+const CLASS_REACH: f64 = 3.3;
+const CLASS_REACH_LEAST: f64 = 8.0;
+
+/// Reach of such a block of an even system on flat ground, at `most` so far; all waves of a line.
+/// With `most` the block leaves out waves that matter.
+pub fn class_reach(system: &System, most: f64) -> f64 {
+    if system.grid().is_line() {
+        return f64::INFINITY;
+    }
+    let periods = system.grid().length / flat::critical_length(system.law());
+    (CLASS_REACH * periods).clamp(CLASS_REACH_LEAST, most)
+}
 
 /// Waves up to this many per cell side are in the block (112 unknowns in a square cell, 12 in a
 /// line cell): all that can go soft in the cells of Figs 2 and 3, and few enough that the
@@ -145,58 +161,50 @@ impl Preconditioner {
 
     /// `out` = approximate inverse Hessian times `r`.
     pub fn apply(&self, r: &[f64], out: &mut [f64]) {
-        for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
-            *o = r * m;
-        }
-        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
-            block.precondition(r, out);
-        }
-        if !self.factor.is_empty() {
-            self.within_block(r, out, |x| self.factor.solve_positive(x));
-        }
+        self.scaled(r, out, |m| m);
+        self.within(r, out, LowBlock::precondition, Factor::solve_positive);
     }
 
-    /// `out` = approximate inverse Hessian times `r`, with the signs of the block: for equilibria
-    /// that are no minima.
+    /// The same with the signs of the block: for equilibria that are no minima.
     pub fn apply_indefinite(&self, r: &[f64], out: &mut [f64]) {
-        for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
-            *o = r * m;
-        }
-        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
-            block.invert(r, out);
-        }
-        if !self.factor.is_empty() {
-            self.within_block(r, out, |x| self.factor.solve(x));
-        }
+        self.scaled(r, out, |m| m);
+        self.within(r, out, LowBlock::invert, Factor::solve);
     }
 
     /// `out` = F y for the factors F F^T of the approximate inverse: y drawn evenly from all
     /// directions gives amplitudes as soft as the Hessian allows.
     pub fn spread(&self, y: &[f64], out: &mut [f64]) {
-        self.halved(y, out);
-        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
-            block.spread(y, out);
-        }
-        if !self.factor.is_empty() {
-            self.within_block(y, out, |x| self.factor.spread(x));
-        }
+        self.scaled(y, out, f64::sqrt);
+        self.within(y, out, LowBlock::spread, Factor::spread);
     }
 
     /// `out` = F^T r.
     pub fn gather(&self, r: &[f64], out: &mut [f64]) {
-        self.halved(r, out);
-        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
-            block.gathered(r, out);
-        }
-        if !self.factor.is_empty() {
-            self.within_block(r, out, |x| self.factor.gather(x));
+        self.scaled(r, out, f64::sqrt);
+        self.within(r, out, LowBlock::gathered, Factor::gather);
+    }
+
+    /// `out` = `r` times what `of` makes of the diagonal.
+    fn scaled(&self, r: &[f64], out: &mut [f64], of: impl Fn(f64) -> f64) {
+        for ((o, r), m) in out.iter_mut().zip(r).zip(&self.diagonal) {
+            *o = r * of(*m);
         }
     }
 
-    /// The diagonal part of both factors.
-    fn halved(&self, x: &[f64], out: &mut [f64]) {
-        for ((o, x), m) in out.iter_mut().zip(x).zip(&self.diagonal) {
-            *o = x * m.sqrt();
+    /// On the waves of the block `out` gets what that of an even system, or the factors of another,
+    /// make of `r`; the rest is kept.
+    fn within(
+        &self,
+        r: &[f64],
+        out: &mut [f64],
+        even: impl Fn(&LowBlock, &[f64], &mut [f64]),
+        factors: impl Fn(&Factor, &mut [f64]),
+    ) {
+        if let Some(block) = self.even.as_ref().filter(|block| block.is_ready()) {
+            even(block, r, out);
+        }
+        if !self.factor.is_empty() {
+            self.within_block(r, out, |x| factors(&self.factor, x));
         }
     }
 

@@ -64,6 +64,13 @@ pub struct State {
     pub stress: f64,
 }
 
+impl State {
+    /// Its amplitudes and mean displacement, which together are the surface.
+    pub fn joint(&self) -> (&[f64], f64) {
+        (&self.amplitudes, self.mean_displacement)
+    }
+}
+
 /// What a law makes of the gap at every point; shapes (ny, nx) of [`System::shape`].
 #[derive(Clone, Debug)]
 pub struct Fields {

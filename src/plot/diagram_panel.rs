@@ -2,16 +2,16 @@
 //! stress/sigma_max, tension positive. Stable pieces are solid, unstable ones dashed, a fold is a
 //! square, a bifurcation a circle, equal energies are a diamond.
 
-use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
+use super::loop_panel::{MARGIN, axes};
+use super::panel::{Colour, Label, Page, Panel, Role, Series, Symbol};
 use super::scale::ends;
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
+use crate::numerics::vector::hermite;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 
 /// Points of a curve between two computed ones.
 const BETWEEN: usize = 8;
-/// What is left free at the ends of both axes, in shares of what is shown.
-const MARGIN: [f64; 2] = [0.02, 0.06];
 /// What is shown of compression, in units of the largest tension.
 const DEEP: f64 = 0.5;
 /// Stable pieces narrower than this share of the axis bear no name, which would not fit.
@@ -49,8 +49,7 @@ pub fn counts(diagram: &Diagram) -> String {
 
 /// The diagram itself.
 pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
-    let shown = |u0: f64, stress: f64| [u0 / law.range, stress / law.traction_max()];
-    let at = |p: &Point| shown(p.state.mean_displacement, p.state.stress);
+    let at = |p: &Point| place(p.state.mean_displacement, p.state.stress, law);
     // Those of unstable states, of which a long cell has hundreds, must not hide the others.
     let places = |kind: Kind, between_unstable: bool| {
         let unstable = |p: &Point| !p.index.contains(&0);
@@ -62,7 +61,10 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     };
     let equal = diagram.equal_energies.iter();
     let equal = equal
-        .flat_map(|e| e.stresses.map(|stress| shown(e.mean_displacement, stress)))
+        .flat_map(|e| {
+            e.stresses
+                .map(|stress| place(e.mean_displacement, stress, law))
+        })
         .collect();
     let curves: Vec<Series> = diagram
         .branches
@@ -98,9 +100,10 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
         [low - room, high + room]
     });
     let width = x[1] - x[0];
+    let [x_axis, y_axis] = axes([x, y]);
     Panel {
-        x: Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
-        y: Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+        x: x_axis,
+        y: y_axis,
         labels: diagram
             .branches
             .iter()
@@ -112,6 +115,12 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
             .collect(),
         ..Panel::default()
     }
+}
+
+/// Where a mean displacement (length) and a stress (E*) stand: in ranges, and in units of the largest
+/// traction.
+pub fn place(u0: f64, stress: f64, law: &Law) -> [f64; 2] {
+    [u0 / law.range, stress / law.traction_max()]
 }
 
 /// Colour of a branch, and its name in the legend.
@@ -152,21 +161,15 @@ fn pieces(branch: &Branch, law: &Law) -> Vec<Series> {
 /// u0/rho and stress/sigma_max at a share `i` of the way between two points: cubics in the arc
 /// length.
 fn between(a: &Point, b: &Point, i: usize, law: &Law) -> [f64; 2] {
-    let (h, t) = (b.arc - a.arc, i as f64 / BETWEEN as f64);
-    let cubic = |a: f64, b: f64, rate_a: f64, rate_b: f64| {
-        let rise = b - a;
-        let (p, q) = (rate_a * h, rate_b * h);
-        a + t * (p + t * (3.0 * rise - 2.0 * p - q + t * (p + q - 2.0 * rise)))
-    };
     let (s, z) = (&a.state, &b.state);
-    let u0 = cubic(
-        s.mean_displacement,
-        z.mean_displacement,
-        a.rates[0],
-        b.rates[0],
-    );
-    let stress = cubic(s.stress, z.stress, a.rates[1], b.rates[1]);
-    [u0 / law.range, stress / law.traction_max()]
+    let ends = [
+        &[s.mean_displacement, s.stress][..],
+        &a.rates,
+        &[z.mean_displacement, z.stress],
+        &b.rates,
+    ];
+    let between = hermite(ends, b.arc - a.arc, i as f64 / BETWEEN as f64);
+    place(between[0], between[1], law)
 }
 
 /// The pattern in the middle of each stable piece that is wide enough.

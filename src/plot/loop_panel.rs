@@ -20,7 +20,7 @@ const CLOSE: f64 = 2e-3;
 /// Pieces of curve shorter than this share of the axis bear no name, which would not fit.
 const NAMED: f64 = 0.07;
 /// What is left free at the ends of both axes, in shares of what is shown.
-const MARGIN: [f64; 2] = [0.02, 0.06];
+pub(super) const MARGIN: [f64; 2] = [0.02, 0.06];
 
 /// The diagram of what was recorded: the loss of a closed loop, both branches, jumps, names of
 /// patterns, and on flat ground the flat state.
@@ -38,15 +38,24 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     let peak = if flat.is_empty() { 0.0 } else { 1.0 };
     let y = ends(1, &[0.0, peak], [-0.2, 1.0]);
     let closed = record.ledger(model.law.surface_energy).open.is_none();
+    let [x_axis, y_axis] = axes([x, y]);
     Panel {
-        x: Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
-        y: Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+        x: x_axis,
+        y: y_axis,
         areas: if closed { loss(&curve) } else { Vec::new() },
         series: flat.into_iter().chain(branches(&curve)).collect(),
         arrows: jumps(&record.jumps, &model.law),
         labels: names(&curve, x[1] - x[0]),
         ..Panel::default()
     }
+}
+
+/// The axes of stress against mean displacement, showing this much of each.
+pub(super) fn axes([x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
+    [
+        Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
+        Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+    ]
 }
 
 /// The picture of what was recorded under the scene's title; `error` is the relative error to be

@@ -3,7 +3,7 @@
 //! through folds.
 //!
 //! The arc length s is the root mean square distance of whole surfaces, ds^2 = |dz|^2 + du0^2. The
-//! mean displacement takes the entry q = 0 of a [`Direction`], which amplitude vectors leave free.
+//! mean displacement takes the entry q = 0 of its vectors, which amplitudes leave free.
 //! A step solves the bordered system
 //!
 //! H dz + f du = -g,   t_z.dz + t_u du = 0
@@ -12,9 +12,9 @@
 //! branch: regular at folds, where H is not.
 
 use super::Lost;
-use super::mechanics::Mechanics;
+use super::mechanics::{Mechanics, Rates};
 use crate::numerics::krylov::{CgLimits, minimal_residual};
-use crate::numerics::vector::{add, dot, norm, project_out, scale};
+use crate::numerics::vector::{add, dot, hermite, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, State};
 
 /// Root mean square force over sigma_max of a point: its stress and energy are then exact to more
@@ -28,16 +28,13 @@ const PRODUCTS: usize = 100;
 /// system is singular but for some hundredths of s: the tangent is then good to 1e-4 at 0.05 ranges.
 const TANGENT: f64 = 1e-6;
 
-/// A unit vector of the joint space; entry 0 is the mean displacement.
-pub type Direction = Vec<f64>;
-
 /// A point of a branch.
 #[derive(Clone, Debug)]
 pub struct Knot {
     /// The equilibrium.
     pub state: State,
     /// Unit tangent of the branch, the way it is gone.
-    pub tangent: Direction,
+    pub tangent: Vec<f64>,
     /// d stress/ds along it (E* per length).
     pub stress_rate: f64,
     /// Arc length from the first point (length).
@@ -55,37 +52,31 @@ impl Knot {
     /// Cubic Hermite through two knots at arc length `s`, beyond them too: amplitudes and u0.
     pub fn between(a: &Self, b: &Self, s: f64) -> (Vec<f64>, f64) {
         let h = b.arc - a.arc;
-        let t = (s - a.arc) / h;
-        let (t2, t3) = (t * t, t * t * t);
-        let weights = [
-            2.0 * t3 - 3.0 * t2 + 1.0,
-            (t3 - 2.0 * t2 + t) * h,
-            3.0 * t2 - 2.0 * t3,
-            (t3 - t2) * h,
-        ];
-        let mut z = vec![0.0; a.tangent.len()];
-        let parts = [
-            &a.state.amplitudes,
-            &a.tangent,
-            &b.state.amplitudes,
-            &b.tangent,
-        ];
-        for (w, part) in weights.iter().zip(parts) {
-            add(&mut z, *w, part);
-        }
-        z[0] += weights[0] * a.state.mean_displacement + weights[2] * b.state.mean_displacement;
+        let joint = |knot: &Self| {
+            let mut joint = knot.state.amplitudes.clone();
+            joint[0] = knot.state.mean_displacement;
+            joint
+        };
+        let ends = [&joint(a), &a.tangent, &joint(b), &b.tangent];
+        let mut z = hermite(ends.map(Vec::as_slice), h, (s - a.arc) / h);
         let u0 = std::mem::take(&mut z[0]);
         (z, u0)
     }
+}
+
+/// The way from one surface (amplitudes and u0) to another, in the joint space.
+pub fn way(from: (&[f64], f64), to: (&[f64], f64)) -> Vec<f64> {
+    let mut way = to.0.to_vec();
+    add(&mut way, -1.0, from.0);
+    way[0] = to.1 - from.1;
+    way
 }
 
 /// A bordered system at one surface.
 struct Bordered<'a> {
     mechanics: &'a mut Mechanics,
     fields: &'a Fields,
-    /// df/du0 of the force, and d stress/du0, at fixed amplitudes.
-    forces: Vec<f64>,
-    stress: f64,
+    rates: Rates,
     border: &'a [f64],
     removed: Vec<Vec<f64>>,
 }
@@ -110,35 +101,31 @@ impl<'a> Bordered<'a> {
         block: Block,
     ) -> Self {
         let removed = mechanics.sliding_basis(z, fields);
-        let mut forces = vec![0.0; z.len()];
-        let stress = mechanics.stiffness_amplitudes(fields, &mut forces);
-        match mechanics.preconditioner.low_block_mut() {
-            _ if block == Block::Kept => {}
-            // That of an even system is made of the same amplitudes.
-            Some(low) => low.assemble(&mechanics.system, &forces, stress),
-            None => mechanics.refresh(fields),
+        let mut rates = mechanics.rates(fields);
+        if block == Block::Anew {
+            mechanics.renew(fields, &rates);
         }
-        mechanics.class.project(&mechanics.system, &mut forces);
-        forces[0] = 0.0;
+        mechanics
+            .class
+            .project(&mechanics.system, &mut rates.forces);
+        rates.forces[0] = 0.0;
         Self {
             mechanics,
             fields,
-            forces,
-            stress,
+            rates,
             border,
             removed,
         }
     }
 
     /// Solves for the right-hand side `b`, whose entry 0 is that of the border.
-    fn solve(&mut self, b: &[f64], tolerance: f64) -> Result<Direction, Lost> {
+    fn solve(&mut self, b: &[f64], tolerance: f64) -> Result<Vec<f64>, Lost> {
         let Self {
             mechanics,
             fields,
-            forces,
+            rates: Rates { forces, .. },
             border,
             removed,
-            ..
         } = self;
         let Mechanics {
             system,
@@ -252,7 +239,8 @@ impl Mechanics {
         let mut tangent = bordered.solve(&b, TANGENT)?;
         let length = norm(&tangent);
         scale(&mut tangent, 1.0 / length);
-        let stress_rate = bordered.stress * tangent[0] + dot(&bordered.forces, &tangent);
+        let rates = &bordered.rates;
+        let stress_rate = rates.stress * tangent[0] + dot(&rates.forces, &tangent);
         let knot = Knot {
             state: at.state,
             tangent,

@@ -8,18 +8,17 @@
 //! is looked at over all waves of the mesh.
 
 use super::equilibrium::Lost;
-use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
+use super::mechanics::{Mechanics, Rates, Slides, preconditioner_stiffness};
 use super::stability::Tracker;
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::physics::low_block::{Class, LowBlock, Unfolding};
+use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Fields, System};
 use crate::physics::theory::flat;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// Reach of the blocks in units of L/L_c, as those of a [`Sector`](super::sector::Sector).
-const REACH: f64 = 3.3;
-const LEAST_REACH: f64 = 8.0;
+/// Longest reach of the blocks: beyond it a look over all waves is cheaper than to factorise.
 const MOST_REACH: f64 = 16.0;
 /// Eigenvalues of a block below this, in units of q1, are looked at over all waves: the block is
 /// too stiff by 0.013 at the reach of Fig. 2.
@@ -35,10 +34,10 @@ const ITERATIONS: usize = 30;
 
 /// Counts the negative eigenvalues over a pattern.
 #[derive(Clone, Debug)]
-pub struct Index(Kind);
+pub struct Index(Modes);
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum Modes {
     /// Even patterns on flat ground, class by class.
     Classes {
         classes: Vec<ClassBlock>,
@@ -69,7 +68,7 @@ struct ClassBlock {
 }
 
 /// Negative eigenvalues of each class, the pattern's own first, and how many times each counts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Counts(Vec<(usize, usize)>);
 
 impl Counts {
@@ -145,12 +144,8 @@ impl Index {
     /// For patterns of this symmetry of an even `system` on flat ground.
     pub fn of_symmetry(system: &System, symmetry: Symmetry) -> Self {
         let periods = system.grid().length / flat::critical_length(system.law());
-        let on_line = matches!(symmetry, Symmetry::Line | Symmetry::Ridge);
-        let reach = if on_line {
-            f64::INFINITY
-        } else {
-            (REACH * periods).clamp(LEAST_REACH, MOST_REACH)
-        };
+        let on_line = system.grid().is_line();
+        let reach = class_reach(system, MOST_REACH);
         let cell =
             (!on_line).then(|| Box::new(Mechanics::new(System::whole(system), Slides::Never)));
         let block = |(class, copies): (Class, usize)| {
@@ -164,12 +159,12 @@ impl Index {
             }
         };
         // A shorter reach makes a block too stiff by who knows how much.
-        let doubt = if REACH * periods > MOST_REACH {
+        let doubt = if reach == MOST_REACH {
             f64::INFINITY
         } else {
             DOUBT * system.grid().q1()
         };
-        Self(Kind::Classes {
+        Self(Modes::Classes {
             classes: symmetry.classes(periods).into_iter().map(block).collect(),
             cell,
             doubt,
@@ -185,7 +180,7 @@ impl Index {
         } else {
             system.clone()
         };
-        Self(Kind::Cell {
+        Self(Modes::Cell {
             cell: Box::new(Mechanics::new(cell, slides)),
             tracker: Box::new(Tracker::new(Pcg64::seed_from_u64(seed))),
         })
@@ -194,16 +189,16 @@ impl Index {
     /// The class with this place, if modes are told apart by their symmetry.
     pub fn class(&self, place: usize) -> Option<Class> {
         match &self.0 {
-            Kind::Classes { classes, .. } => Some(classes[place].class),
-            Kind::Cell { .. } => None,
+            Modes::Classes { classes, .. } => Some(classes[place].class),
+            Modes::Cell { .. } => None,
         }
     }
 
     /// Transforms of the whole cell spent.
     pub fn transforms(&self) -> usize {
         match &self.0 {
-            Kind::Classes { cell, .. } => cell.as_ref().map_or(0, |cell| cell.transforms()),
-            Kind::Cell { cell, .. } => cell.transforms(),
+            Modes::Classes { cell, .. } => cell.as_ref().map_or(0, |cell| cell.transforms()),
+            Modes::Cell { cell, .. } => cell.transforms(),
         }
     }
 
@@ -218,22 +213,22 @@ impl Index {
         fields: &Fields,
     ) -> Result<Counts, Lost> {
         let (classes, cell, doubt, stiffness) = match &mut self.0 {
-            Kind::Classes {
+            Modes::Classes {
                 classes,
                 cell,
                 doubt,
                 stiffness,
             } => (classes, cell, *doubt, *stiffness),
-            Kind::Cell { cell, tracker } => {
+            Modes::Cell { cell, tracker } => {
                 let found = all_modes(cell, tracker, mechanics, z, fields, SIGN)?;
                 return Ok(Counts(vec![(negative(&found), 1)]));
             }
         };
-        let (d, mean) = derivatives(mechanics, fields);
+        let rates = mechanics.rates(fields);
         let mut whole = None;
         let mut counts = Vec::with_capacity(classes.len());
         for of in classes {
-            of.block.assemble_beside(&mechanics.system, &d, mean, z);
+            of.assemble(&mechanics.system, &rates, z);
             let below = if doubt.is_finite() {
                 of.block.negative_below(doubt)
             } else {
@@ -279,18 +274,18 @@ impl Index {
         [place, rank]: [usize; 2],
     ) -> Result<(f64, Vec<f64>), Lost> {
         let mut found = match &mut self.0 {
-            Kind::Cell { cell, tracker } => {
+            Modes::Cell { cell, tracker } => {
                 all_modes(cell, tracker, mechanics, z, fields, CLOSELY)?
             }
-            Kind::Classes {
+            Modes::Classes {
                 classes,
                 cell,
                 stiffness,
                 ..
             } => {
-                let (d, mean) = derivatives(mechanics, fields);
+                let rates = mechanics.rates(fields);
                 let of = &mut classes[place];
-                of.block.assemble_beside(&mechanics.system, &d, mean, z);
+                of.assemble(&mechanics.system, &rates, z);
                 of.block.negative_below(0.0);
                 match cell {
                     Some(cell) => {
@@ -336,6 +331,12 @@ fn all_modes(
 }
 
 impl ClassBlock {
+    /// The block over the pattern `z` with these derivatives of its stiffness.
+    fn assemble(&mut self, system: &System, rates: &Rates, z: &[f64]) {
+        self.block
+            .assemble_beside(system, &rates.forces, rates.stress, z);
+    }
+
     /// The softest modes over all waves of the mesh, from those of the block as assembled last.
     fn among_all(
         &self,
@@ -380,13 +381,6 @@ impl ClassBlock {
             &cancel,
         )
     }
-}
-
-/// Amplitudes and mean of gamma''. One transform.
-fn derivatives(mechanics: &mut Mechanics, fields: &Fields) -> (Vec<f64>, f64) {
-    let mut d = vec![0.0; mechanics.system.dimension()];
-    let mean = mechanics.stiffness_amplitudes(fields, &mut d);
-    (d, mean)
 }
 
 /// The fields of the whole cell. No transform.

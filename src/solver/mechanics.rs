@@ -29,6 +29,16 @@ pub struct Mechanics {
     pub(super) workspace: Workspace,
 }
 
+/// Amplitudes and mean of gamma'' at a surface: the derivatives of its forces and of its stress
+/// with u0 at fixed amplitudes.
+#[derive(Clone, Debug)]
+pub struct Rates {
+    /// Of the forces (E* per length).
+    pub forces: Vec<f64>,
+    /// Of the stress (E* per length).
+    pub stress: f64,
+}
+
 /// Whether patterns can slide over the ground, which gives modes without stiffness that say nothing
 /// about stability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +101,17 @@ impl Mechanics {
         }
     }
 
+    /// The mechanics of one symmetry class of an even system, with an exact block of the waves no
+    /// longer than `reach`.
+    pub fn of_class(system: System, class: Class, reach: f64) -> Self {
+        let stiffness = preconditioner_stiffness(&system);
+        let preconditioner = Preconditioner::of_class(&system, stiffness, class, reach);
+        Self {
+            class,
+            ..Self::with_preconditioner(preconditioner, system, Slides::Never)
+        }
+    }
+
     /// Transforms done so far.
     pub fn transforms(&self) -> usize {
         self.workspace.transforms
@@ -132,6 +153,24 @@ impl Mechanics {
     pub fn stiffness_amplitudes(&mut self, fields: &Fields, out: &mut [f64]) -> f64 {
         self.system
             .stiffness_amplitudes(fields, out, &mut self.workspace)
+    }
+
+    /// [`Mechanics::stiffness_amplitudes`] as the derivatives with u0. One transform.
+    pub fn rates(&mut self, fields: &Fields) -> Rates {
+        let mut forces = vec![0.0; self.system.dimension()];
+        Rates {
+            stress: self.stiffness_amplitudes(fields, &mut forces),
+            forces,
+        }
+    }
+
+    /// The preconditioner for the surface with these `fields`, of an even system from its `rates`
+    /// without a transform; otherwise one.
+    pub fn renew(&mut self, fields: &Fields, rates: &Rates) {
+        match self.preconditioner.low_block_mut() {
+            Some(block) => block.assemble(&self.system, &rates.forces, rates.stress),
+            None => self.refresh(fields),
+        }
     }
 
     /// The preconditioner for a surface with these `fields`. One transform.

@@ -9,7 +9,7 @@ mod fold;
 
 use super::Lost;
 use super::equilibrium::Stiffness;
-use super::mechanics::{Mechanics, Slides, preconditioner_stiffness};
+use super::mechanics::{Mechanics, Rates};
 use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
@@ -19,9 +19,8 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::low_block::{Class, LowBlock};
-use crate::physics::preconditioner::Preconditioner;
+use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{Evaluation, Fields, State, System, carried};
-use crate::physics::theory::flat;
 
 /// Root mean square force over sigma_max of a node between the ends of a branch. The energy is
 /// stationary, and the stress is corrected along the tangent: the errors of both are second order
@@ -37,11 +36,8 @@ const DESCENTS: usize = 12;
 const STEPS: usize = 9;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
-/// Reach of the blocks in units of L/L_c, the number of periods of the shortest wave that can
-/// soften on a flat surface: pattern edges are sharper than that. At most 180 waves of one class,
-/// whose factorisation costs as much as a dozen transforms.
-const BLOCK_REACH: f64 = 3.3;
-const LEAST_REACH: f64 = 8.0;
+/// Longest reach of the blocks: at most 180 waves of one class, whose factorisation costs as much as
+/// a dozen transforms.
 const MOST_REACH: f64 = 20.0;
 
 /// An end of a branch along u0, and the way towards it.
@@ -135,13 +131,6 @@ pub struct Sector {
     partial: bool,
 }
 
-/// Amplitudes and mean of gamma'' at a surface: the derivatives of its forces and of its stress
-/// with u0.
-struct Rates {
-    forces: Vec<f64>,
-    stress: f64,
-}
-
 impl Sector {
     /// Ridges: fields of x alone.
     pub fn ridge(length: f64, n: usize, law: Law) -> Self {
@@ -154,21 +143,16 @@ impl Sector {
     /// Bulges and dimples: fields that keep x <-> y.
     pub fn square(length: f64, n: usize, law: Law) -> Self {
         let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
-        let periods = length / flat::critical_length(&law);
-        let reach = (BLOCK_REACH * periods).clamp(LEAST_REACH, MOST_REACH);
+        let reach = class_reach(&system, MOST_REACH);
         let block = LowBlock::new(&system, Class::Antisymmetric, reach);
         let mut sector = Self::new(system, Class::Symmetric, vec![block], reach);
-        sector.partial = BLOCK_REACH * periods > MOST_REACH;
+        sector.partial = reach == MOST_REACH;
         sector
     }
 
     fn new(system: System, class: Class, breaking: Vec<LowBlock>, reach: f64) -> Self {
-        let preconditioner =
-            Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
-        let mut mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
-        mechanics.class = class;
         Self {
-            mechanics,
+            mechanics: Mechanics::of_class(system, class, reach),
             partial: false,
             breaking,
         }
@@ -188,27 +172,10 @@ impl Sector {
         self.system().law().traction_max()
     }
 
-    /// The derivatives with u0. One transform.
-    fn rates(&mut self, fields: &Fields) -> Rates {
-        let mut forces = vec![0.0; self.system().dimension()];
-        Rates {
-            stress: self.mechanics.stiffness_amplitudes(fields, &mut forces),
-            forces,
-        }
-    }
-
-    /// These, with the exact block made of them.
+    /// The derivatives with u0, with the exact block made of them. One transform.
     fn refresh(&mut self, fields: &Fields) -> Rates {
-        let rates = self.rates(fields);
-        let Mechanics {
-            system,
-            preconditioner,
-            ..
-        } = &mut self.mechanics;
-        let block = preconditioner
-            .low_block_mut()
-            .expect("an even system has a block");
-        block.assemble(system, &rates.forces, rates.stress);
+        let rates = self.mechanics.rates(fields);
+        self.mechanics.renew(fields, &rates);
         rates
     }
 

@@ -3,6 +3,7 @@
 
 use super::error_bar::error_bar;
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Unmapped};
+use crate::follow::diagram::{Diagram, Observe};
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
@@ -101,6 +102,18 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
             }
         }
     }
+}
+
+/// Every branch of the scene, on the part of the cell on which its loop would be walked.
+///
+/// # Errors
+/// The first value of the scene that is not allowed.
+pub fn diagram(scene: &Scene, cancel: &Cancel, observe: Observe<'_>) -> Result<Diagram, Refusal> {
+    let part = match plan(scene, &scene.model()?, None).strategy {
+        Strategy::Walk(part) => part,
+        Strategy::Atlas => Part::Whole,
+    };
+    Diagram::of(scene, part, cancel, observe)
 }
 
 /// What is promised of a number, in words; `error` is relative.

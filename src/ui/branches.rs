@@ -5,7 +5,7 @@ use super::action::Action;
 use super::diagram;
 use super::view_state::{Shown, ViewState};
 use super::widgets::{described, progress};
-use crate::plot::diagram_panel::counts;
+use crate::plot::diagram_panel::{counts, place};
 use crate::plot::panel::{Colour, Series, Symbol};
 use egui::{RichText, Ui};
 
@@ -82,12 +82,8 @@ fn points(shown: &Shown) -> impl Iterator<Item = ([usize; 2], [f64; 2])> + '_ {
         .enumerate()
         .flat_map(move |(i, branch)| {
             branch.points.iter().enumerate().map(move |(j, point)| {
-                let state = &point.state;
-                let at = [
-                    state.mean_displacement / law.range,
-                    state.stress / law.traction_max(),
-                ];
-                ([i, j], at)
+                let (u0, stress) = (point.state.mean_displacement, point.state.stress);
+                ([i, j], place(u0, stress, law))
             })
         })
 }

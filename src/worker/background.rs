@@ -10,11 +10,9 @@ use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};
-use crate::physics::parameter::Refusal;
 use crate::scene::Scene;
-use crate::scene::part::{Part, Strategy};
 use crate::study::chart::{self, Effort, News};
-use crate::study::plan::plan;
+use crate::study::plan;
 use crate::study::time_step_map::{Progress as Step, Survey, TimeStepMap};
 use crossbeam_channel::unbounded;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -102,11 +100,6 @@ pub(super) fn chart(
 /// # Errors
 /// Why it could not be, in words.
 pub(super) fn diagram(scene: &Scene, report: &Reporter<Arc<Diagram>>) -> Result<(), String> {
-    let refused = |error: Refusal| error.to_string();
-    let part = match plan(scene, &scene.model().map_err(refused)?, None).strategy {
-        Strategy::Walk(part) => part,
-        Strategy::Atlas => Part::Whole,
-    };
     let mut tell = |branch: &str, points: usize, _: f64| {
         if report.is_due() {
             // How long a branch is shows only at its end.
@@ -114,7 +107,8 @@ pub(super) fn diagram(scene: &Scene, report: &Reporter<Arc<Diagram>>) -> Result<
             report.progress(share, &format!("branch \"{branch}\", {points} points"));
         }
     };
-    let found = Diagram::of(scene, part, &report.cancel, &mut tell).map_err(refused)?;
+    let found =
+        plan::diagram(scene, &report.cancel, &mut tell).map_err(|error| error.to_string())?;
     report.result(Arc::new(found));
     Ok(())
 }

@@ -12,7 +12,7 @@ use tackscope::numerics::fourier::Fourier;
 use tackscope::numerics::fourier::Real;
 use tackscope::numerics::krylov::{CgEnd, CgLimits, CgSolution, conjugate_gradients};
 use tackscope::numerics::threads::{POINTS_MIN, each, lanes, piece};
-use tackscope::numerics::vector::{add, add_all, dot, max_abs, norm, products};
+use tackscope::numerics::vector::{add, add_all, dot, hermite, max_abs, norm, products};
 
 fn naive(field: &Array2<f64>) -> Array2<Complex<f64>> {
     let (ny, nx) = field.dim();
@@ -64,6 +64,20 @@ fn transform_agrees_with_the_naive_sum_for_squares_lines_and_awkward_sizes() {
 }
 
 proptest! {
+    /// Through values and derivatives of a cubic goes that cubic, between its ends and beyond.
+    #[test]
+    fn a_cubic_is_found_from_its_ends(
+        c in prop::array::uniform4(-2.0..2.0_f64), from in -2.0..2.0_f64, h in 0.1..3.0_f64, t in -1.0..2.0_f64,
+    ) {
+        let value = |x: f64| c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+        let slope = |x: f64| c[1] + x * (2.0 * c[2] + 3.0 * x * c[3]);
+        let to = from + h;
+        let ends = [[value(from)], [slope(from)], [value(to)], [slope(to)]];
+        let found = hermite([&ends[0], &ends[1], &ends[2], &ends[3]], h, t)[0];
+        let size = 1.0 + value(from).abs() + value(to).abs() + h * (slope(from).abs() + slope(to).abs());
+        prop_assert!((found - value(from + t * h)).abs() < 1e-12 * size, "{found}");
+    }
+
     #[test]
     fn inverse_undoes_forward_and_keeps_the_mean_square(half_x in 1usize..40, half_y in 0usize..24, seed in 0u64..1000) {
         let (nx, ny) = (2 * half_x, if half_y == 0 { 1 } else { 2 * half_y });

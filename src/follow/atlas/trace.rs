@@ -1,7 +1,7 @@
 //! One branch followed to its end with long tangent steps; the end located directly.
 
 use crate::follow::record::LOCATED;
-use crate::numerics::vector::{add, norm};
+use crate::numerics::vector::{add, hermite, norm};
 use crate::physics::system::Fields;
 use crate::physics::theory::flat;
 use crate::solver::Lost;
@@ -145,13 +145,8 @@ fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
 pub fn between(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
     let h = b.state.mean_displacement - a.state.mean_displacement;
     let t = (u0 - a.state.mean_displacement) / h;
-    let (t2, t3) = (t * t, t * t * t);
-    let mut z = vec![0.0; a.state.amplitudes.len()];
-    add(&mut z, 2.0 * t3 - 3.0 * t2 + 1.0, &a.state.amplitudes);
-    add(&mut z, (t3 - 2.0 * t2 + t) * h, &a.tangent);
-    add(&mut z, 3.0 * t2 - 2.0 * t3, &b.state.amplitudes);
-    add(&mut z, (t3 - t2) * h, &b.tangent);
-    z
+    let (y, z) = (&a.state.amplitudes, &b.state.amplitudes);
+    hermite([y, &a.tangent, z, &b.tangent], h, t)
 }
 
 /// Distance beyond `here` at which `own`, whose square falls linearly before a fold, would vanish.

@@ -2,33 +2,31 @@
 //! and that of square patterns from its limits, then those that join them where a stable pattern
 //! breaks its symmetry.
 
-use super::meeting::{distance, meeting, way_to};
-use super::trace::{End, Start, Tracer};
-use super::{Branch, Diagram, Ending, Kind, Point, Report};
+use super::meeting::{Ends, Meeting};
+use super::trace::Tracer;
+use super::{Branch, Diagram, Ending, Kind, Observe, Point};
 use crate::follow::atlas::Meshes;
 use crate::numerics::cancel::Cancel;
-use crate::numerics::vector::{add, dot};
+use crate::numerics::vector::norm;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::{Class, LowBlock};
 use crate::physics::pattern::Pattern;
-use crate::physics::preconditioner::Preconditioner;
+use crate::physics::preconditioner::class_reach;
 use crate::physics::system::{State, System, carried};
 use crate::physics::theory::flat;
 use crate::scene::{Model, Scene, Turn};
-use crate::solver::Lost;
-use crate::solver::continuation::Knot;
+use crate::solver::continuation::way;
 use crate::solver::index::{Index, Symmetry};
-use crate::solver::mechanics::{Mechanics, Slides, preconditioner_stiffness};
+use crate::solver::mechanics::Mechanics;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Points of the flat state, at least three between two of its bifurcations.
 const FLAT_POINTS: usize = 800;
-/// Reach of the exact block of a preconditioner, in units of L/L_c, and its bounds: more costs more
-/// to factorise than it saves in products.
-const REACH: f64 = 3.3;
-const REACHES: [f64; 2] = [8.0, 14.0];
+/// Longest reach of the exact block of a preconditioner: more costs more to factorise than it saves
+/// in products.
+const MOST_REACH: f64 = 14.0;
 /// A branch that is lost so near to where another is left (ranges) has met it: a ridge is known on a
 /// finer mesh than what joins it, and its break-up lies a little beside the one of that.
 const ABOUT: f64 = 0.5;
@@ -37,52 +35,18 @@ const ABOUT: f64 = 0.5;
 /// symmetries at every spacing.
 const MIXED: usize = 6;
 
-/// One symmetry on one mesh.
-struct Sheet {
-    mechanics: Mechanics,
-    index: Index,
-}
-
-impl Sheet {
-    fn new(model: &Model, grid: Grid, symmetry: Symmetry, cancel: &Cancel) -> Self {
-        let system = System::even(grid, model.law, &Indenter::Flat);
-        let class = match symmetry {
-            Symmetry::Square => Class::Symmetric,
-            _ => Class::Even,
-        };
-        let periods = grid.length / flat::critical_length(&model.law);
-        let reach = if grid.is_line() {
-            f64::INFINITY
-        } else {
-            (REACH * periods).clamp(REACHES[0], REACHES[1])
-        };
-        let preconditioner =
-            Preconditioner::of_class(&system, preconditioner_stiffness(&system), class, reach);
-        let index = Index::of_symmetry(&system, symmetry);
-        let mut mechanics = Mechanics::with_preconditioner(preconditioner, system, Slides::Never);
-        mechanics.class = class;
-        mechanics.cancel = cancel.clone();
-        Self { mechanics, index }
-    }
-
-    fn follow(
-        &mut self,
-        name: &str,
-        from: Knot,
-        end: End<'_>,
-        report: Report<'_>,
-    ) -> (Vec<Point>, Ending) {
-        let mut points = 0;
-        Tracer {
-            mechanics: &mut self.mechanics,
-            index: &mut self.index,
-            report: &mut |knot: &Knot| {
-                points += 1;
-                report(name, points, knot.state.mean_displacement);
-            },
-        }
-        .follow(Start::Meeting(from), end)
-    }
+/// Of branches of one symmetry on one mesh.
+fn tracer(model: &Model, grid: Grid, symmetry: Symmetry, cancel: &Cancel) -> Tracer {
+    let system = System::even(grid, model.law, &Indenter::Flat);
+    let class = match symmetry {
+        Symmetry::Square => Class::Symmetric,
+        _ => Class::Even,
+    };
+    let index = Index::of_symmetry(&system, symmetry);
+    let reach = class_reach(&system, MOST_REACH);
+    let mut mechanics = Mechanics::of_class(system, class, reach);
+    mechanics.cancel = cancel.clone();
+    Tracer { mechanics, index }
 }
 
 /// All branches of a flat scene.
@@ -91,7 +55,7 @@ pub(super) fn fill(
     scene: &Scene,
     model: &Model,
     cancel: &Cancel,
-    report: Report<'_>,
+    observe: Observe<'_>,
 ) {
     let length = model.grid.length;
     diagram.branches.push(flat_state(scene, model));
@@ -113,13 +77,13 @@ pub(super) fn fill(
     };
     for (name, grid, symmetry) in primary {
         if !cancel.requested() {
-            let mut sheet = Sheet::new(model, *grid, *symmetry, cancel);
-            from_flat(diagram, &mut sheet, name, limits, report);
+            let mut tracer = tracer(model, *grid, *symmetry, cancel);
+            from_flat(diagram, &mut tracer, name, limits, observe);
         }
     }
     if !model.grid.is_line() {
-        let mut mixed = Sheet::new(model, square, Symmetry::Even, cancel);
-        joining(diagram, &mut mixed, report);
+        let mut tracer = tracer(model, square, Symmetry::Even, cancel);
+        joining(diagram, &mut tracer, observe);
     }
 }
 
@@ -218,12 +182,12 @@ fn uniform(model: &Model, u0: f64, arc: f64, kind: Kind, index: [usize; 2]) -> P
 /// way also from the lower limit.
 fn from_flat(
     diagram: &mut Diagram,
-    sheet: &mut Sheet,
+    tracer: &mut Tracer,
     name: &str,
     (low, high): (f64, f64),
-    report: Report<'_>,
+    observe: Observe<'_>,
 ) {
-    let system = sheet.mechanics.system.clone();
+    let system = tracer.mechanics.system.clone();
     let mut mode = vec![0.0; system.dimension()];
     let ny = system.shape().0;
     if ny > 1 {
@@ -231,149 +195,94 @@ fn from_flat(
     } else {
         mode[1] = 1.0;
     }
-    let range = system.law().range;
     for (limit, other, name) in [
         (high, low, name.to_owned()),
         (low, high, format!("{name}_2")),
     ] {
         let [flat, other] = [limit, other].map(|u0| system.uniform(u0).state);
-        let others = std::slice::from_ref(&other);
-        let mut back = |a: &Knot, b: &Knot| {
-            way_to(others, &a.state, &b.state, range).map_err(|_| Ending::Flat)
-        };
-        let from = Knot {
-            state: flat.clone(),
-            tangent: mode.clone(),
-            stress_rate: 0.0,
-            arc: 0.0,
+        let begin = Meeting {
+            state: flat,
+            mode: mode.clone(),
             residual: 0.0,
+            joined: false,
         };
-        let (mut points, ending) = sheet.follow(&name, from, &mut back, report);
-        let first = points.first().map_or(0, |p| p.index[0]);
-        points.insert(0, meeting(flat, None, first));
-        if ending == Ending::Flat {
-            let last = points.last().map_or(0, |p| p.index[1]);
-            let met = meeting(other, points.last(), last);
-            points.push(met);
-        }
-        diagram.add(Branch {
-            name,
-            system: system.clone(),
-            points,
-            ending,
-        });
-        if ending == Ending::Flat || sheet.mechanics.cancel.requested() {
+        let ends = Ends {
+            others: &|_| vec![other.clone()],
+            met: Ending::Flat,
+            about: 0.0,
+            beyond: &|_, _| false,
+        };
+        let met = diagram.follow(tracer, name, begin.leave(), &ends, observe);
+        if met.is_some() || tracer.mechanics.cancel.requested() {
             break;
         }
     }
-    diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
 }
 
-/// Where a stable piece of a branch breaks its symmetry along y.
-struct Break {
-    point: Point,
-    /// Its state in the system of the branches that leave it.
-    state: State,
-    /// The mode along which they do.
-    mode: Vec<f64>,
-    /// True once the branch that leaves it is known.
-    joined: bool,
-}
-
-impl Break {
-    fn of(branch: &Branch, point: &Point, to: &System) -> Option<Self> {
-        let class = point.class?;
-        let breaks = matches!(class, Class::Antisymmetric | Class::Varicose(1));
-        if !breaks || !point.index.contains(&0) {
-            return None;
-        }
-        let waves = LowBlock::new(&branch.system, class, f64::INFINITY);
-        let state = State {
-            amplitudes: carried(&point.state.amplitudes, &branch.system, to),
-            ..point.state.clone()
-        };
-        Some(Self {
-            mode: waves.mode(&point.mode, to),
-            point: point.clone(),
-            state,
-            joined: false,
-        })
+/// Where a stable piece of a branch breaks its symmetry along y, in the system `to` of the branch
+/// that leaves it there.
+fn break_up(branch: &Branch, point: &Point, to: &System) -> Option<Meeting> {
+    let class = point.class?;
+    let breaks = matches!(class, Class::Antisymmetric | Class::Varicose(1));
+    if !breaks || !point.index.contains(&0) {
+        return None;
     }
+    let waves = LowBlock::new(&branch.system, class, f64::INFINITY);
+    let state = State {
+        amplitudes: carried(&point.state.amplitudes, &branch.system, to),
+        ..point.state.clone()
+    };
+    Some(Meeting {
+        mode: waves.mode(&point.mode, to),
+        residual: point.residual,
+        state,
+        joined: false,
+    })
 }
 
 /// The branches of states that are even and no more, from each end of a stable piece where its
 /// symmetry breaks to another one.
-fn joining(diagram: &mut Diagram, sheet: &mut Sheet, report: Report<'_>) {
-    let system = sheet.mechanics.system.clone();
-    let range = system.law().range;
-    let mut ends: Vec<Break> = diagram
+fn joining(diagram: &mut Diagram, tracer: &mut Tracer, observe: Observe<'_>) {
+    let mut meetings: Vec<Meeting> = diagram
         .events()
-        .filter_map(|(branch, point)| Break::of(branch, point, &system))
+        .filter_map(|(branch, point)| break_up(branch, point, &tracer.mechanics.system))
         .collect();
     let mut count = 0;
-    for i in 0..ends.len() {
-        if ends[i].joined || sheet.mechanics.cancel.requested() {
+    for i in 0..meetings.len() {
+        if meetings[i].joined || tracer.mechanics.cancel.requested() {
             continue;
         }
         if count == MIXED {
-            let left = ends.iter().filter(|end| !end.joined).count();
+            let left = meetings.iter().filter(|m| !m.joined).count();
             diagram.missing.push(format!(
                 "what leaves {left} more break-ups, beyond {MIXED} mixed branches"
             ));
             break;
         }
-        ends[i].joined = true;
+        meetings[i].joined = true;
         count += 1;
-        let name = format!("mixed_{count}");
-        let begin = Knot {
-            state: ends[i].state.clone(),
-            tangent: ends[i].mode.clone(),
-            stress_rate: 0.0,
-            arc: 0.0,
-            residual: ends[i].point.residual,
+        let others: Vec<usize> = (0..meetings.len())
+            .filter(|j| !meetings[*j].joined)
+            .collect();
+        let ends = Ends {
+            others: &|at| {
+                let image = |j: &usize| nearest_image(&meetings[*j].state, &at.amplitudes);
+                others.iter().map(image).collect()
+            },
+            met: Ending::Joined,
+            about: ABOUT,
+            beyond: &|_, _| false,
         };
-        let others: Vec<usize> = (0..ends.len()).filter(|j| !ends[*j].joined).collect();
-        let mut reached = None;
-        let mut met = |a: &Knot, b: &Knot| {
-            let image = |j: &usize| images(&ends[*j].state, &b.state.amplitudes);
-            let states: Vec<State> = others.iter().filter_map(image).collect();
-            way_to(&states, &a.state, &b.state, range).map_err(|which| {
-                reached = Some(others[which]);
-                Ending::Joined
-            })
-        };
-        let (mut points, mut ending) = sheet.follow(&name, begin, &mut met, report);
-        let first = points.first().map_or(0, |p| p.index[0]);
-        points.insert(0, meeting(ends[i].state.clone(), None, first));
-        let last = &points[points.len() - 1];
-        if ending == Ending::Lost(Lost::Gone) {
-            let near = |j: &usize| {
-                images(&ends[*j].state, &last.state.amplitudes)
-                    .is_some_and(|image| distance(&last.state, &image) < ABOUT * range)
-            };
-            reached = others.into_iter().find(near);
-            ending = reached.map_or(ending, |_| Ending::Joined);
+        let (name, from) = (format!("mixed_{count}"), meetings[i].leave());
+        if let Some(which) = diagram.follow(tracer, name, from, &ends, observe) {
+            meetings[others[which]].joined = true;
         }
-        if let Some(j) = reached {
-            ends[j].joined = true;
-            let state = images(&ends[j].state, &last.state.amplitudes)
-                .unwrap_or_else(|| ends[j].state.clone());
-            let met = meeting(state, Some(last), last.index[1]);
-            points.push(met);
-        }
-        diagram.add(Branch {
-            name,
-            system: system.clone(),
-            points,
-            ending,
-        });
     }
-    diagram.transforms += sheet.mechanics.transforms() + sheet.index.transforms();
 }
 
 /// The image of an even state, with x and y exchanged or moved by half a cell, that is nearest to
 /// the amplitudes `z`.
-fn images(state: &State, z: &[f64]) -> Option<State> {
+fn nearest_image(state: &State, z: &[f64]) -> State {
     let n = z.len().isqrt();
     let image = |exchange: bool, flip: [bool; 2]| {
         let at = |i: usize| {
@@ -382,22 +291,18 @@ fn images(state: &State, z: &[f64]) -> Option<State> {
             let from = state.amplitudes[if exchange { l * n + k } else { i }];
             if odd { -from } else { from }
         };
-        (0..z.len()).map(at).collect::<Vec<f64>>()
-    };
-    let all = [false, true].into_iter().flat_map(|exchange| {
-        [[false; 2], [true, false], [false, true], [true; 2]]
-            .into_iter()
-            .map(move |flip| (exchange, flip))
-    });
-    let far = |image: &[f64]| {
-        let mut d = image.to_vec();
-        add(&mut d, -1.0, z);
-        dot(&d, &d)
-    };
-    all.map(|(exchange, flip)| image(exchange, flip))
-        .min_by(|a, b| far(a).total_cmp(&far(b)))
-        .map(|amplitudes| State {
+        let amplitudes = (0..z.len()).map(at).collect();
+        State {
             amplitudes,
             ..state.clone()
-        })
+        }
+    };
+    let flips = [[false; 2], [true, false], [false, true], [true; 2]];
+    let images = [false, true]
+        .into_iter()
+        .flat_map(|exchange| flips.map(|flip| image(exchange, flip)));
+    let far = |image: &State| norm(&way(image.joint(), (z, state.mean_displacement)));
+    images
+        .min_by(|a, b| far(a).total_cmp(&far(b)))
+        .expect("there are eight")
 }

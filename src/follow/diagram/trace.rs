@@ -1,11 +1,11 @@
 //! One branch followed to its end, with its folds and bifurcations located.
 
 use super::{Ending, Kind, Point};
-use crate::numerics::vector::{add, dot};
+use crate::numerics::vector::{add, dot, norm};
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{Fields, State};
 use crate::solver::Lost;
-use crate::solver::continuation::Knot;
+use crate::solver::continuation::{Knot, way};
 use crate::solver::index::{Counts, Index};
 use crate::solver::mechanics::Mechanics;
 
@@ -41,12 +41,10 @@ const CREEPING: usize = 40;
 /// the body.
 const POINTS: usize = 800;
 
-/// Follows branches of one pattern.
-pub(super) struct Tracer<'a> {
-    pub mechanics: &'a mut Mechanics,
-    pub index: &'a mut Index,
-    /// Told of every new knot.
-    pub report: &'a mut dyn FnMut(&Knot),
+/// Follows branches of one symmetry on one mesh.
+pub(super) struct Tracer {
+    pub mechanics: Mechanics,
+    pub index: Index,
 }
 
 /// Where a branch begins.
@@ -58,7 +56,7 @@ pub(super) enum Start {
 }
 
 /// A knot with its counts; none where a branch begins at a bifurcation.
-struct Place {
+struct Counted {
     knot: Knot,
     counts: Option<Counts>,
 }
@@ -66,12 +64,18 @@ struct Place {
 /// What ends a branch at the second of two knots, or how far the next step may go (length).
 pub(super) type End<'e> = &'e mut dyn FnMut(&Knot, &Knot) -> Result<f64, Ending>;
 
-impl Tracer<'_> {
-    /// Follows the branch from its start along the tangent there, until `end` says that it ends.
+impl Tracer {
+    /// Follows the branch from its start along the tangent there, until `end` says that it ends,
+    /// which is asked at every new point.
     pub fn follow(&mut self, from: Start, end: End<'_>) -> (Vec<Point>, Ending) {
         let mut points = Vec::new();
         let ending = self.advance(from, end, &mut points);
         (points, ending.unwrap_or_else(Ending::Lost))
+    }
+
+    /// Transforms spent, of any size.
+    pub fn transforms(&self) -> usize {
+        self.mechanics.transforms() + self.index.transforms()
     }
 
     fn advance(
@@ -82,7 +86,7 @@ impl Tracer<'_> {
     ) -> Result<Ending, Lost> {
         let range = self.mechanics.system.law().range;
         let mut here = match from {
-            Start::Meeting(knot) => Place { knot, counts: None },
+            Start::Meeting(knot) => Counted { knot, counts: None },
             Start::Point(knot) => {
                 let State {
                     amplitudes,
@@ -128,7 +132,6 @@ impl Tracer<'_> {
             }
             let longer = (AIM * range / error.max(1e-12 * range)).powf(0.3);
             step = (step * longer.clamp(0.4, 2.0)).min(LONGEST * range);
-            (self.report)(&next.knot);
             points.extend(events);
             points.push(next.point());
             match end(&here.knot, &next.knot) {
@@ -144,19 +147,15 @@ impl Tracer<'_> {
     fn step(
         &mut self,
         behind: Option<&Knot>,
-        here: &Place,
+        here: &Counted,
         step: f64,
-    ) -> Result<(Place, f64), Lost> {
+    ) -> Result<(Counted, f64), Lost> {
         let here = &here.knot;
         let (guess, u0) = predict(behind, here, step);
         let mut next = self.place(guess.clone(), u0, &here.tangent)?;
-        let error = distance(&guess, u0, &next.knot.state);
-        let State {
-            mean_displacement,
-            amplitudes,
-            ..
-        } = &here.state;
-        let chord = distance(amplitudes, *mean_displacement, &next.knot.state);
+        let (from, to) = (here.state.joint(), next.knot.state.joint());
+        let error = norm(&way((&guess, u0), to));
+        let chord = norm(&way(from, to));
         let turned = dot(&next.knot.tangent, &here.tangent);
         // An arc is longer than its chord by 1/24 of the square of its angle.
         next.knot.arc = here.arc + chord * (1.0 + (1.0 - turned).max(0.0) / 12.0);
@@ -164,12 +163,12 @@ impl Tracer<'_> {
         on.then_some((next, error)).ok_or(Lost::Gone)
     }
 
-    fn place(&mut self, z: Vec<f64>, u0: f64, direction: &[f64]) -> Result<Place, Lost> {
+    fn place(&mut self, z: Vec<f64>, u0: f64, direction: &[f64]) -> Result<Counted, Lost> {
         let (knot, fields) = self.mechanics.knot(z, u0, direction)?;
         let counts = self
             .index
-            .count(self.mechanics, &knot.state.amplitudes, &fields)?;
-        Ok(Place {
+            .count(&mut self.mechanics, &knot.state.amplitudes, &fields)?;
+        Ok(Counted {
             knot,
             counts: Some(counts),
         })
@@ -186,7 +185,7 @@ impl Tracer<'_> {
     }
 
     /// Folds and bifurcations between two places, in their order.
-    fn events(&mut self, a: &Place, b: &Place) -> Result<Vec<Point>, Lost> {
+    fn events(&mut self, a: &Counted, b: &Counted) -> Result<Vec<Point>, Lost> {
         let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
             return Ok(Vec::new());
         };
@@ -303,7 +302,7 @@ fn slope([low, high]: [(f64, Option<f64>); 2]) -> Option<(f64, f64)> {
 
 /// True if a fold between two places hides, or hides itself behind, a change among the pattern's
 /// own modes.
-fn hidden(a: &Place, b: &Place) -> bool {
+fn hidden(a: &Counted, b: &Counted) -> bool {
     let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
         return false;
     };
@@ -312,7 +311,7 @@ fn hidden(a: &Place, b: &Place) -> bool {
     fold && changes != 1
 }
 
-impl Place {
+impl Counted {
     fn point(&self) -> Point {
         let total = self.counts.as_ref().map_or(0, Counts::total);
         self.knot.clone().point(Kind::Regular, [total; 2])
@@ -344,12 +343,4 @@ fn predict(behind: Option<&Knot>, here: &Knot, step: f64) -> (Vec<f64>, f64) {
     add(&mut z, step, &here.tangent);
     z[0] = 0.0;
     (z, here.state.mean_displacement + step * here.rate())
-}
-
-/// Root mean square distance of two surfaces.
-fn distance(z: &[f64], u0: f64, from: &State) -> f64 {
-    let mut d = z.to_vec();
-    add(&mut d, -1.0, &from.amplitudes);
-    d[0] = u0 - from.mean_displacement;
-    dot(&d, &d).sqrt()
 }

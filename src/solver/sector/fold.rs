@@ -1,7 +1,7 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
 use super::{Evaluation, Fields, Lost, Node, SHARP, STEPS, Sector, Side, State};
-use crate::numerics::vector::{add, dot, norm, scale};
+use crate::numerics::vector::{add, dot, hermite, norm, scale};
 
 /// A step of a bordered solve that leaves more than this share of the force asks for fresh
 /// derivatives.
@@ -45,7 +45,7 @@ impl Sector {
             let rates = if slow || converged {
                 self.refresh(&at.fields)
             } else {
-                self.rates(&at.fields)
+                self.mechanics.rates(&at.fields)
             };
             if slow || converged {
                 along_u = self.solve(&at.fields, &rates.forces, &removed, 1e-2)?;
@@ -236,20 +236,8 @@ impl Arc {
     fn between(a: &Self, b: &Self, at: f64) -> (Vec<f64>, f64) {
         let h = b.a - a.a;
         let t = (at - a.a) / h;
-        let (t2, t3) = (t * t, t * t * t);
-        let weights = [
-            2.0 * t3 - 3.0 * t2 + 1.0,
-            (t3 - 2.0 * t2 + t) * h,
-            3.0 * t2 - 2.0 * t3,
-            (t3 - t2) * h,
-        ];
-        let mut z = vec![0.0; a.z.len()];
-        for (w, part) in weights.iter().zip([&a.z, &a.dz, &b.z, &b.dz]) {
-            add(&mut z, *w, part);
-        }
-        (
-            z,
-            weights[0] * a.u0 + weights[1] * a.rate + weights[2] * b.u0 + weights[3] * b.rate,
-        )
+        let z = hermite([&a.z, &a.dz, &b.z, &b.dz], h, t);
+        let u0 = hermite([&[a.u0], &[a.rate], &[b.u0], &[b.rate]], h, t);
+        (z, u0[0])
     }
 }
