@@ -12,6 +12,7 @@ mod cycle;
 mod explorer;
 mod trace;
 
+pub(super) use curve::Support;
 pub use curve::{Branch, Point};
 pub(super) use cycle::Traversal;
 pub use cycle::{Cycle, Leg, Place};

@@ -37,7 +37,15 @@ pub fn counts(diagram: &Diagram) -> String {
     let many = |count: usize, one: &str, more: &str| {
         format!("{count} {}", if count == 1 { one } else { more })
     };
-    let of = |kind: Kind| diagram.events().filter(|(_, p)| p.kind == kind).count();
+    // Where a branch begins or ends on another, the bifurcation is a point of that one.
+    let inner = |branch: &Branch| branch.points.len().saturating_sub(2);
+    let of = |kind: Kind| {
+        let inside = diagram.branches.iter().flat_map(|branch| {
+            let points = branch.points.iter().skip(1).take(inner(branch));
+            points.filter(move |point| point.kind == kind)
+        });
+        inside.count()
+    };
     format!(
         "{}, {}, {}, {} of equal energy",
         many(diagram.branches.len(), "branch", "branches"),

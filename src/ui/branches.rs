@@ -26,7 +26,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 ui.label(why);
             }
             (_, _, Some(shown)) => {
-                let mut words = counts(&shown.diagram);
+                let at = branches.at.and_then(|at| shown.words(at));
+                let mut words = at.unwrap_or_else(|| counts(&shown.diagram));
                 for missing in &shown.diagram.missing {
                     words.push_str(&format!("; missing: {missing}"));
                 }
@@ -49,6 +50,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             .series
             .extend([here(Symbol::Ring), here(Symbol::Circle).filled()]);
     }
+    let seen = branches.at.and_then(|[i, j]| {
+        let state = &shown.diagram.branches.get(i)?.points.get(j)?.state;
+        Some(place(state.mean_displacement, state.stress, &shown.law))
+    });
+    let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());
+    panel.series.push(frame);
     let height = ui.available_height().max(80.0);
     let drawn = diagram::show(ui, &panel, "branches", height, |_, _| None);
     let (response, transform) = (drawn.response, drawn.transform);

@@ -240,7 +240,7 @@ fn panel(state: &ViewState) -> Panel {
 /// The branches of the diagram, if they are known of this scene: unstable ones, which the loop cannot
 /// show, and where stable ones end.
 fn beneath(state: &ViewState) -> Vec<Series> {
-    let Some(shown) = state.branches.of_scene() else {
+    let Some(shown) = state.branches.of(&state.scene) else {
         return Vec::new();
     };
     let marks = [Symbol::Square, Symbol::Circle];

@@ -327,6 +327,7 @@ impl ViewState {
             Event::Frame(frame) => {
                 self.moved_to(frame.mean_displacement);
                 self.frame = Some(frame);
+                self.branches.at = None;
             }
             Event::Jump(jump) => {
                 self.messages.hint = false;

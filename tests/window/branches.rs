@@ -4,6 +4,7 @@ use super::bench::Bench;
 use egui_kittest::kittest::Queryable;
 use std::sync::Arc;
 use tackscope::follow::diagram::Diagram;
+use tackscope::follow::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene};
@@ -48,7 +49,11 @@ fn branches_are_followed_while_somebody_looks_and_a_click_shows_an_unstable_stat
     });
     assert!(found, "{}", bench.names());
     let frame = bench.state().frame.clone().expect("a picture");
-    let shown = bench.state().branches.of_scene().expect("of this scene");
+    let shown = bench
+        .state()
+        .branches
+        .of(&bench.state().scene)
+        .expect("of this scene");
     let of_frame = shown.diagram.branches.iter().any(|branch| {
         let same = |u0: f64| u0 == frame.mean_displacement;
         branch
@@ -57,6 +62,13 @@ fn branches_are_followed_while_somebody_looks_and_a_click_shows_an_unstable_stat
             .any(|p| same(p.state.mean_displacement) && p.index == [1, 1])
     });
     assert!(of_frame && frame.state.is_none() && !frame.relaxing);
+    // The words end with what they speak of.
+    bench.reach(4.0, Direction::Approach);
+    assert!(
+        !bench.names().contains("a pass between two valleys"),
+        "{}",
+        bench.names()
+    );
 }
 
 #[test]
@@ -72,5 +84,5 @@ fn an_edit_begins_the_branches_anew_and_what_is_under_way_is_dropped() {
     assert!(second.cancel.requested());
     second.end(Ok(()));
     bench.settle();
-    assert!(bench.state().branches.of_scene().is_none());
+    assert!(bench.state().branches.of(&bench.state().scene).is_none());
 }

@@ -74,19 +74,7 @@ impl Branch {
     /// [`Branch::covers`] holds.
     pub fn at(&self, u0: f64) -> Point {
         let (a, b) = self.segment(u0);
-        match (a.slope.is_finite(), b.slope.is_finite()) {
-            (true, true) => quintic(a, b, u0),
-            (true, false) => root(b, a, u0),
-            (false, true) => root(a, b, u0),
-            (false, false) => {
-                let t = (u0 - a.state.mean_displacement)
-                    / (b.state.mean_displacement - a.state.mean_displacement);
-                Point {
-                    stress: a.state.stress + t * (b.state.stress - a.state.stress),
-                    energy: a.state.energy + t * (b.state.energy - a.state.energy),
-                }
-            }
-        }
+        Support::of(a).to(Support::of(b), u0)
     }
 
     /// Amplitudes at `u0`, a guess that one Newton step makes a state.
@@ -115,15 +103,55 @@ impl Branch {
     }
 }
 
-/// The quintic with the energies, stresses and slopes of two nodes.
-fn quintic(a: &Node, b: &Node, u0: f64) -> Point {
-    let h = b.state.mean_displacement - a.state.mean_displacement;
-    let t = (u0 - a.state.mean_displacement) / h;
+/// What is known of a branch at one u0.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::follow) struct Support {
+    /// Mean displacement (length).
+    pub u0: f64,
+    /// Energy per area (E* times length).
+    pub energy: f64,
+    /// Mean stress (E*).
+    pub stress: f64,
+    /// d stress/du0; infinite at a fold.
+    pub slope: f64,
+}
+
+impl Support {
+    fn of(node: &Node) -> Self {
+        Self {
+            u0: node.state.mean_displacement,
+            energy: node.state.energy,
+            stress: node.state.stress,
+            slope: node.slope,
+        }
+    }
+
+    /// The branch between two supports, at `u0`: as [`Branch::at`].
+    pub fn to(self, b: Self, u0: f64) -> Point {
+        match (self.slope.is_finite(), b.slope.is_finite()) {
+            (true, true) => quintic(self, b, u0),
+            (true, false) => root(b, self, u0),
+            (false, true) => root(self, b, u0),
+            (false, false) => {
+                let t = (u0 - self.u0) / (b.u0 - self.u0);
+                Point {
+                    stress: self.stress + t * (b.stress - self.stress),
+                    energy: self.energy + t * (b.energy - self.energy),
+                }
+            }
+        }
+    }
+}
+
+/// The quintic with the energies, stresses and slopes of two supports.
+fn quintic(a: Support, b: Support, u0: f64) -> Point {
+    let h = b.u0 - a.u0;
+    let t = (u0 - a.u0) / h;
     // V = V_a + p_a h t + s_a h^2 t^2/2 + c3 t^3 + c4 t^4 + c5 t^5.
-    let (p0, s0) = (a.state.stress * h, a.slope * h * h);
+    let (p0, s0) = (a.stress * h, a.slope * h * h);
     let (v, p, s) = (
-        b.state.energy - a.state.energy - p0 - 0.5 * s0,
-        b.state.stress * h - p0 - s0,
+        b.energy - a.energy - p0 - 0.5 * s0,
+        b.stress * h - p0 - s0,
         b.slope * h * h - s0,
     );
     let (c3, c4, c5) = (
@@ -132,31 +160,26 @@ fn quintic(a: &Node, b: &Node, u0: f64) -> Point {
         6.0 * v - 3.0 * p + 0.5 * s,
     );
     Point {
-        energy: a.state.energy + t * (p0 + t * (0.5 * s0 + t * (c3 + t * (c4 + t * c5)))),
+        energy: a.energy + t * (p0 + t * (0.5 * s0 + t * (c3 + t * (c4 + t * c5)))),
         stress: (p0 + t * (s0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
     }
 }
 
 /// Between a `fold` and a regular node: stress = p_f + c1 s + c2 s^2 + c3 s^3 with s the root of
 /// the relative distance, which has the stress, the slope and the energy of the regular node.
-fn root(fold: &Node, regular: &Node, u0: f64) -> Point {
-    let width = regular.state.mean_displacement - fold.state.mean_displacement;
-    let s = ((u0 - fold.state.mean_displacement) / width)
-        .clamp(0.0, 1.0)
-        .sqrt();
-    let p = regular.state.stress - fold.state.stress;
+fn root(fold: Support, regular: Support, u0: f64) -> Point {
+    let width = regular.u0 - fold.u0;
+    let s = ((u0 - fold.u0) / width).clamp(0.0, 1.0).sqrt();
+    let p = regular.stress - fold.stress;
     let slope = 2.0 * width * regular.slope;
-    let work = (regular.state.energy - fold.state.energy) / width - fold.state.stress;
+    let work = (regular.energy - fold.energy) / width - fold.stress;
     // c1 + c2 + c3 = p, c1 + 2 c2 + 3 c3 = slope, 2/3 c1 + 1/2 c2 + 2/5 c3 = work.
     let c1 = 1.5 * slope + 15.0 * work - 10.5 * p;
     let c2 = -4.0 * slope - 30.0 * work + 24.0 * p;
     let c3 = 2.5 * slope + 15.0 * work - 12.5 * p;
     Point {
-        stress: fold.state.stress + s * (c1 + s * (c2 + s * c3)),
-        energy: fold.state.energy
-            + width
-                * s
-                * s
-                * (fold.state.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
+        stress: fold.stress + s * (c1 + s * (c2 + s * c3)),
+        energy: fold.energy
+            + width * s * s * (fold.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
     }
 }

@@ -1,6 +1,7 @@
 //! Where two stable pieces have the same energy: between them neither is favoured.
 
-use super::{Branch, Point};
+use super::{Branch, Kind, Point};
+use crate::follow::atlas::{self, Support};
 
 /// Stable pieces of two branches with the same energy at the same u0.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,12 +33,12 @@ pub(super) fn all(branches: &[Branch]) -> Vec<EqualEnergy> {
     for (i, (name, a)) in pieces.iter().enumerate() {
         for (other, b) in &pieces[i + 1..] {
             for u0 in crossings(a, b) {
-                let ([energy, stress], [_, across]) = (at(a, u0), at(b, u0));
+                let (here, across) = (at(a, u0), at(b, u0));
                 found.push(EqualEnergy {
                     branches: [*name, *other].map(str::to_owned),
                     mean_displacement: u0,
-                    stresses: [stress, across],
-                    energy,
+                    stresses: [here.stress, across.stress],
+                    energy: here.energy,
                 });
             }
         }
@@ -75,25 +76,21 @@ fn place(point: &Point) -> f64 {
     point.state.mean_displacement
 }
 
-/// Energy and stress of a piece at `u0`: the cubic through the energies of two points, whose slopes
-/// are the stresses there.
-fn at(piece: &[&Point], u0: f64) -> [f64; 2] {
+/// Energy and stress of a piece at `u0`.
+fn at(piece: &[&Point], u0: f64) -> atlas::Point {
     let i = piece
         .partition_point(|p| place(p) <= u0)
         .clamp(1, piece.len() - 1);
-    let (a, b) = (&piece[i - 1].state, &piece[i].state);
-    let h = b.mean_displacement - a.mean_displacement;
-    if !(h > 0.0) {
-        return [a.energy, a.stress];
-    }
-    let t = (u0 - a.mean_displacement) / h;
-    let (p, q) = (a.stress * h, b.stress * h);
-    let rise = b.energy - a.energy;
-    let (c, d) = (3.0 * rise - 2.0 * p - q, p + q - 2.0 * rise);
-    [
-        a.energy + t * (p + t * (c + t * d)),
-        (p + t * (2.0 * c + 3.0 * t * d)) / h,
-    ]
+    let support = |p: &Point| Support {
+        u0: place(p),
+        energy: p.state.energy,
+        stress: p.state.stress,
+        slope: match p.kind {
+            Kind::Fold => f64::INFINITY,
+            _ => p.rates[1] / p.rates[0],
+        },
+    };
+    support(piece[i - 1]).to(support(piece[i]), u0)
 }
 
 /// Where the energies of two pieces cross.
@@ -111,7 +108,7 @@ fn crossings(a: &[&Point], b: &[&Point]) -> Vec<f64> {
         .collect();
     places.extend([low, high]);
     places.sort_by(f64::total_cmp);
-    let apart = |u0: f64| at(a, u0)[0] - at(b, u0)[0];
+    let apart = |u0: f64| at(a, u0).energy - at(b, u0).energy;
     let mut found = Vec::new();
     for pair in places.windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);

@@ -5,6 +5,7 @@ use crate::follow::diagram::{Diagram, Kind};
 use crate::physics::law::Law;
 use crate::plot::diagram_panel::diagram_panel;
 use crate::plot::panel::Panel;
+use crate::scene::Scene;
 use crate::ui::action::Tab;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
@@ -20,11 +21,15 @@ pub struct Branches {
     pub job: Option<Job<Arc<Diagram>>>,
     /// Why there is none.
     pub missing: Option<String>,
+    /// The point (branch, place) whose state map and profile show, until the surface moves.
+    pub at: Option<[usize; 2]>,
 }
 
 /// A diagram with the law that scales it.
 #[derive(Clone, Debug)]
 pub struct Shown {
+    /// Whose.
+    scene: Arc<Scene>,
     /// The branches.
     pub diagram: Arc<Diagram>,
     /// The law.
@@ -35,31 +40,55 @@ pub struct Shown {
 
 impl Branches {
     /// The diagram, unless it is that of the scene before an edit.
-    pub fn of_scene(&self) -> Option<&Shown> {
-        let known = self.job.as_ref().is_some_and(|job| !job.is_running());
-        self.shown.as_ref().filter(|_| known)
+    pub fn of(&self, scene: &Arc<Scene>) -> Option<&Shown> {
+        self.shown
+            .as_ref()
+            .filter(|shown| Arc::ptr_eq(&shown.scene, scene))
     }
 
     /// Drops what is computed of a scene that was edited.
     pub fn restart(&mut self) {
-        (self.job, self.missing) = (None, None);
+        (self.job, self.missing, self.at) = (None, None, None);
     }
 
-    /// Takes in what the job has found.
-    pub(super) fn poll(&mut self, law: Law) {
+    /// Takes in what the job has found of this scene and law.
+    pub(super) fn poll(&mut self, scene: &Arc<Scene>, law: Law) {
         let Some(job) = &mut self.job else { return };
         let end = job.poll();
         if let Some(diagram) = job.so_far.take() {
-            let panel = diagram_panel(&diagram, &law);
+            self.at = None;
             self.shown = Some(Shown {
+                scene: scene.clone(),
+                panel: diagram_panel(&diagram, &law),
                 diagram,
                 law,
-                panel,
             });
         }
         if let Some(Err(why)) = end {
             self.missing = Some(why);
         }
+    }
+}
+
+impl Shown {
+    /// A point in words: what it is, and along how many modes it is unstable.
+    pub fn words(&self, [branch, point]: [usize; 2]) -> Option<String> {
+        let branch = self.diagram.branches.get(branch)?;
+        let point = branch.points.get(point)?;
+        let [before, after] = point.index;
+        let softness = match before.min(after) {
+            _ if point.kind == Kind::Fold => "a fold: its own mode has no stiffness".to_owned(),
+            _ if point.kind == Kind::Bifurcation => "a bifurcation: other states leave".to_owned(),
+            0 => "stable".to_owned(),
+            1 => "unstable along one mode: a pass between two valleys".to_owned(),
+            many => format!("unstable along {many} modes"),
+        };
+        Some(format!(
+            "Map: {} on \"{}\" at {:.3} ρ, {softness}",
+            point.pattern,
+            branch.name,
+            point.state.mean_displacement / self.law.range
+        ))
     }
 }
 
@@ -79,15 +108,16 @@ impl ViewState {
     }
 
     /// Shows the state at a point of a branch in map and profile, until the surface moves.
-    pub fn show_branch_point(&mut self, [branch, point]: [usize; 2]) {
-        let Some(shown) = &self.branches.shown else {
+    pub fn show_branch_point(&mut self, which: [usize; 2]) {
+        let branches = self
+            .branches
+            .shown
+            .as_ref()
+            .map(|shown| &shown.diagram.branches);
+        let Some(branch) = branches.and_then(|branches| branches.get(which[0])) else {
             return;
         };
-        let branches = &shown.diagram.branches;
-        let Some(branch) = branches.get(branch) else {
-            return;
-        };
-        let Some(point) = branch.points.get(point) else {
+        let Some(point) = branch.points.get(which[1]) else {
             return;
         };
         let state = &point.state;
@@ -99,19 +129,6 @@ impl ViewState {
             relaxing: false,
             state: None,
         }));
-        let [before, after] = point.index;
-        let softness = match before.min(after) {
-            _ if point.kind == Kind::Fold => "a fold: its own mode has no stiffness".to_owned(),
-            _ if point.kind == Kind::Bifurcation => "a bifurcation: other states leave".to_owned(),
-            0 => "stable".to_owned(),
-            1 => "unstable along one mode: a pass between two valleys".to_owned(),
-            many => format!("unstable along {many} modes"),
-        };
-        self.messages.notice = Some(format!(
-            "shown: {} on the branch \"{}\" at {:.3} ρ, {softness}",
-            point.pattern,
-            branch.name,
-            state.mean_displacement / shown.law.range
-        ));
+        self.branches.at = Some(which);
     }
 }

@@ -113,7 +113,7 @@ impl ViewState {
             self.messages.fail(message, "What was measured stands.");
         }
         self.paper.poll();
-        self.branches.poll(self.model.law);
+        self.branches.poll(&self.scene, self.model.law);
     }
 
     /// Begins to compute the page that is looked at, or the theory, if it is not there; drops a
