@@ -76,6 +76,7 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
         },
         indenter: Indenter::Flat,
         drive: Drive {
+            control: Default::default(),
             start,
             turn: Turn::At(bottom + rng.random_range(0.2..0.9) * (low - bottom)),
             step: (start - bottom) / rng.random_range(10.0..100.0),

@@ -48,14 +48,8 @@ fn wished(run: u64, scene: Scene, asked: Option<Strategy>) -> Envelope<Command> 
     )
 }
 
-fn target(run: u64, motion: u64, mean_displacement: f64) -> Envelope<Command> {
-    of(
-        run,
-        Command::SetTarget {
-            motion,
-            mean_displacement,
-        },
-    )
+fn target(run: u64, motion: u64, control: f64) -> Envelope<Command> {
+    of(run, Command::SetTarget { motion, control })
 }
 
 fn sweep(run: u64, motion: u64, sweep: Sweep) -> Envelope<Command> {
@@ -271,7 +265,7 @@ fn the_latest_of_many_targets_is_where_it_rests() {
     worker.send(target(7, 101, 4.0));
     await_event(
         &worker,
-        |_, e| matches!(e, Event::Rest { mean_displacement, .. } if *mean_displacement == 4.0),
+        |_, e| matches!(e, Event::Rest { control, .. } if *control == 4.0),
     );
 }
 
@@ -311,9 +305,7 @@ fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
         &mut session,
         vec![to(5, 4.1), of(1, Command::Stop { motion: 4 }), to(4, 4.0)],
     );
-    assert!(
-        matches!(out.last(), Some(Event::Rest { motion: 5, mean_displacement }) if *mean_displacement == 4.1)
-    );
+    assert!(matches!(out.last(), Some(Event::Rest { motion: 5, control }) if *control == 4.1));
 }
 
 #[test]

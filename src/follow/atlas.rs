@@ -21,6 +21,7 @@ pub use trace::End;
 
 use super::contest::{Share, shares};
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{System, carried};
@@ -130,7 +131,7 @@ impl Atlas {
             meshes,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
-            explorer: Explorer::new(length, square, law),
+            explorer: Explorer::new(length, square, law, Control::Displacement),
             flat_limits: flat::limits(&law, length),
             cancel: Cancel::default(),
             branches: Vec::new(),

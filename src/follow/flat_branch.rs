@@ -1,33 +1,111 @@
 //! The flat state on flat ground: a closed form that costs nothing, stable up to where Eq. 8 says.
 
+use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::physics::system::System;
+use crate::physics::theory::boundary;
 use crate::physics::theory::flat::{limits, stiffness_min};
 use crate::solver::Stop;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
+use std::f64::consts::PI;
 
-/// The flat branch of a law in a cell of side `length`.
+/// The flat branch of a law in a cell under its control.
 #[derive(Clone, Copy, Debug)]
 pub struct FlatBranch {
     law: Law,
+    control: Control,
+    /// Side of the cell whose longest wave is as stiff as what is softest here: the longest wave of
+    /// the cell, pi E*/L, or the machine, when the body moves as a block.
     length: f64,
+    /// True if that is the machine.
+    as_a_block: bool,
     /// The gaps between which it is unstable.
     unstable: Option<(f64, f64)>,
 }
 
 impl FlatBranch {
-    /// The branch.
-    pub fn new(law: Law, length: f64) -> Self {
+    /// The branch in a cell of side `length`.
+    pub fn new(law: Law, length: f64, control: Control) -> Self {
+        let block = PI / control.stiffness();
         Self {
             law,
-            length,
-            unstable: limits(&law, length),
+            control,
+            length: length.max(block),
+            as_a_block: block > length,
+            unstable: match control {
+                // Nothing holds the body but the law's own stiffness.
+                Control::Load => Some((law.contact_gap(), f64::INFINITY)),
+                _ => limits(&law, length.max(block)),
+            },
         }
+    }
+
+    /// The smallest eigenvalue at gap `u0` (E* per length).
+    fn stiffness(&self, u0: f64) -> f64 {
+        match self.control {
+            Control::Load => self.law.at(u0).stiffness,
+            _ => stiffness_min(&self.law, self.length, u0) / self.length,
+        }
+    }
+
+    /// The control at the (lower, upper) end of what is stable: upper is met on approach, lower on
+    /// retraction. `None` where it is stable everywhere. Under a load what is not in contact is
+    /// apart, up to no load at all.
+    pub fn limits(&self) -> Option<(f64, f64)> {
+        let held = |gap: f64| self.control.balanced(gap, self.law.at(gap).traction)[0];
+        let (lower, upper) = self.unstable?;
+        Some(match self.control {
+            Control::Load => (held(lower), 0.0),
+            _ => (held(lower), held(upper)),
+        })
+    }
+
+    /// True if the body gives way as a block, before any wave does.
+    pub fn gives_way_as_a_block(&self) -> bool {
+        self.as_a_block
+    }
+
+    /// The flat state of a `system` where its drive begins, far from the ground.
+    pub fn first(&self, system: &System, value: f64) -> Equilibrium {
+        let gap = match self.control {
+            Control::Displacement => value,
+            // The spring is stretched there: the gap is smaller.
+            _ => self
+                .at_control(value + self.law.range, value)
+                .unwrap_or_else(|(_, unstable)| unstable),
+        };
+        self.state(system, gap)
+    }
+
+    /// The gap of the flat state where the control has this `value`, on the way there from a stable
+    /// gap `from`; or where stability is lost on that way, as [`FlatBranch::limit_between`].
+    pub fn at_control(&self, from: f64, value: f64) -> Result<f64, (f64, f64)> {
+        if self.control == Control::Displacement {
+            return self.limit_between(from, value).map_or(Ok(value), Err);
+        }
+        // The control grows with the gap wherever the flat state is stable.
+        let ahead = |gap: f64| {
+            let [there, _] = self.control.balanced(gap, self.law.at(gap).traction);
+            value - there
+        };
+        let side = ahead(from).signum();
+        let (mut near, mut far, mut width) = (from, from, self.law.range);
+        while side * ahead(far) > 0.0 {
+            (near, far) = (far, far + side * width);
+            width *= 2.0;
+            if let Some((stable, unstable)) = self.limit_between(near, far) {
+                if side * ahead(stable) > 0.0 {
+                    return Err((stable, unstable));
+                }
+                far = stable;
+            }
+        }
+        Ok(boundary(near, far, |gap| side * ahead(gap) > 0.0))
     }
 
     /// The flat state of a `system` of this law and cell at gap `u0`, exact.
     pub fn state(&self, system: &System, u0: f64) -> Equilibrium {
-        let value = stiffness_min(&self.law, self.length, u0) / self.length;
+        let value = self.stiffness(u0);
         let stop = if self.is_finite(u0, value) {
             Stop::Stable
         } else {
@@ -40,7 +118,7 @@ impl FlatBranch {
 
     /// True if the flat state at gap `u0` is stable.
     pub fn is_stable(&self, u0: f64) -> bool {
-        let value = stiffness_min(&self.law, self.length, u0);
+        let value = self.stiffness(u0);
         value >= 0.0 && self.is_finite(u0, value)
     }
 
@@ -52,7 +130,7 @@ impl FlatBranch {
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
     /// the first unstable double found by bisection; `None` if it is not lost.
     pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
-        let stable = |u: f64| stiffness_min(&self.law, self.length, u) >= 0.0;
+        let stable = |u: f64| self.stiffness(u) >= 0.0;
         let (lower, upper) = self.unstable?;
         // The unstable gaps are one interval: the gap of the way that lies nearest to its middle
         // tells whether it is met.
@@ -105,7 +183,7 @@ mod tests {
             law in any_law(), periods in 1.01..30.0_f64, from in -1.0..12.0_f64, to in -1.0..12.0_f64,
         ) {
             let length = periods * crate::physics::theory::flat::critical_length(&law);
-            let branch = FlatBranch::new(law, length);
+            let branch = FlatBranch::new(law, length, Control::Displacement);
             let base = law.equilibrium_gap();
             let (from, to) = (base + from.abs() * law.range, base + to.abs() * law.range);
             let stable = |u: f64| stiffness_min(&law, length, u) >= 0.0;
@@ -133,7 +211,7 @@ mod tests {
             surface_energy: 0.15,
             range: 0.1,
         };
-        let branch = FlatBranch::new(law, 64.0);
+        let branch = FlatBranch::new(law, 64.0, Control::Displacement);
         for far in [1e7, 1e60, 1e300] {
             let (last, first) = branch
                 .limit_between(far, 0.0)

@@ -6,7 +6,7 @@
 //! means, as far as the states lie close enough to integrate between them: it is the check beside
 //! the loss.
 
-use super::record::{Cause, LoopRecord, StateRecord};
+use super::record::{Cause, JumpRecord, LoopRecord, StateRecord};
 use crate::solver::Stop;
 
 /// What a loop lost. Energies per area in units of gamma.
@@ -139,11 +139,11 @@ impl LoopRecord {
         // Of a state that was read off there is no residual.
         let residual = |s: &StateRecord| s.residual.max(0.0);
         let within = SAME * scale + residual(first) + residual(last);
-        let apart = (first.mean_displacement - last.mean_displacement).abs();
+        let apart = (first.control - last.control).abs();
         // Written so that NaN is not taken for closed.
         let closed = first.pattern == last.pattern
             && (first.stress_over_max - last.stress_over_max).abs() <= within
-            && apart <= 1e-9 * first.mean_displacement.abs().max(1.0);
+            && apart <= 1e-9 * first.control.abs().max(1.0);
         if closed {
             return None;
         }
@@ -178,9 +178,16 @@ impl LoopRecord {
     fn segments(&self) -> (Vec<Segment>, f64) {
         let mut jumps = self.jumps.iter().peekable();
         let (mut done, mut noticed) = (Vec::new(), 0.0);
+        let before = |jump: &JumpRecord| {
+            self.control
+                .conjugate(jump.mean_displacement, jump.stress_before)
+        };
         let mut segment = Segment::default();
         for pair in self.states.windows(2) {
-            let [a, b] = [&pair[0], &pair[1]].map(|s| [s.mean_displacement, s.stress]);
+            let [a, b] = [&pair[0], &pair[1]].map(|s| {
+                let conjugate = self.control.conjugate(s.mean_displacement, s.stress);
+                [s.control, conjugate]
+            });
             if pair[0].direction != pair[1].direction {
                 done.push(std::mem::take(&mut segment));
             }
@@ -191,22 +198,21 @@ impl LoopRecord {
                 .next_if(|j| {
                     j.cause == Cause::Transition
                         && j.direction == pair[1].direction
-                        && behind(j.mean_displacement)
+                        && behind(j.control)
                 })
                 .is_some()
             {}
             let between = |at: f64| (a[0] < at && at < b[0]) || (b[0] < at && at < a[0]);
             match jumps.next_if(|j| {
-                j.direction == pair[1].direction
-                    && (j.mean_displacement == b[0] || between(j.mean_displacement))
+                j.direction == pair[1].direction && (j.control == b[0] || between(j.control))
             }) {
                 None => {
                     segment.points.push(b);
                     continue;
                 }
                 // The branch has a kink there, between two states.
-                Some(jump) if between(jump.mean_displacement) => {
-                    let kink = [jump.mean_displacement, jump.stress_before];
+                Some(jump) if between(jump.control) => {
+                    let kink = [jump.control, before(jump)];
                     segment.points.push(kink);
                     done.push(std::mem::replace(
                         &mut segment,
@@ -218,7 +224,7 @@ impl LoopRecord {
                     continue;
                 }
                 Some(jump) if jump.cause != Cause::PatternChange => {
-                    segment.points.push([b[0], jump.stress_before]);
+                    segment.points.push([b[0], before(jump)]);
                     segment.turns_back = matches!(jump.cause, Cause::Fold | Cause::Mesh);
                 }
                 Some(_) => noticed += 0.5 * (a[1] + b[1]) * (b[0] - a[0]),

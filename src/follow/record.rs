@@ -1,6 +1,7 @@
 //! What a walk leaves behind: states and jumps.
 
 use super::contest::Share;
+use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::scene::part::Part;
 use crate::solver::Stop;
@@ -13,9 +14,9 @@ pub(super) const LOCATED: f64 = 1e-5;
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
-    /// u0 decreases.
+    /// The control decreases.
     Approach,
-    /// u0 increases.
+    /// The control increases.
     Retraction,
 }
 
@@ -33,6 +34,8 @@ impl fmt::Display for Direction {
 pub struct StateRecord {
     /// Direction of the drive.
     pub direction: Direction,
+    /// What is driven: u0, the position of the stage (length), or the load per area (E*).
+    pub control: f64,
     /// Mean displacement u0 (length).
     pub mean_displacement: f64,
     /// Mean stress, positive in tension (E*).
@@ -49,7 +52,7 @@ pub struct StateRecord {
     pub stiffness_min: f64,
     /// Bound on the error of `stiffness_min` (E*/L).
     pub stiffness_error: f64,
-    /// Energy per area (E* times length).
+    /// Energy per area of body and cohesion (E* times length).
     pub energy: f64,
     /// The part of the cell on which it was solved.
     pub part: Part,
@@ -88,6 +91,7 @@ impl StateRecord {
     pub(crate) fn placeholder(mean_displacement: f64) -> Self {
         Self {
             direction: Direction::Approach,
+            control: mean_displacement,
             mean_displacement,
             stress: f64::NAN,
             stress_over_max: f64::NAN,
@@ -138,13 +142,17 @@ impl fmt::Display for Cause {
     }
 }
 
-/// A jump at fixed u0, or a transition without one.
+/// A jump at fixed control, or a transition without one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpRecord {
     /// Direction of the drive.
     pub direction: Direction,
-    /// Where it happened (length).
+    /// Where the control was (length; E* of a load).
+    pub control: f64,
+    /// u0 before (length).
     pub mean_displacement: f64,
+    /// u0 after; the same where it is the control (length).
+    pub mean_displacement_after: f64,
     /// Pattern before.
     pub from: Pattern,
     /// Pattern after.
@@ -184,13 +192,23 @@ impl JumpRecord {
 /// Everything recorded along a path, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopRecord {
-    /// The states in the order they were reached. A jump stands between two states of equal u0.
+    /// What was driven.
+    pub control: Control,
+    /// The states in the order they were reached. A jump stands between two states of equal control.
     pub states: Vec<StateRecord>,
     /// The jumps and transitions in the order they happened.
     pub jumps: Vec<JumpRecord>,
 }
 
 impl LoopRecord {
+    /// Nothing recorded yet of a path of this control.
+    pub fn of(control: Control) -> Self {
+        Self {
+            control,
+            ..Self::default()
+        }
+    }
+
     /// How many there are of each kind.
     pub fn tally(&self) -> Tally {
         let of = |cause: Cause| self.jumps.iter().filter(|jump| jump.cause == cause).count();

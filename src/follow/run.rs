@@ -176,6 +176,7 @@ struct Drive<'s> {
 impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
         let (start, mut run) = (scene.drive.start, LoopRun::empty());
+        run.record.control = scene.drive.control;
         run.record.states.push(walk.record().clone());
         Self {
             scene,
@@ -213,11 +214,11 @@ impl<'s> Drive<'s> {
             }
             Observed::State(state) => {
                 fresh = true;
-                *lowest = lowest.min(state.mean_displacement);
+                *lowest = lowest.min(state.control);
                 let gone = if retracting {
-                    1.0 + (state.mean_displacement - *lowest) / (start - *lowest)
+                    1.0 + (state.control - *lowest) / (start - *lowest)
                 } else {
-                    (start - state.mean_displacement) / depth
+                    (start - state.control) / depth
                 };
                 observe(Report::State {
                     record: &state,
@@ -265,7 +266,7 @@ impl<'s> Drive<'s> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Itinerary {
     start: f64,
-    /// u0 at which an approach turns at the latest (length).
+    /// The control at which an approach turns at the latest.
     depth: f64,
     /// An approach turns where the load on a contact is zero.
     to_zero_load: bool,
@@ -298,7 +299,7 @@ impl Itinerary {
         self.ahead.last().copied()
     }
 
-    /// u0 for which the present way makes (length); `None` at the end of all.
+    /// The control for which the present way makes; `None` at the end of all.
     pub fn target(&self) -> Option<f64> {
         Some(match self.direction()? {
             Direction::Approach => self.depth,

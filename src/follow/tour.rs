@@ -7,6 +7,7 @@ use super::record::{Direction, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
 use super::walk::symmetry::{Guard, slides_on};
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
 use crate::scene::part::Part;
@@ -57,7 +58,7 @@ impl Atlas {
             atlas: self,
             model,
             guard: Guard::new(whole, tracker),
-            flat: FlatBranch::new(law, model.grid.length),
+            flat: FlatBranch::new(law, model.grid.length, Control::Displacement),
             last: None,
         };
         let mut run = LoopRun::empty();

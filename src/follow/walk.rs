@@ -1,4 +1,4 @@
-//! The walk along u0: follow the branch in bounded steps, locate where it ends, release, land on
+//! The walk along what is driven: follow the branch in bounded steps, locate where it ends, release, land on
 //! what is stable.
 //!
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment,
@@ -6,6 +6,7 @@
 //! for everything faster.
 
 mod advance;
+mod apart;
 mod landing;
 mod mesh_jumps;
 mod progress;
@@ -22,6 +23,7 @@ use super::flat_branch::FlatBranch;
 use super::record::{Cause, Direction, StateRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
+use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
 use crate::scene::part::Part;
@@ -35,6 +37,7 @@ use crate::solver::methods::MethodKind;
 use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
+use apart::apart;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
@@ -50,12 +53,13 @@ struct Barrier {
     soft_mode: Vec<f64>,
 }
 
-/// What tells how a branch goes on: u0, smallest eigenvalue and stress of its last state but one.
+/// What tells how a branch goes on: control, smallest eigenvalue, and derivative of the energy with
+/// the control, of its last state but one.
 #[derive(Clone, Copy, Debug)]
 struct Before {
     at: f64,
     stiffness: f64,
-    stress: f64,
+    conjugate: f64,
 }
 
 /// How a branch is followed.
@@ -88,7 +92,7 @@ enum Phase {
     Following,
     /// On a branch that ends before a barrier.
     Bracketing(Bracket),
-    /// Off a branch: the surface moves at fixed u0.
+    /// Off a branch: the surface moves at fixed control.
     Jumping(Box<Jumping>),
 }
 
@@ -110,7 +114,7 @@ struct Jumping {
     /// The mode along which the state before gave way, and the size of the kick along it (ranges).
     soft_mode: Vec<f64>,
     kick: f64,
-    /// Energy of the state before, carried to the u0 of the jump.
+    /// Energy of the state before, carried to the control of the jump.
     energy_before: f64,
     /// Where kicks lead, if that is contested.
     landings: Vec<Share>,
@@ -136,7 +140,7 @@ struct Spent {
     since: Instant,
 }
 
-/// A body on its way along u0.
+/// A body on its way along its control.
 pub struct Walk {
     model: Model,
     options: WalkOptions,
@@ -201,7 +205,9 @@ impl Walk {
         } else {
             System::new
         };
-        let system = make(model.grid, model.law, &model.indenter).with_precision(options.precision);
+        let system = make(model.grid, model.law, &model.indenter)
+            .with_precision(options.precision)
+            .with_control(scene.drive.control);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let watched = part.is_even() && part != Part::Mirrored;
@@ -216,11 +222,12 @@ impl Walk {
         );
         mechanics.cancel = cancel.clone();
         let flat = (mechanics.system.is_flat() && method.locates())
-            .then(|| FlatBranch::new(model.law, model.grid.length));
+            .then(|| FlatBranch::new(model.law, model.grid.length, scene.drive.control));
         let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
         let start = scene.drive.start;
         let here = match flat {
-            Some(flat) => flat.state(&mechanics.system, start),
+            _ if scene.drive.control == Control::Load => apart(&mut mechanics, start),
+            Some(flat) => flat.first(&mechanics.system, start),
             None => {
                 let uniform = vec![0.0; mechanics.system.dimension()];
                 solved(&mut mechanics, &mut tracker, uniform, start)
@@ -264,16 +271,16 @@ impl Walk {
     /// the cell stood.
     pub fn standing_on(mut self, mut state: Equilibrium, record: StateRecord) -> Self {
         let State {
-            mean_displacement,
+            control,
             amplitudes,
             ..
         } = state.state.clone();
         // It may come from another mesh, or have been moved.
         state.fields = self
             .mechanics
-            .uncounted(|mechanics| mechanics.at(amplitudes, mean_displacement))
+            .uncounted(|mechanics| mechanics.at(amplitudes, control))
             .fields;
-        self.target = mean_displacement;
+        self.target = control;
         self.direction = record.direction;
         self.behind.history = History::starting(&state.state);
         (self.here, self.record) = (state, record);
@@ -323,12 +330,28 @@ impl Walk {
             + self.guard.as_ref().map_or(0, Guard::transforms)
     }
 
-    /// Mean displacement now; during a jump, that of the jump.
-    pub fn displacement(&self) -> f64 {
+    /// The surface now, also in the middle of a jump.
+    pub fn surface(&self) -> &State {
         match &self.phase {
-            Phase::Jumping(jumping) => jumping.release.at.state.mean_displacement,
-            _ => self.here.state.mean_displacement,
+            Phase::Jumping(jumping) => &jumping.release.at.state,
+            _ => &self.here.state,
         }
+    }
+
+    /// What is driven.
+    pub fn control(&self) -> Control {
+        self.mechanics.system.control()
+    }
+
+    /// [`Control::unit`] of the law.
+    fn unit(&self) -> f64 {
+        self.control().unit(&self.model.law)
+    }
+
+    /// The derivative of the energy of a `state` with the control.
+    fn conjugate(&self, state: &State) -> f64 {
+        self.control()
+            .conjugate(state.mean_displacement, state.stress)
     }
 
     /// Where it is going.
@@ -336,7 +359,7 @@ impl Walk {
         self.target
     }
 
-    /// Sets where to go; the path already gone is kept, and a jump under way is completed first.
+    /// Sets the value of the control to go to; the path already gone is kept, and a jump under way is completed first.
     pub fn set_target(&mut self, u0: f64) {
         self.target = u0;
     }
@@ -362,7 +385,7 @@ impl Walk {
             Phase::Jumping(jumping) => return self.relax(jumping, observe),
             phase => phase,
         };
-        let here = self.here.state.mean_displacement;
+        let here = self.here.state.control;
         if here == self.target {
             return Progress::Resting;
         }
@@ -380,6 +403,7 @@ impl Walk {
             (self.behind.before, self.behind.short) = (None, None);
         }
         match self.flat {
+            _ if self.is_apart(self.here.state.mean_displacement) => self.step_apart(observe),
             Some(flat) if self.here.is_uniform() => self.step_flat(flat, observe),
             _ => self.step_patterned(observe),
         }
@@ -391,14 +415,19 @@ impl Walk {
     }
 }
 
-/// The equilibrium at `u0` that Newton's method finds from the amplitudes `z`, measured, or as far
+/// The equilibrium at this control that Newton's method finds from the amplitudes `z`, measured, or as far
 /// as it came.
-fn solved(mechanics: &mut Mechanics, tracker: &mut Tracker, z: Vec<f64>, u0: f64) -> Equilibrium {
+fn solved(
+    mechanics: &mut Mechanics,
+    tracker: &mut Tracker,
+    z: Vec<f64>,
+    control: f64,
+) -> Equilibrium {
     let limits = NewtonLimits {
         steps: 40,
         ..NewtonLimits::of(&mechanics.system)
     };
-    let found = solve(mechanics, z, u0, limits);
+    let found = solve(mechanics, z, control, limits);
     let stop = match found.end {
         NewtonEnd::Converged => Stop::Stable,
         NewtonEnd::Cancelled => Stop::Cancelled,

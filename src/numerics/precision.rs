@@ -154,19 +154,19 @@ impl Transforms {
         }
     }
 
-    /// Amplitudes `out` of `factor` times the field of amplitudes `v` (without means); `field` is
-    /// working memory. Two transforms.
+    /// Amplitudes `out` of `factor` times the field of amplitudes `v` and a mean; `field` is working
+    /// memory. Returns the mean of the product. Two transforms.
     pub fn multiply(
         &self,
-        v: &[f64],
+        v: (&[f64], f64),
         factor: &Array2<f64>,
         out: &mut [f64],
         field: &mut Array2<f64>,
         scratch: &mut TransformScratch,
-    ) {
+    ) -> f64 {
         match (&self.single, &mut scratch.single) {
             (Some(basis), Some((single, scratch))) => {
-                multiply(basis, v, factor, out, single, scratch);
+                multiply(basis, v, factor, out, single, scratch)
             }
             _ => multiply(&self.double, v, factor, out, field, &mut scratch.double),
         }
@@ -175,13 +175,13 @@ impl Transforms {
 
 fn multiply<T: Real>(
     basis: &Basis<T>,
-    v: &[f64],
+    (v, mean): (&[f64], f64),
     factor: &Array2<f64>,
     out: &mut [f64],
     field: &mut Array2<T>,
     scratch: &mut BasisScratch<T>,
-) {
-    basis.synthesise(v, 0.0, field, scratch);
+) -> f64 {
+    basis.synthesise(v, mean, field, scratch);
     let (values, factor) = (flat(field), factor.as_slice().expect("standard layout"));
     let piece = piece(values.len());
     each(
@@ -193,7 +193,7 @@ fn multiply<T: Real>(
                 .for_each(|(value, f)| *value = *value * T::rounded(*f));
         },
     );
-    basis.analyse(field, out, scratch);
+    basis.analyse(field, out, scratch)
 }
 
 /// Copies a field into one of other numbers.

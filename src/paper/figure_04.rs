@@ -5,6 +5,7 @@ use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::record::Direction;
 use crate::numerics::cancel::Cancel;
+use crate::numerics::vector::norm;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Morse, Shape};
@@ -187,7 +188,7 @@ impl Surface {
     fn new(law: Law, length: f64, points: usize) -> Self {
         let system = System::new(Grid::square(length, points), law, &Indenter::Flat);
         let noise = random_smooth(&system, &mut Pcg64::seed_from_u64(4));
-        let size = 1e-6 * law.range / System::roughness(&noise);
+        let size = 1e-6 * law.range / norm(&noise);
         Self {
             noise: noise.iter().map(|z| size * z).collect(),
             system,
@@ -213,7 +214,7 @@ impl Surface {
         let noisy = mechanics.at(self.noise.clone(), u0);
         let mut state =
             Equilibrium::unmeasured(noisy, f64::NAN, Stop::NotConverged, Cost::default());
-        let start = System::roughness(&self.noise);
+        let start = norm(&self.noise);
         let mut calm = f64::NAN;
         for look in 1..=LOOKS {
             state = gfmd
@@ -224,7 +225,7 @@ impl Surface {
                         Stopped::Failed(format!("dynamics from noise at u0 = {u0:.4}: {lost:?}"))
                     }
                 })?;
-            let now = System::roughness(&state.state.amplitudes);
+            let now = state.state.roughness();
             if look == CALM {
                 calm = now;
             }

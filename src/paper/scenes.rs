@@ -26,6 +26,7 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
         law: morse(SURFACE_ENERGY, Range::Length(1.0)),
         indenter: Indenter::Flat,
         drive: Drive {
+            control: Default::default(),
             start,
             turn: Turn::At(turn),
             step,
@@ -103,6 +104,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
         law: morse(0.2 * ROUGH_RMS, Range::Length(ROUGH_RANGE * ROUGH_RMS)),
         indenter: Indenter::Rough(surface),
         drive: Drive {
+            control: Default::default(),
             start: 1.5 * ROUGH_RMS,
             turn: Turn::At(mean + turn * ROUGH_RMS),
             step: 0.01 * ROUGH_RMS,
@@ -132,6 +134,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the
         // edge of the contact holds on for longer.
         drive: Drive {
+            control: Default::default(),
             start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0),
             turn: Turn::ZeroLoad,
             step: step * range,
@@ -153,6 +156,7 @@ pub fn figure_1() -> Scene {
         law: morse(0.3, Range::Length(0.2)),
         indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
         drive: Drive {
+            control: Default::default(),
             start: 1.0,
             turn: Turn::At(-0.6),
             step: 0.02,

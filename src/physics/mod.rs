@@ -5,6 +5,7 @@
 //! (attraction); energies are per area of the cell. The gap is g = u - h with the indenter's
 //! highest point at h = 0. May use `numerics` only.
 
+pub mod control;
 pub mod grid;
 pub mod indenter;
 pub mod law;

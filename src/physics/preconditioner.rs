@@ -76,7 +76,8 @@ impl Preconditioner {
             .iter()
             .map(|e| 1.0 / (e + stiffness))
             .collect();
-        diagonal[..2].fill(0.0);
+        diagonal[1] = 0.0;
+        fix_mean(system, &mut diagonal);
         Self {
             diagonal,
             even: None,
@@ -93,7 +94,7 @@ impl Preconditioner {
             .iter()
             .map(|e| 1.0 / (e + stiffness))
             .collect();
-        diagonal[0] = 0.0;
+        fix_mean(system, &mut diagonal);
         Self {
             diagonal,
             even: Some(LowBlock::new(system, class, reach)),
@@ -112,7 +113,7 @@ impl Preconditioner {
         self.even.as_mut()
     }
 
-    /// The diagonal 1/(q E*/2 + k); zero for the mean.
+    /// The diagonal 1/(q E*/2 + k); zero for a mean that is no unknown.
     pub fn diagonal(&self) -> &[f64] {
         &self.diagonal
     }
@@ -223,6 +224,13 @@ impl Preconditioner {
                 (out[2 * mirror], out[2 * mirror + 1]) = (re, -im);
             }
         }
+    }
+}
+
+/// A mean that is no unknown stays what it is.
+fn fix_mean(system: &System, diagonal: &mut [f64]) {
+    if !system.control().frees_mean() {
+        diagonal[0] = 0.0;
     }
 }
 

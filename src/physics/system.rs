@@ -12,8 +12,11 @@
 //! waves; all sums and means are the same, and so is every function here but those that move a
 //! pattern.
 //!
-//! The entry q = 0 of every amplitude vector is zero: the mean displacement u0 is the control.
+//! The entry q = 0 of every amplitude vector is zero where the mean displacement u0 is the control.
+//! Under a spring or a load ([`Control`]) it is an unknown like the others: u0 less the position of
+//! the stage, with the spring's stiffness in place of q E*/2; or u0 itself, which nothing holds.
 
+use super::control::Control;
 use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
@@ -22,7 +25,7 @@ use crate::numerics::cosine::Cosine;
 use crate::numerics::fourier::Fourier;
 use crate::numerics::precision::{Precision, TransformScratch, Transforms};
 use crate::numerics::threads::{each, piece};
-use crate::numerics::vector::{dot, max_abs};
+use crate::numerics::vector::{max_abs, norm};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
 
@@ -35,7 +38,8 @@ pub struct System {
     /// Along which of x and y patterns can slide.
     uniform: [bool; 2],
     transforms: Transforms,
-    /// q E*/2 of every amplitude entry; zero for q = 0.
+    control: Control,
+    /// q E*/2 of every amplitude entry; for q = 0 the stiffness of a spring, or zero.
     elastic: Vec<f64>,
     /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the
     /// derivative of a real field vanishes. Empty for even fields, which cannot move.
@@ -51,14 +55,16 @@ pub struct Workspace {
     scratch: TransformScratch,
 }
 
-/// A surface at a mean displacement, with its energy and stress.
+/// A surface under its control, with its energy and stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Mean displacement u0 (length).
+    /// What is driven: u0 or the position of the stage (length), or the load per area (E*).
+    pub control: f64,
+    /// Mean displacement u0 (length), which follows from control and amplitudes.
     pub mean_displacement: f64,
-    /// Amplitudes z of u - u0 (length).
+    /// Amplitudes z of u - u0, and of u0 where it is free (length).
     pub amplitudes: Vec<f64>,
-    /// Energy per area V (E* times length).
+    /// Energy per area, that of the machine with it (E* times length).
     pub energy: f64,
     /// Mean stress (E*), positive in tension.
     pub stress: f64,
@@ -68,6 +74,17 @@ impl State {
     /// Its amplitudes and mean displacement, which together are the surface.
     pub fn joint(&self) -> (&[f64], f64) {
         (&self.amplitudes, self.mean_displacement)
+    }
+
+    /// Moves u0 by `du` (length) where u0 is the control.
+    pub fn drive_by(&mut self, du: f64) {
+        self.control += du;
+        self.mean_displacement = self.control;
+    }
+
+    /// Root mean square of u - u0 (length).
+    pub fn roughness(&self) -> f64 {
+        norm(&self.amplitudes[1..])
     }
 }
 
@@ -87,7 +104,7 @@ pub struct Fields {
 pub struct Evaluation {
     /// The state.
     pub state: State,
-    /// dV/dz at fixed u0 (E*).
+    /// The derivative of the energy with z at a fixed control (E*).
     pub gradient: Vec<f64>,
     /// Gap, traction and stiffness.
     pub fields: Fields,
@@ -124,6 +141,7 @@ impl System {
             height: indenter.height(&grid),
             uniform: indenter.ground().is_uniform(),
             transforms,
+            control: Control::Displacement,
             elastic,
             gradient,
         }
@@ -147,6 +165,7 @@ impl System {
             height,
             uniform: indenter.ground().is_uniform(),
             transforms,
+            control: Control::Displacement,
             elastic,
             gradient: Vec::new(),
         }
@@ -169,6 +188,25 @@ impl System {
             transforms: self.transforms.with_precision(precision),
             ..self
         }
+    }
+
+    /// The same driven otherwise than by its mean displacement.
+    pub fn with_control(mut self, control: Control) -> Self {
+        self.control = control;
+        self.elastic[0] = Some(control.stiffness())
+            .filter(|stiffness| stiffness.is_finite())
+            .unwrap_or(0.0);
+        self
+    }
+
+    /// What drives it.
+    pub fn control(&self) -> Control {
+        self.control
+    }
+
+    /// The entry q = 0 of amplitudes as a mean: zero where u0 is no unknown.
+    fn mean(&self, v: &[f64]) -> f64 {
+        if self.control.frees_mean() { v[0] } else { 0.0 }
     }
 
     /// Of which numbers its transforms and fields are.
@@ -235,7 +273,7 @@ impl System {
         }
     }
 
-    /// q E*/2 of every amplitude entry (E* per length).
+    /// q E*/2 of every amplitude entry (E* per length); for q = 0 the stiffness of a spring, or zero.
     pub fn elastic(&self) -> &[f64] {
         &self.elastic
     }
@@ -260,12 +298,13 @@ impl System {
         gap
     }
 
-    /// The evaluation at amplitudes `z` and mean displacement `u0`. Two transforms.
-    pub fn at(&self, z: Vec<f64>, u0: f64, ws: &mut Workspace) -> Evaluation {
+    /// The evaluation at amplitudes `z` where the control is `control`. Two transforms.
+    pub fn at(&self, z: Vec<f64>, control: f64, ws: &mut Workspace) -> Evaluation {
         let zeros = || Array2::zeros(self.shape());
         let gradient = vec![0.0; z.len()];
         let state = State {
-            mean_displacement: u0,
+            control,
+            mean_displacement: f64::NAN,
             amplitudes: z,
             energy: f64::NAN,
             stress: f64::NAN,
@@ -283,23 +322,30 @@ impl System {
         at
     }
 
-    /// The uniform surface at gap `u0` over flat ground, exact. No transform.
+    /// The uniform surface at gap `u0` over flat ground, exact, with the control that holds it
+    /// there. No transform.
     pub fn uniform(&self, u0: f64) -> Evaluation {
-        let (z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
+        let (mut z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
+        let gradient = z.clone();
+        let control;
+        [control, z[0]] = self.control.balanced(u0, response.traction);
         let everywhere = |value: f64| Array2::from_elem(self.shape(), value);
         let (gap, traction, stiffness) = (
             everywhere(u0),
             everywhere(response.traction),
             everywhere(response.stiffness),
         );
+        let energy = response.energy + self.control.energy(control, u0);
+        let state = State {
+            control,
+            mean_displacement: u0,
+            amplitudes: z,
+            energy,
+            stress: response.traction,
+        };
         Evaluation {
-            gradient: z.clone(),
-            state: State {
-                mean_displacement: u0,
-                amplitudes: z,
-                energy: response.energy,
-                stress: response.traction,
-            },
+            gradient,
+            state,
             fields: Fields {
                 gap,
                 traction,
@@ -308,14 +354,16 @@ impl System {
         }
     }
 
-    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two
-    /// transforms.
+    /// All of `at` anew for its amplitudes and control, which were changed. Two transforms.
     pub fn update(&self, at: &mut Evaluation, ws: &mut Workspace) {
         let Evaluation {
             state,
             gradient,
             fields,
         } = at;
+        state.mean_displacement = self
+            .control
+            .mean_displacement(state.control, state.amplitudes[0]);
         self.gap(
             &state.amplitudes,
             state.mean_displacement,
@@ -333,6 +381,11 @@ impl System {
             .transforms
             .analyse(&fields.traction, gradient, &mut ws.scratch);
         ws.transforms += 1;
+        gradient[0] = match self.control {
+            Control::Displacement => 0.0,
+            Control::Spring { .. } => state.stress,
+            Control::Load => state.stress - state.control,
+        };
         let mut elastic = 0.0;
         for ((g, z), e) in gradient
             .iter_mut()
@@ -343,12 +396,23 @@ impl System {
             elastic += e * z * z;
         }
         state.energy = 0.5 * elastic + adhesive;
+        if self.control == Control::Load {
+            state.energy -= state.control * state.mean_displacement;
+        }
     }
 
     /// The Hessian of a surface with these `fields` times `v`. Two transforms.
     pub fn hessian(&self, fields: &Fields, v: &[f64], out: &mut [f64], ws: &mut Workspace) {
-        self.transforms
-            .multiply(v, &fields.stiffness, out, &mut ws.field, &mut ws.scratch);
+        let mean = self.transforms.multiply(
+            (v, self.mean(v)),
+            &fields.stiffness,
+            out,
+            &mut ws.field,
+            &mut ws.scratch,
+        );
+        if self.control.frees_mean() {
+            out[0] = mean;
+        }
         ws.transforms += 2;
         for ((o, v), e) in out.iter_mut().zip(v).zip(&self.elastic) {
             *o += e * v;
@@ -382,18 +446,21 @@ impl System {
         }
     }
 
-    /// The real field of amplitudes `v` (without mean). One transform.
+    /// The real field of amplitudes `v`, its mean zero where u0 is no unknown. One transform.
     pub fn field<'w>(&self, v: &[f64], ws: &'w mut Workspace) -> &'w Array2<f64> {
         self.transforms
-            .synthesise(v, 0.0, &mut ws.field, &mut ws.scratch);
+            .synthesise(v, self.mean(v), &mut ws.field, &mut ws.scratch);
         ws.transforms += 1;
         &ws.field
     }
 
-    /// Amplitudes of a field; its mean is dropped. One transform.
+    /// Amplitudes of a field; its mean is dropped where u0 is no unknown. One transform.
     pub fn amplitudes(&self, field: &Array2<f64>, ws: &mut Workspace) -> Vec<f64> {
         let mut z = vec![0.0; self.dimension()];
-        self.transforms.analyse(field, &mut z, &mut ws.scratch);
+        let mean = self.transforms.analyse(field, &mut z, &mut ws.scratch);
+        if self.control.frees_mean() {
+            z[0] = mean;
+        }
         ws.transforms += 1;
         z
     }
@@ -438,9 +505,9 @@ impl System {
     }
 
     /// Gives amplitudes the symmetry of a real field: u(-q) = conj u(q) where both halves are
-    /// stored, real Nyquist terms, no mean.
+    /// stored, real Nyquist terms, no mean where u0 is no unknown.
     pub fn make_real(&self, z: &mut [f64]) {
-        z[0] = 0.0;
+        z[0] = self.mean(z);
         if self.is_even() {
             return;
         }
@@ -459,11 +526,6 @@ impl System {
             }
         }
         z[1] = 0.0;
-    }
-
-    /// Root mean square of u - u0 (length).
-    pub fn roughness(z: &[f64]) -> f64 {
-        dot(z, z).sqrt()
     }
 }
 

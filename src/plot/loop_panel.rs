@@ -284,6 +284,7 @@ pub(crate) mod tests {
         };
         StateRecord {
             direction,
+            control: u0,
             mean_displacement: u0,
             stress: over_max * law.traction_max(),
             stress_over_max: over_max,
@@ -328,7 +329,9 @@ pub(crate) mod tests {
                     let after = state(direction, pattern, from);
                     record.jumps.push(JumpRecord {
                         direction,
+                        control: from,
                         mean_displacement: from,
+                        mean_displacement_after: from,
                         from: before.pattern,
                         to: pattern,
                         stress_before: before.stress,

@@ -223,6 +223,7 @@ mod tests {
                 radius: 30.0 * unit,
             });
             scene.drive = Drive {
+                control: Default::default(),
                 start: 6.0 * unit,
                 turn: Turn::ZeroLoad,
                 step: 0.1 * unit,

@@ -2,6 +2,7 @@
 //! mu_rho, and the drive after the law.
 
 use super::{Drive, Model, Points, Range, Scene, Turn};
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
@@ -128,6 +129,7 @@ fn fit_drive(scene: &mut Scene) {
         return;
     };
     let Drive {
+        control,
         start,
         turn: Turn::At(turn),
         ..
@@ -135,15 +137,23 @@ fn fit_drive(scene: &mut Scene) {
     else {
         return;
     };
-    let pressed = -law.at(turn).traction / law.traction_max();
-    let fits = start > upper + 0.2 * law.range
-        && start < upper + 6.0 * law.range
-        && turn < lower - 0.1 * law.range
+    // The value of the control that holds the flat state of a gap.
+    let held = |gap: f64| control.balanced(gap, law.at(gap).traction)[0];
+    let pressed = if control.frees_mean() {
+        0.0
+    } else {
+        -law.at(turn).traction / law.traction_max()
+    };
+    let fits = start > held(upper + 0.2 * law.range)
+        && start < held(upper + 6.0 * law.range)
+        && turn < held(lower - 0.1 * law.range)
         && pressed < 1.0;
     if !fits {
+        let (start, turn) = (held(upper + 1.1 * law.range), held(turn_for(&law, lower)));
         scene.drive = Drive {
-            start: upper + 1.1 * law.range,
-            turn: Turn::At(turn_for(&law, lower)),
+            control,
+            start,
+            turn: Turn::At(turn),
             step: 0.02 * law.range,
         };
     }
@@ -152,6 +162,7 @@ fn fit_drive(scene: &mut Scene) {
 /// A drive that no law refuses, to ask for the model of a scene whose own drive may not fit any
 /// more.
 const SAFE: Drive = Drive {
+    control: Control::Displacement,
     start: 2.0,
     turn: Turn::At(1.0),
     step: 0.1,
@@ -187,6 +198,7 @@ pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
         SAFE
     } else {
         Drive {
+            control: Control::Displacement,
             start: 6.0 * rho,
             turn,
             step: 0.1 * rho,

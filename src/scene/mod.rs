@@ -8,6 +8,7 @@ pub mod mesh;
 pub mod parameter;
 pub mod part;
 
+use crate::physics::control::Control;
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
@@ -29,7 +30,7 @@ pub struct Scene {
     pub law: LawChoice,
     /// The rigid counter-surface.
     pub indenter: Indenter,
-    /// The path of the mean displacement.
+    /// The path of what is driven.
     pub drive: Drive,
     /// What the plan must meet: relative error of the dissipated energy.
     pub accuracy: f64,
@@ -87,21 +88,33 @@ pub enum Range {
     MuRho(f64),
 }
 
-/// The path of the mean displacement u0: from `start` down to `turn` and back.
+/// The path of what is driven: from `start` down to `turn` and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// u0 at the beginning and the end.
+    /// What is driven: u0, the stage of a spring, or the load.
+    pub control: Control,
+    /// Its value at the beginning and the end (length; E* of a load).
     pub start: f64,
     /// Where the approach turns into the retraction.
     pub turn: Turn,
-    /// Largest change of u0 between two states.
+    /// Its largest change between two states.
     pub step: f64,
+}
+
+impl Drive {
+    /// u0 at which the approach turns (length), if u0 is what is driven, and to a given value.
+    pub fn turn_of_u0(&self) -> Option<f64> {
+        match (self.control, self.turn) {
+            (Control::Displacement, Turn::At(turn)) => Some(turn),
+            _ => None,
+        }
+    }
 }
 
 /// The turning point of the drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turn {
-    /// At this mean displacement.
+    /// At this value of the control.
     At(f64),
     /// Where the mean stress falls to zero after contact.
     ZeroLoad,
@@ -197,6 +210,9 @@ impl Scene {
             Range::MuRho(mu_rho) => (&parameter::MU_RHO, Value::Number(mu_rho)),
         });
         numbers.extend(indenter.parameters().iter().zip(indenter.values()));
+        if let Control::Spring { stiffness } = drive.control {
+            numbers.push((&parameter::STIFFNESS, Value::Number(stiffness)));
+        }
         if let Turn::At(turn) = drive.turn {
             numbers.push((&parameter::TURN, Value::Number(turn)));
         }
@@ -238,7 +254,7 @@ impl Scene {
             );
             return Err(Refusal::new("law.range", number(range), &allowed));
         }
-        if let (Turn::At(turn), Shape::Mie(_)) = (self.drive.turn, law.shape) {
+        if let (Some(turn), Shape::Mie(_)) = (self.drive.turn_of_u0(), law.shape) {
             let level = self
                 .indenter
                 .height(&grid)
@@ -252,7 +268,7 @@ impl Scene {
                 return Err(Refusal::new("drive.turn", number(turn), &allowed));
             }
         }
-        if let Turn::At(turn) = self.drive.turn
+        if let Some(turn) = self.drive.turn_of_u0()
             && self.indenter == Indenter::Flat
             && !law.at(turn).energy.is_finite()
         {
@@ -325,7 +341,12 @@ impl Scene {
     }
 
     fn check_drive(&self) -> Result<(), Refusal> {
-        let Drive { start, turn, step } = self.drive;
+        let Drive {
+            control,
+            start,
+            turn,
+            step,
+        } = self.drive;
         // At zero load u0 goes below the ground by no more than about the length of the cell.
         let reach = start.abs()
             + if turn == Turn::ZeroLoad {
@@ -340,6 +361,13 @@ impl Scene {
                 &format!(
                     "at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"
                 ),
+            ));
+        }
+        if control == Control::Load && start <= 0.0 {
+            return Err(Refusal::new(
+                "drive.start",
+                number(start),
+                "a load above 0, which pulls: the drive of a load begins apart from the ground",
             ));
         }
         if let Turn::At(turn) = turn {
@@ -400,6 +428,7 @@ pub(crate) mod tests {
             },
             indenter: Indenter::Flat,
             drive: Drive {
+                control: Control::Displacement,
                 start: 4.2,
                 turn: Turn::At(0.2),
                 step: 0.02,

@@ -42,6 +42,9 @@ parameters! {
     RANGE: "law.range", "Range", "ρ", "length", LENGTHS, None, POSITIVE;
     /// The mesh number in place of the range.
     MU_RHO: "law.mu_rho", "Mesh number", "μᵨ", "", 1e-30..=1e4, None, POSITIVE;
+    /// Stiffness of the spring through which a stage pulls.
+    STIFFNESS: "drive.stiffness", "Stiffness of the spring", "k", "E* per length", LENGTHS, None,
+        POSITIVE;
     /// Where the drive begins and ends.
     START: "drive.start", "Start of", "u₀", "length", -FAR..=FAR, None,
         "a finite number, {range}, as in 4.2";

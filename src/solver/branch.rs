@@ -21,32 +21,32 @@ impl History {
         history
     }
 
-    /// Adds a state; one at the same u0 is replaced.
+    /// Adds a state; one at the same control is replaced.
     pub fn push(
         &mut self,
         State {
-            mean_displacement,
+            control,
             amplitudes,
             ..
         }: &State,
     ) {
-        self.states.retain(|(u, _)| u != mean_displacement);
+        self.states.retain(|(known, _)| known != control);
         if self.states.len() == 4 {
             self.states.remove(0);
         }
-        self.states.push((*mean_displacement, amplitudes.clone()));
+        self.states.push((*control, amplitudes.clone()));
     }
 
-    /// Lagrange extrapolation of the newest states to `u0`, of the highest order that does not
+    /// Lagrange extrapolation of the newest states to the value `at` of the control, of the highest order that does not
     /// amplify noise; `None` where not even a straight line through the last two may be trusted.
-    pub fn predict(&self, u0: f64) -> Option<Vec<f64>> {
+    pub fn predict(&self, at: f64) -> Option<Vec<f64>> {
         (2..=self.states.len()).rev().find_map(|count| {
             let points = &self.states[self.states.len() - count..];
             let weights: Vec<f64> = (0..count)
                 .map(|i| {
                     let others = points.iter().enumerate().filter(|(j, _)| *j != i);
                     others
-                        .map(|(_, (u, _))| (u0 - u) / (points[i].0 - u))
+                        .map(|(_, (known, _))| (at - known) / (points[i].0 - known))
                         .product()
                 })
                 .collect();

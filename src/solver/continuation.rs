@@ -217,7 +217,7 @@ impl Mechanics {
             project_out(&mut b, &bordered.removed);
             b[0] = 0.0;
             let mut dx = bordered.solve(&b, forcing)?;
-            at.state.mean_displacement += std::mem::take(&mut dx[0]);
+            at.state.drive_by(std::mem::take(&mut dx[0]));
             add(&mut at.state.amplitudes, 1.0, &dx);
             self.update(&mut at);
         }

@@ -77,12 +77,12 @@ impl Method for Descent {
         mechanics: &mut Mechanics,
         branch: &History,
         from: &Equilibrium,
-        u0: f64,
+        control: f64,
     ) -> Result<Equilibrium, Lost> {
         let before = mechanics.transforms();
-        let guess = predicted(mechanics, branch, from, u0);
-        let reach = reach(&mechanics.system, &from.state, &guess, u0);
-        let mut land = Landscape::at(mechanics, guess, u0, reach);
+        let guess = predicted(mechanics, branch, from, control);
+        let reach = reach(&mechanics.system, &from.state, &guess, control);
+        let mut land = Landscape::at(mechanics, guess, control, reach);
         match &mut self.rule {
             Rule::Fire => fire(&mut land)?,
             Rule::Conjugate => conjugate(&mut land)?,
@@ -105,7 +105,7 @@ impl Method for Descent {
     }
 }
 
-/// The energy at one u0 over the scaled amplitudes y, and where on it a descent stands.
+/// The energy at one control over the scaled amplitudes y, and where on it a descent stands.
 struct Landscape<'a> {
     mechanics: &'a mut Mechanics,
     /// sqrt(m), so that z = root * y.
@@ -123,14 +123,14 @@ struct Landscape<'a> {
 }
 
 impl<'a> Landscape<'a> {
-    fn at(mechanics: &'a mut Mechanics, guess: Vec<f64>, u0: f64, reach: f64) -> Self {
+    fn at(mechanics: &'a mut Mechanics, guess: Vec<f64>, control: f64, reach: f64) -> Self {
         let root: Vec<f64> = mechanics
             .preconditioner
             .diagonal()
             .iter()
             .map(|m| m.sqrt())
             .collect();
-        let at = mechanics.at(guess.clone(), u0);
+        let at = mechanics.at(guess.clone(), control);
         let slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let scaled = slides
             .iter()

@@ -89,7 +89,7 @@ impl Equilibrium {
 
     /// True if the surface is uniform to the last bit.
     pub fn is_uniform(&self) -> bool {
-        self.state.amplitudes.iter().all(|z| *z == 0.0)
+        self.state.amplitudes[1..].iter().all(|z| *z == 0.0)
     }
 
     /// Enters the measured stability; a state within tolerance is then known to be stable or not,

@@ -100,18 +100,14 @@ impl Method for Gfmd {
         mechanics: &mut Mechanics,
         _branch: &History,
         from: &Equilibrium,
-        u0: f64,
+        control: f64,
     ) -> Result<Equilibrium, Lost> {
         let (before, b, precision) = (
             mechanics.transforms(),
             self.budget,
             mechanics.system.precision(),
         );
-        let (first, start, total) = (
-            &from.state.amplitudes,
-            from.state.mean_displacement,
-            b.ramp + b.relax,
-        );
+        let (first, start, total) = (&from.state.amplitudes, from.state.control, b.ramp + b.relax);
         self.velocity.resize(first.len(), 0.0);
         let inverse_inertia = mechanics.preconditioner.diagonal().to_vec();
         // Equipartition: mean velocity^2 = kT / (inertia x area); the noise has variance 1/3 per
@@ -121,7 +117,7 @@ impl Method for Gfmd {
         let thermal = b.temperature * law.surface_energy * law.range.powi(2) / area;
         let kick = (3.0 * 2.0 * b.damping * thermal * b.time_step).sqrt();
         let amplitude: Vec<f64> = inverse_inertia.iter().map(|m| kick * m.sqrt()).collect();
-        let ramp = |step: usize| start + (step as f64 / b.ramp as f64).min(1.0) * (u0 - start);
+        let ramp = |step: usize| start + (step as f64 / b.ramp as f64).min(1.0) * (control - start);
         let mut at = mechanics.at(first.clone(), ramp(1));
         let limit = 2.0 / stiffest(mechanics, &at.fields).sqrt();
         for step in 1..=total {
@@ -138,7 +134,11 @@ impl Method for Gfmd {
                     + amplitude[i] * noise[i];
             }
             add(&mut at.state.amplitudes, b.time_step, &self.velocity);
-            at.state.mean_displacement = if step < total { ramp(step + 1) } else { u0 };
+            at.state.control = if step < total {
+                ramp(step + 1)
+            } else {
+                control
+            };
             mechanics.update(&mut at);
         }
         let residual = mechanics.residual(&at);
@@ -207,15 +207,15 @@ impl Method for GfmdTuned {
         mechanics: &mut Mechanics,
         branch: &History,
         from: &Equilibrium,
-        u0: f64,
+        control: f64,
     ) -> Result<Equilibrium, Lost> {
         let before = mechanics.transforms();
         let (law, tolerance) = (
             *mechanics.system.law(),
             mechanics.system.precision().tolerance(),
         );
-        let guess = predicted(mechanics, branch, from, u0);
-        let mut at = mechanics.at(guess, u0);
+        let guess = predicted(mechanics, branch, from, control);
+        let mut at = mechanics.at(guess, control);
         let mut slides = mechanics.sliding_basis(&at.state.amplitudes, &at.fields);
         let mut push = random_smooth(&mechanics.system, &mut self.rng);
         project_out(&mut push, &slides);

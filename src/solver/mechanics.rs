@@ -4,6 +4,7 @@
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
 use crate::numerics::vector::{dot, norm, orthonormalise};
+use crate::physics::control::Control;
 use crate::physics::low_block::Class;
 use crate::physics::preconditioner::Preconditioner;
 use crate::physics::system::{Evaluation, Fields, System, Workspace};
@@ -125,14 +126,14 @@ impl Mechanics {
         seen
     }
 
-    /// The evaluation at amplitudes `z` and mean displacement `u0`. Two transforms.
-    pub fn at(&mut self, z: Vec<f64>, u0: f64) -> Evaluation {
-        let mut at = self.system.at(z, u0, &mut self.workspace);
+    /// The evaluation at amplitudes `z` where the control is `control`. Two transforms.
+    pub fn at(&mut self, z: Vec<f64>, control: f64) -> Evaluation {
+        let mut at = self.system.at(z, control, &mut self.workspace);
         self.class.project(&self.system, &mut at.gradient);
         at
     }
 
-    /// All of `at` anew for its amplitudes and mean displacement, which were changed. Two
+    /// All of `at` anew for its amplitudes and control, which were changed. Two
     /// transforms.
     pub fn update(&mut self, at: &mut Evaluation) {
         self.system.update(at, &mut self.workspace);
@@ -164,6 +165,19 @@ impl Mechanics {
         }
     }
 
+    /// The derivative of the forces with the control at fixed amplitudes. One transform at most.
+    pub fn push(&mut self, fields: &Fields) -> Vec<f64> {
+        let mut push = vec![0.0; self.system.dimension()];
+        match self.system.control() {
+            Control::Displacement => {
+                self.stiffness_amplitudes(fields, &mut push);
+            }
+            Control::Spring { .. } => push[0] = self.stiffness_amplitudes(fields, &mut push),
+            Control::Load => push[0] = -1.0,
+        }
+        push
+    }
+
     /// The preconditioner for the surface with these `fields`, of an even system from its `rates`
     /// without a transform; otherwise one.
     pub fn renew(&mut self, fields: &Fields, rates: &Rates) {
@@ -186,12 +200,12 @@ impl Mechanics {
         gap
     }
 
-    /// The real field of amplitudes `v` (without mean). One transform.
+    /// [`System::field`]. One transform.
     pub fn field(&mut self, v: &[f64]) -> &Array2<f64> {
         self.system.field(v, &mut self.workspace)
     }
 
-    /// Amplitudes of a field; its mean is dropped. One transform.
+    /// [`System::amplitudes`]. One transform.
     pub fn amplitudes(&mut self, field: &Array2<f64>) -> Vec<f64> {
         self.system.amplitudes(field, &mut self.workspace)
     }

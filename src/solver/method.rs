@@ -5,9 +5,10 @@ use super::equilibrium::{Cost, Equilibrium};
 use super::equilibrium::{Lost, Stop};
 use super::mechanics::Mechanics;
 use super::newton::{NewtonEnd, NewtonLimits, held, solve};
+use crate::physics::control::Control;
 use crate::physics::system::{State, System};
 
-/// Carries a state from one mean displacement to a near one.
+/// Carries a state from one value of the control to a near one.
 pub trait Method: Send {
     /// Its name on the screen and in the tables.
     fn name(&self) -> &'static str;
@@ -16,7 +17,7 @@ pub trait Method: Send {
     /// false for a method with a fixed budget per increment, which simply goes where it goes.
     fn locates(&self) -> bool;
 
-    /// From the newest state of `branch` to `u0`. The stability of the result is not measured yet.
+    /// From the newest state of `branch` to where the control is `control`. The stability of the result is not measured yet.
     ///
     /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget
     /// gave. `Err` says that the branch was lost.
@@ -25,7 +26,7 @@ pub trait Method: Send {
         mechanics: &mut Mechanics,
         branch: &History,
         from: &Equilibrium,
-        u0: f64,
+        control: f64,
     ) -> Result<Equilibrium, Lost>;
 }
 
@@ -58,15 +59,15 @@ impl Method for NewtonKrylov {
         mechanics: &mut Mechanics,
         branch: &History,
         from: &Equilibrium,
-        u0: f64,
+        control: f64,
     ) -> Result<Equilibrium, Lost> {
         let before = mechanics.transforms();
-        let guess = predicted(mechanics, branch, from, u0);
-        let reach = reach(&mechanics.system, &from.state, &guess, u0);
+        let guess = predicted(mechanics, branch, from, control);
+        let reach = reach(&mechanics.system, &from.state, &guess, control);
         let mut found = solve(
             mechanics,
             guess.clone(),
-            u0,
+            control,
             limits(&mechanics.system, from),
         );
         // No sharper than usual, and still that.
@@ -106,14 +107,14 @@ fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
     }
 }
 
-/// The branch's extrapolation to `u0`; where it has none, the state it stands on.
+/// The branch's extrapolation to where the control is `control`; where it has none, the state it stands on.
 pub(crate) fn predicted(
     mechanics: &mut Mechanics,
     branch: &History,
     from: &Equilibrium,
-    u0: f64,
+    control: f64,
 ) -> Vec<f64> {
-    let Some(mut guess) = branch.predict(u0) else {
+    let Some(mut guess) = branch.predict(control) else {
         return from.state.amplitudes.clone();
     };
     // Nothing corrects what no real field has: extrapolated again and again it would grow.
@@ -135,12 +136,18 @@ pub(crate) fn predicted(
 ///
 /// Without a second state there is no prediction to stray from; the audit alone decides. Where the
 /// branch is soft, a residual within tolerance leaves a thousandth of a range undecided.
-pub(super) fn reach(system: &System, from: &State, guess: &[f64], u0: f64) -> f64 {
+pub(super) fn reach(system: &System, from: &State, guess: &[f64], control: f64) -> f64 {
     let change = distance(guess, &from.amplitudes);
     if change == 0.0 {
         return f64::INFINITY;
     }
-    STRAY * change + 0.1 * (u0 - from.mean_displacement).abs() + 1e-3 * system.law().range
+    let step = (control - from.control).abs();
+    let moved = if system.control() == Control::Load {
+        step * system.law().range / system.law().traction_max()
+    } else {
+        step
+    };
+    STRAY * change + 0.1 * moved + 1e-3 * system.law().range
 }
 
 /// What a trapezoid may miss of the energy, over |d stress| |du0|: towards a fold, where the stress
@@ -148,13 +155,21 @@ pub(super) fn reach(system: &System, from: &State, guess: &[f64], u0: f64) -> f6
 /// it and .03 over half. A jump may hide behind what is allowed.
 const SMOOTH: f64 = 0.05;
 
-/// The energy audit: along a smooth branch dV = stress du0. A step across a jump pays with energy
-/// and is found out.
+/// The energy audit: along a smooth branch dV = stress du0, and so for other controls. A step across
+/// a jump pays with energy and is found out.
 pub(crate) fn audit(system: &System, from: &State, to: &State) -> bool {
-    let du = to.mean_displacement - from.mean_displacement;
-    let missing = (to.energy - from.energy - 0.5 * (to.stress + from.stress) * du).abs();
-    let smooth = SMOOTH * (to.stress - from.stress).abs() + 1e-3 * system.law().traction_max();
+    let (control, law) = (system.control(), system.law());
+    let conjugate = |of: &State| control.conjugate(of.mean_displacement, of.stress);
+    let scale = if control == Control::Load {
+        law.range
+    } else {
+        law.traction_max()
+    };
+    let step = to.control - from.control;
+    let (before, after) = (conjugate(from), conjugate(to));
+    let missing = (to.energy - from.energy - 0.5 * (after + before) * step).abs();
+    let smooth = SMOOTH * (after - before).abs() + 1e-3 * scale;
     missing
-        <= smooth * du.abs()
+        <= smooth * step.abs()
             + system.precision().rounding().max(1e-12) * system.law().surface_energy
 }

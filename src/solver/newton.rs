@@ -99,11 +99,16 @@ impl NewtonState {
     }
 }
 
-/// Solves for equilibrium at `u0` from the guess `z`.
+/// Solves for equilibrium where the control is `control` from the guess `z`.
 ///
 /// Where patterns slide freely those directions are left out of the steps (not out of the
 /// residual).
-pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimits) -> NewtonState {
+pub fn solve(
+    mechanics: &mut Mechanics,
+    z: Vec<f64>,
+    control: f64,
+    limits: NewtonLimits,
+) -> NewtonState {
     let scale = mechanics.system.law().traction_max();
     // Root mean square force at which it may be an equilibrium. It is a lower bound of the largest
     // residual: only then the exact one is worth a transform. Below the floor of the precision
@@ -113,7 +118,7 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
             Residual::Largest => 0.5 * limits.tolerance.max(mechanics.system.precision().floor()),
             Residual::Mean => limits.tolerance,
         };
-    let mut at = mechanics.at(z, u0);
+    let mut at = mechanics.at(z, control);
     let mut force = norm(&at.gradient);
     let mut before = f64::INFINITY;
     for step in 0..=limits.steps {
@@ -179,14 +184,14 @@ pub fn solve(mechanics: &mut Mechanics, z: Vec<f64>, u0: f64, limits: NewtonLimi
     unreachable!("the last step returns")
 }
 
-/// Descends to a minimum at `u0` from anywhere by Newton steps within a trust region: where the
+/// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region: where the
 /// curvature is negative it goes to the region's edge along that direction (T. Steihaug, SIAM J.
 /// Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer than `radius` (root mean
 /// square, length).
 pub fn descend(
     mechanics: &mut Mechanics,
     z: Vec<f64>,
-    u0: f64,
+    control: f64,
     radius: f64,
     limits: NewtonLimits,
 ) -> NewtonState {
@@ -195,7 +200,7 @@ pub fn descend(
         law.traction_max(),
         precision.rounding() * law.surface_energy,
     );
-    let mut at = mechanics.at(z, u0);
+    let mut at = mechanics.at(z, control);
     let mut trial = at.clone();
     let mut reach = radius;
     for step in 0..=limits.steps {

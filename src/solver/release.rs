@@ -1,4 +1,4 @@
-//! The release after an instability: down the steepest way at fixed u0, until Newton can take over
+//! The release after an instability: down the steepest way at fixed control, until Newton can take over
 //! nearby.
 //!
 //! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over
@@ -65,7 +65,7 @@ pub enum Slice {
 }
 
 impl Release {
-    /// Starts at rest from a surface, whose mean displacement stays.
+    /// Starts at rest from a surface, whose control stays.
     pub fn new(at: Evaluation) -> Self {
         Self {
             velocity: vec![0.0; at.gradient.len()],
@@ -135,9 +135,9 @@ impl Release {
     /// What slides is left out at first. Where nothing else is left to gain, and the mesh still
     /// pulls, it is let slide.
     fn newton(&mut self, mechanics: &mut Mechanics) -> Option<Slice> {
-        let (law, u0, slides) = (
+        let (law, control, slides) = (
             *mechanics.system.law(),
-            self.at.state.mean_displacement,
+            self.at.state.control,
             mechanics.slides,
         );
         let least = mechanics.system.precision().rounding().max(LEAST_GAIN) * law.surface_energy;
@@ -146,7 +146,7 @@ impl Release {
         let mut state = descend(
             mechanics,
             self.at.state.amplitudes.clone(),
-            u0,
+            control,
             cap,
             self.limits,
         );
@@ -158,7 +158,7 @@ impl Release {
                 steps: SLIDING,
                 ..self.limits
             };
-            state = descend(mechanics, state.at.state.amplitudes, u0, cap, limits);
+            state = descend(mechanics, state.at.state.amplitudes, control, cap, limits);
             mechanics.slides = slides;
         }
         match state.end {

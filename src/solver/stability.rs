@@ -369,8 +369,10 @@ impl Proof {
 
 /// The surface `z` of `fine` without its shortest waves, for which `coarse` is made ready.
 fn shortened(coarse: &mut Mechanics, z: &[f64], fine: &Place<'_>) -> Evaluation {
+    let z = carried(z, &fine.mechanics.system, &coarse.system);
     let u0 = fine.fields.gap.mean().unwrap_or(f64::NAN);
-    let at = coarse.at(carried(z, &fine.mechanics.system, &coarse.system), u0);
+    let control = coarse.system.control().value(u0, z[0]);
+    let at = coarse.at(z, control);
     coarse.refresh(&at.fields);
     at
 }

@@ -17,10 +17,11 @@ use std::path::{Path, PathBuf};
 
 /// First line of `loop.csv`.
 pub const LOOP_COLUMNS: &str = "branch,mean_displacement,stress,stress_over_max,contact_area,\
-    pattern,residual,stiffness_min,energy,model,milliseconds";
+    pattern,residual,stiffness_min,energy,model,milliseconds,control";
 
 /// First line of `events.csv`.
-pub const EVENT_COLUMNS: &str = "branch,mean_displacement,from,to,released_energy,cause";
+pub const EVENT_COLUMNS: &str =
+    "branch,mean_displacement,from,to,released_energy,cause,control,mean_displacement_after";
 
 /// First line of `branches.csv`.
 pub const BRANCH_COLUMNS: &str =
@@ -42,7 +43,8 @@ pub(super) const FIGURE_COLUMNS: &str = "panel,series,role,x,y,x_to,y_to";
 const FINDING_COLUMNS: &str = "where,quantity,found,expected,source,deviation,tolerance,agrees";
 
 /// Writes the states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy
-/// per area in E* times length.
+/// per area in E* times length; `control` is what is driven: u0, the position of the stage, or the
+/// load per area.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -60,12 +62,14 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
             number(s.energy),
             quoted(&s.part.to_string()),
             format!("{:.4}", s.milliseconds),
+            number(s.control),
         ]
     };
     write_rows(path, LOOP_COLUMNS, states.iter().map(row))
 }
 
-/// Writes the jumps in order; u0 in the scene's length, released energy per area in units of gamma.
+/// Writes the jumps in order; u0 before (and after) in the scene's length, released energy per area
+/// in units of gamma.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -78,6 +82,8 @@ pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure
             jump.to.to_string(),
             number(jump.released_energy),
             quoted(&jump.cause_words()),
+            number(jump.control),
+            number(jump.mean_displacement_after),
         ]
     };
     write_rows(path, EVENT_COLUMNS, jumps.iter().map(row))

@@ -22,7 +22,7 @@ use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::scene::part::{Part, Strategy};
-use crate::scene::{Model, Points, Scene, Turn};
+use crate::scene::{Model, Points, Scene};
 use crate::solver::Stop;
 use cpu_time::ProcessTime;
 use points::Predictor;
@@ -357,9 +357,9 @@ fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
     let mut atlas = Atlas::new(meshes);
     let start = scene.drive.start;
-    let cycle = match scene.drive.turn {
-        Turn::At(turn) => atlas.cycle(start, turn),
-        Turn::ZeroLoad => Err(Unmapped::anywhere("a tip has no atlas")),
+    let cycle = match scene.drive.turn_of_u0() {
+        Some(turn) => atlas.cycle(start, turn),
+        None => Err(Unmapped::anywhere("there is no atlas of this drive")),
     };
     let mut run = LoopRun::empty();
     match cycle {

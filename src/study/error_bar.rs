@@ -14,7 +14,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
 use crate::scene::mesh::{flat_error, next_fast};
 use crate::scene::part::Part;
-use crate::scene::{Model, Range, Scene, Turn};
+use crate::scene::{Model, Range, Scene};
 
 /// The measured difference is stated this many times larger: what a mesh of 4/3 times the points
 /// itself is off by, a tenth to a fifth where the error falls by e^2.6 for each unit of 1/mu_rho^2,
@@ -73,9 +73,7 @@ fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<
 /// landings; `None` if it has none.
 pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let model = scene.model().ok()?;
-    let Turn::At(turn) = scene.drive.turn else {
-        return None;
-    };
+    let turn = scene.drive.turn_of_u0()?;
     if model.grid.is_line() {
         return None;
     }

@@ -1,45 +1,45 @@
 //! Where the next jump is to be expected, from the smallest eigenvalue along the branch so far.
 //!
 //! Near a fold the eigenvalue falls like the square root of the distance, so that its square is
-//! linear in u0; near a symmetry breaking the eigenvalue itself is linear. Which of them lies ahead
+//! linear in the control; near a symmetry breaking the eigenvalue itself is linear. Which of them lies ahead
 //! is not known, so both are drawn on to zero, with the curvature of the last three states where
 //! there are as many, and the bracket spans them all. It is wide far away and closes as the jump
 //! comes nearer.
 
+use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::flat;
 use crate::scene::Model;
 
 /// The bracket reaches this much nearer and farther than the extrapolations do, whose third
 /// differences are not known.
 const NEARER: f64 = 0.75;
 const FARTHER: f64 = 1.25;
-/// States closer together than this, in ranges, say nothing new about the slope; nor is an end
+/// States closer together than this, in units of the control, say nothing new about the slope; nor is an end
 /// located better.
 const SPACING: f64 = 2e-4;
-/// How far, in ranges, the located end of a branch may lie behind the zero of the eigenvalue.
+/// How far, in units of the control, the located end of a branch may lie behind the zero of the eigenvalue.
 const BEHIND: f64 = 5e-4;
-/// No extrapolation farther than this, in ranges.
+/// No extrapolation farther than this, in units of the control.
 const FARTHEST: f64 = 0.5;
 /// A state off the line through the two before by more than this share of the eigenvalue follows
 /// another mode.
 const KINK: f64 = 0.5;
 
-/// A bracket of the mean displacement at which the present branch is expected to give way.
+/// A bracket of the control at which the present branch is expected to give way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// The end that is met first (length).
+    /// The end that is met first (in the control's unit).
     pub nearest: f64,
-    /// The other end (length); the same where the limit is known exactly.
+    /// The other end; the same where the limit is known exactly.
     pub farthest: f64,
 }
 
 /// The next jump in the direction of motion. `None` where the eigenvalue grows, is unknown, or will
 /// not vanish nearby.
 ///
-/// The flat state's limit is known exactly ([`flat::limits`]).
+/// The flat state's limit is known exactly ([`FlatBranch`]).
 pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
     let now = record.states.last()?;
     let way = if now.direction == Direction::Approach {
@@ -48,27 +48,28 @@ pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
         1.0
     };
     if now.pattern == Pattern::Flat && model.indenter == Indenter::Flat {
-        let (lower, upper) = flat::limits(&model.law, model.grid.length)?;
+        let flat = FlatBranch::new(model.law, model.grid.length, record.control);
+        let (lower, upper) = flat.limits()?;
         let limit = if now.direction == Direction::Approach {
             upper
         } else {
             lower
         };
-        return (way * (limit - now.mean_displacement) >= 0.0).then_some(Forecast {
+        return (way * (limit - now.control) >= 0.0).then_some(Forecast {
             nearest: limit,
             farthest: limit,
         });
     }
-    let rho = model.law.range;
-    let samples = samples(record, way, SPACING * rho);
+    let unit = record.control.unit(&model.law);
+    let samples = samples(record, way, SPACING * unit);
     let (near, far) = distances(&samples)?;
-    if near > FARTHEST * rho {
+    if near > FARTHEST * unit {
         return None;
     }
-    let at = |distance: f64| now.mean_displacement + way * distance;
+    let at = |distance: f64| now.control + way * distance;
     Some(Forecast {
         nearest: at(NEARER * near),
-        farthest: at(FARTHER * far + BEHIND * rho),
+        farthest: at(FARTHER * far + BEHIND * unit),
     })
 }
 
@@ -78,24 +79,24 @@ fn samples(record: &LoopRecord, way: f64, spacing: f64) -> Vec<[f64; 2]> {
     let landed = record
         .jumps
         .last()
-        .map(|jump| (jump.direction, jump.mean_displacement));
+        .map(|jump| (jump.direction, jump.control));
     let mut found: Vec<[f64; 2]> = Vec::new();
     let mut newest = None;
     for StateRecord {
         direction,
-        mean_displacement,
+        control,
         stiffness_min,
         ..
     } in record.states.iter().rev()
     {
-        let gone = way * mean_displacement;
+        let gone = way * control;
         if *newest.get_or_insert(*direction) != *direction || !stiffness_min.is_finite() {
             break;
         }
         if found.last().is_none_or(|newer| newer[0] - gone >= spacing) {
             found.push([gone, *stiffness_min]);
         }
-        if found.len() == 3 || landed == Some((*direction, *mean_displacement)) {
+        if found.len() == 3 || landed == Some((*direction, *control)) {
             break;
         }
     }

@@ -12,7 +12,7 @@ use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::scene::mesh;
-use crate::scene::{Model, Scene, Turn};
+use crate::scene::{Model, Scene};
 use std::f64::consts::PI;
 
 /// States sampled along one branch.
@@ -172,8 +172,8 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    let Turn::At(turn) = scene.drive.turn else {
-        return Err(unmapped("the drive has no fixed turning point"));
+    let Some(turn) = scene.drive.turn_of_u0() else {
+        return Err(unmapped("the drive is not of u0 to a fixed turning point"));
     };
     if model.indenter != Indenter::Flat || model.grid.is_line() {
         return Err(unmapped("the atlas holds square cells on flat ground"));

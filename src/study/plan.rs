@@ -31,6 +31,9 @@ pub struct Plan {
     pub predicted_seconds: f64,
 }
 
+/// Why a drive has no atlas.
+const NOT_OF_U0: &str = "the atlas holds drives of u0 to a fixed turning point";
+
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 
@@ -141,8 +144,8 @@ fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
         Some("a line cell is small enough as it is".to_owned())
     } else if let Some(reason) = no_quarter(n) {
         Some(reason)
-    } else if matches!(scene.drive.turn, Turn::ZeroLoad) {
-        Some("the turn at zero load is for uneven ground".to_owned())
+    } else if scene.drive.turn_of_u0().is_none() {
+        Some(NOT_OF_U0.to_owned())
     } else {
         None
     }
@@ -195,7 +198,7 @@ pub fn run_planned(
 
 /// The loops of other landings of a contested one.
 fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
-    let Turn::At(turn) = scene.drive.turn else {
+    let Some(turn) = scene.drive.turn_of_u0() else {
         return Vec::new();
     };
     if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
@@ -251,11 +254,9 @@ fn run_as_planned(
     }
     let model = scene.model()?;
     let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, model.grid.nx));
-    let toured = match scene.drive.turn {
-        Turn::At(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        Turn::ZeroLoad => Err(Unmapped::anywhere(
-            "the turn at zero load is for uneven ground",
-        )),
+    let toured = match scene.drive.turn_of_u0() {
+        Some(turn) => atlas.tour(scene, turn, &model, cancel, observe),
+        None => Err(Unmapped::anywhere(NOT_OF_U0)),
     };
     toured.or_else(|reason| {
         let run = run_loop(scene, method.into(), cancel, observe)?;

@@ -44,9 +44,9 @@ pub struct ViewState {
     pub asked: Option<Strategy>,
     /// What follows mu_rho.
     pub follows: Follows,
-    /// Ends of the u0 slider (lower, upper).
+    /// Ends of the control's slider (lower, upper).
     pub limits: (f64, f64),
-    /// Where u0 is asked to go.
+    /// Where the control is asked to go.
     pub target: f64,
     /// The last sweep that was played.
     pub last_sweep: Sweep,
@@ -122,7 +122,7 @@ impl ViewState {
             limits,
             target: limits.1,
             last_sweep: Sweep::Loop,
-            run: RunView::new(1, limits.1, limits.1),
+            run: RunView::new(1, &scene.drive, limits.1),
             frame: None,
             chart: None,
             branches: Branches::default(),
@@ -260,7 +260,7 @@ impl ViewState {
 
     /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
-        self.run = RunView::new(self.run.id + 1, self.limits.1, self.target);
+        self.run = RunView::new(self.run.id + 1, &self.scene.drive, self.target);
         self.chart.iter_mut().for_each(Job::stop);
         self.messages.notice = None;
     }
@@ -290,7 +290,7 @@ impl ViewState {
                 Play::Rest => Command::Stop { motion },
                 Play::ToTarget => Command::SetTarget {
                     motion,
-                    mean_displacement: self.target,
+                    control: self.target,
                 },
                 Play::Sweep(sweep) => Command::Sweep { motion, sweep },
             });
@@ -325,7 +325,7 @@ impl ViewState {
             Event::Ready(ready) => self.run.ready = Some(ready),
             Event::State(state) => self.add_state(state),
             Event::Frame(frame) => {
-                self.moved_to(frame.mean_displacement);
+                self.moved_to(frame.control);
                 self.frame = Some(frame);
                 self.branches.at = None;
             }
@@ -344,10 +344,8 @@ impl ViewState {
             }
             // The end of an older motion: the newest is on its way to the solver.
             Event::Rest { motion, .. } if motion != self.run.motion => {}
-            Event::Rest {
-                mean_displacement, ..
-            } => {
-                self.moved_to(mean_displacement);
+            Event::Rest { control, .. } => {
+                self.moved_to(control);
                 self.run.play = Play::Rest;
             }
             Event::Well(well) => self.take_well(well),
@@ -367,10 +365,10 @@ impl ViewState {
     }
 
     fn add_state(&mut self, state: StateRecord) {
-        self.moved_to(state.mean_displacement);
+        self.moved_to(state.control);
         self.run.direction = state.direction;
         // Who has been all the way down is told nothing new.
-        self.messages.hint &= state.mean_displacement > self.limits.0;
+        self.messages.hint &= state.control > self.limits.0;
         self.run.curve.push(&state, &self.model.law);
         self.run.stiffness.push_with(
             &state,
@@ -385,10 +383,10 @@ impl ViewState {
     }
 
     /// A sweep takes the thumb along; otherwise the thumb stays where the hand left it.
-    fn moved_to(&mut self, u0: f64) {
-        self.run.actual = u0;
+    fn moved_to(&mut self, control: f64) {
+        self.run.actual = control;
         if self.run.sweep().is_some() {
-            self.target = u0;
+            self.target = control;
         }
     }
 

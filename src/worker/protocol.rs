@@ -135,12 +135,12 @@ pub enum Command {
         /// Whether the plan decides on the model.
         asked: Option<Strategy>,
     },
-    /// Walk towards this mean displacement (latest wins; the path already gone is kept).
+    /// Walk towards this value of the control (latest wins; the path already gone is kept).
     SetTarget {
         /// Its number.
         motion: Motion,
-        /// u0 (length).
-        mean_displacement: f64,
+        /// u0, the stage's position (length), or the load per area (E*).
+        control: f64,
     },
     /// Walk by itself.
     Sweep {
@@ -176,6 +176,8 @@ pub enum Command {
 /// A picture of the surface, at rest or during a jump.
 #[derive(Clone, Debug)]
 pub struct Frame {
+    /// What is driven: u0, the stage's position (length), or the load per area (E*).
+    pub control: f64,
     /// Mean displacement u0 (length).
     pub mean_displacement: f64,
     /// Mean stress (E*).
@@ -257,8 +259,8 @@ pub enum Event {
     Rest {
         /// The motion that ended; 0 before the first.
         motion: Motion,
-        /// u0 where it rests.
-        mean_displacement: f64,
+        /// The value of the control where it rests.
+        control: f64,
     },
     /// The energy around a state along its soft mode.
     Well(Arc<EnergyWell>),

@@ -373,7 +373,7 @@ mod tests {
             },
             Command::SetTarget {
                 motion: 1,
-                mean_displacement: 4.0,
+                control: 4.0,
             },
         ];
         let of_run_3 = |message| Envelope { run: 3, message };
@@ -403,7 +403,7 @@ mod tests {
         assert!(failure.message.contains("a fault for the test"), "{told:?}");
         let target = of_run_3(Command::SetTarget {
             motion: 2,
-            mean_displacement: 4.19,
+            control: 4.19,
         });
         guarded(&mut session, &post, 3, |session, sink| {
             session.command(target, &cancel, sink);

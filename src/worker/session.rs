@@ -112,9 +112,7 @@ impl Session {
                 Ok(setup) => self.begin(run, setup, cancel, sink),
                 Err(error) => self.refuse(run, error, sink),
             },
-            Command::SetTarget {
-                mean_displacement, ..
-            } => self.go(Play::ToTarget, mean_displacement),
+            Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
             Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
             Command::Pause { paused } => {
                 self.paused = paused;
@@ -143,9 +141,13 @@ impl Session {
             match observed {
                 Observed::Moving { stress } => {
                     pace = self.speed.pause(PACE_FILM);
-                    let mean_displacement = walk.displacement();
+                    let (control, mean_displacement) = {
+                        let surface = walk.surface();
+                        (surface.control, surface.mean_displacement)
+                    };
                     let gap = Arc::new(walk.gap());
                     let frame = Frame {
+                        control,
                         mean_displacement,
                         stress,
                         gap,
@@ -263,8 +265,9 @@ impl Session {
                 sink(resting_frame(&mut walk));
                 sink(Event::Rest {
                     motion: 0,
-                    mean_displacement: walk.record().mean_displacement,
+                    control: walk.record().control,
                 });
+                self.record = LoopRecord::of(walk.control());
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
                 self.setup = Some(setup);
@@ -304,7 +307,7 @@ impl Session {
             // A loop is only closed if it begins at the start of the drive, with the scene's own
             // seed.
             self.walk = setup.walk(cancel).ok();
-            self.record = LoopRecord::default();
+            self.record = LoopRecord::of(setup.scene.drive.control);
             sink(Event::LoopStarted);
             if let Some(walk) = &mut self.walk {
                 self.record.states.push(walk.record().clone());
@@ -390,7 +393,7 @@ impl Session {
         self.transforms_elsewhere += spent - self.transforms_before;
         self.transforms_before = 0;
         if !stays {
-            self.record = LoopRecord::default();
+            self.record = LoopRecord::of(walk.control());
             self.record.states.push(walk.record().clone());
             sink(Event::LoopStarted);
             sink(Event::State(walk.record().clone()));
@@ -425,11 +428,11 @@ impl Session {
     fn rest(&mut self, sink: &mut dyn FnMut(Event)) {
         self.play = Play::Rest;
         if let Some(walk) = &mut self.walk {
-            let mean_displacement = walk.displacement();
-            walk.set_target(mean_displacement);
+            let control = walk.surface().control;
+            walk.set_target(control);
             sink(Event::Rest {
                 motion: self.motion,
-                mean_displacement,
+                control,
             });
         }
         self.look_into_the_well();
@@ -439,6 +442,7 @@ impl Session {
 fn resting_frame(walk: &mut Walk) -> Event {
     let state = walk.record().clone();
     Event::Frame(Arc::new(Frame {
+        control: state.control,
         mean_displacement: state.mean_displacement,
         stress: state.stress,
         gap: Arc::new(walk.gap()),

@@ -112,6 +112,7 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     long.cell.length = 512.0;
     long.cell.points = Points::Square(96);
     long.drive = tackscope::scene::Drive {
+        control: Default::default(),
         start: 6.5,
         turn: Turn::At(0.2),
         step: 0.1,
@@ -129,6 +130,7 @@ fn a_longer_cell_and_another_law_agree_with_the_walk_too() {
     mie.cell.length = 60.0;
     mie.cell.points = Points::Square(64);
     mie.drive = tackscope::scene::Drive {
+        control: Default::default(),
         start: 4.0,
         turn: Turn::At(1.01),
         step: 0.05,

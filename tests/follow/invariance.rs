@@ -187,7 +187,7 @@ fn standing_at(scene: &Scene, places: &[f64]) -> Walk {
     for &place in places {
         walk.set_target(place);
         while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-        assert_eq!(walk.displacement(), place);
+        assert_eq!(walk.surface().control, place);
     }
     walk
 }
@@ -247,7 +247,7 @@ fn a_thousand_extrapolations_leave_a_real_field_in_its_place() {
         .unwrap();
     walk.set_target(2.99);
     while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
-    assert_eq!(walk.displacement(), 2.99);
+    assert_eq!(walk.surface().control, 2.99);
     let amplitudes = &walk.here().state.amplitudes;
     // There and back through a field: what no field has is lost on the way.
     let (system, mut ws) = (walk.system(), walk.system().workspace());

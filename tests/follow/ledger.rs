@@ -176,6 +176,7 @@ fn the_loss_does_not_depend_on_how_deep_or_in_which_steps_the_loop_goes() {
     deep.drive.turn = Turn::At(-20.0);
     let stepped = [0.5, 1.0, 5.0].map(|step| Scene {
         drive: Drive {
+            control: Default::default(),
             step,
             ..shallow.drive
         },
@@ -322,6 +323,7 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
         (scene.indenter, scene.drive) = (
             indenter,
             Drive {
+                control: Default::default(),
                 start,
                 turn: Turn::At(start - 0.1),
                 step: 0.02,

@@ -1,6 +1,7 @@
 //! Loops: walked and read off the atlas, with their events and their ledger.
 
 mod atlas;
+mod control;
 #[path = "../solver/dense.rs"]
 mod dense;
 mod diagram;

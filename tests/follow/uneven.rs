@@ -94,7 +94,7 @@ fn reach(walk: &mut Walk, target: f64) -> (StateRecord, bool) {
         }) {
             Progress::Working => {}
             Progress::Resting => return (walk.record().clone(), jumped),
-            stopped => panic!("{stopped:?} at {}", walk.displacement()),
+            stopped => panic!("{stopped:?} at {}", walk.surface().control),
         }
     }
 }

@@ -416,6 +416,7 @@ fn every_law_runs_the_four_patterns_on_flat_ground() {
         let (lower, upper) = flat::limits(&model.law, model.grid.length).unwrap();
         let (rest, width) = (model.law.equilibrium_gap(), upper - lower);
         scene.drive = Drive {
+            control: Default::default(),
             start: upper + 0.7 * width,
             turn: Turn::At(rest + 0.25 * (lower - rest)),
             step: width / 100.0,

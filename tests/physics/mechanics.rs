@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use std::f64::consts::{PI, TAU};
 use tackscope::numerics::eigen::symmetric_eigen;
 use tackscope::numerics::vector::{add, dot, norm, scale};
+use tackscope::physics::control::Control;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
@@ -23,6 +24,13 @@ const LAW: Law = Law {
 
 fn system(grid: Grid) -> System {
     System::new(grid, LAW, &Indenter::Flat)
+}
+
+/// Square and line cells under every control.
+fn systems() -> Vec<System> {
+    let grids = [Grid::square(60.0, 12), Grid::line(60.0, 24)];
+    let under = |grid: Grid| Control::all(0.05).map(|c| system(grid).with_control(c));
+    grids.into_iter().flat_map(under).collect()
 }
 
 fn surface(system: &System, seed: u64, rms: f64) -> Vec<f64> {
@@ -69,8 +77,7 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
 
 #[test]
 fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
-    for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
-        let system = system(grid);
+    for system in systems() {
         let (z, v) = (surface(&system, 1, 0.6), surface(&system, 2, 1.0));
         let slope = dot(
             &system.at(z.clone(), 1.2, &mut system.workspace()).gradient,
@@ -92,8 +99,7 @@ fn gradient_is_the_derivative_of_the_energy_with_second_order_taylor_slope() {
 
 #[test]
 fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
-    for grid in [Grid::square(60.0, 12), Grid::line(60.0, 24)] {
-        let system = system(grid);
+    for system in systems() {
         let (z, v, w) = (
             surface(&system, 3, 0.6),
             surface(&system, 4, 1.0),

@@ -2,6 +2,7 @@
 //! panic.
 
 use proptest::prelude::*;
+use tackscope::physics::control::Control;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::physics::parameter::Parameter;
@@ -507,17 +508,21 @@ fn grounds() -> impl Strategy<Value = Indenter> {
     ]
 }
 
+fn controls() -> impl Strategy<Value = Control> {
+    (1e-6..1e6).prop_flat_map(|stiffness| prop::sample::select(Control::all(stiffness).to_vec()))
+}
+
 prop_compose! {
     fn scenes()(
         title in any::<String>(), source in "\\PC*", length in 50.0..500.0, (points, range) in meshes(), shape in shapes(),
         surface_energy in 0.01..0.5, indenter in grounds(), turn in prop::option::of(1e-6..3.0),
-        drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
+        control in controls(), drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
     ) -> Scene {
         let turn = if indenter == Indenter::Flat { Turn::At(turn.unwrap_or(0.5)) } else { turn.map_or(Turn::ZeroLoad, Turn::At) };
         let bottom = if let Turn::At(turn) = turn { turn } else { 0.0 };
         Scene {
             title, source, cell: Cell { length, points }, law: LawChoice { shape, surface_energy, range }, indenter,
-            drive: Drive { start: bottom + drop, turn, step: drop / steps }, accuracy, seed,
+            drive: Drive { control, start: bottom + drop, turn, step: drop / steps }, accuracy, seed,
         }
     }
 }

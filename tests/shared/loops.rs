@@ -58,6 +58,7 @@ pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
         },
         indenter: Indenter::Flat,
         drive: Drive {
+            control: Default::default(),
             start: 2.2 * high + 1.0,
             turn: Turn::At(0.5 * (low + law.equilibrium_gap())),
             step: 0.2,

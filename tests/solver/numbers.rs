@@ -167,7 +167,11 @@ fn overflow_in_deep_compression_is_refused_by_the_scene_and_labelled_on_the_flat
     let refusal = scene.validate().unwrap_err();
     assert_eq!(refusal.key, "drive.turn");
     let mut bench = Bench::new();
-    let flat = tackscope::follow::flat_branch::FlatBranch::new(law(), 256.0);
+    let flat = tackscope::follow::flat_branch::FlatBranch::new(
+        law(),
+        256.0,
+        tackscope::physics::control::Control::Displacement,
+    );
     assert_eq!(
         flat.state(&bench.mechanics.system, deep).stop,
         Stop::NotConverged

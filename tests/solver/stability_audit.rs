@@ -165,6 +165,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
             range: Range::Length(range),
         },
         drive: Drive {
+            control: Default::default(),
             start,
             turn: Turn::At(
                 range

@@ -43,6 +43,7 @@ fn before_each_jump(run: &LoopRun) -> Vec<(Vec<LoopRecord>, f64)> {
         };
         let end = begin + record.states[begin..].iter().rposition(lands).unwrap();
         let stood = |last: usize| LoopRecord {
+            control: record.control,
             states: record.states[..=last].to_vec(),
             jumps: record.jumps[..k].to_vec(),
         };
@@ -121,6 +122,7 @@ fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRec
         .iter()
         .map(|&mean_displacement| StateRecord {
             direction,
+            control: mean_displacement,
             mean_displacement,
             pattern,
             stiffness_min: flat::stiffness_min(&model.law, model.grid.length, mean_displacement),
@@ -129,6 +131,7 @@ fn flat_states(direction: Direction, path: &[f64], pattern: Pattern) -> (LoopRec
         .collect();
     (
         LoopRecord {
+            control: Default::default(),
             states,
             jumps: Vec::new(),
         },

@@ -177,9 +177,7 @@ impl Bench {
         self.heard()
             .into_iter()
             .filter_map(|command| match command {
-                Command::SetTarget {
-                    mean_displacement, ..
-                } => Some(mean_displacement),
+                Command::SetTarget { control, .. } => Some(control),
                 _ => None,
             })
             .collect()
@@ -235,6 +233,7 @@ impl Bench {
         let stress = law.at(u0).traction;
         let state = StateRecord {
             direction,
+            control: u0,
             mean_displacement: u0,
             stress,
             stress_over_max: stress / law.traction_max(),
@@ -252,6 +251,7 @@ impl Bench {
         };
         let gap = Arc::new(Array2::from_elem(self.model.grid.shape(), u0));
         let frame = Frame {
+            control: u0,
             mean_displacement: u0,
             stress,
             gap,
@@ -270,7 +270,9 @@ impl Bench {
     pub fn jump(&mut self, u0: f64) {
         let jump = JumpRecord {
             direction: Direction::Approach,
+            control: u0,
             mean_displacement: u0,
+            mean_displacement_after: u0,
             from: Pattern::Flat,
             to: Pattern::Ridge,
             stress_before: 0.01,

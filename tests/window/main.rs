@@ -181,7 +181,7 @@ fn a_sweep_takes_the_thumb_along() {
     assert_eq!((bench.state().target, bench.state().run.actual), (3.7, 3.7));
     bench.say(Event::Rest {
         motion: 1,
-        mean_displacement: 3.7,
+        control: 3.7,
     });
     assert!(bench.state().run.sweep().is_none() && !bench.state().run.is_busy());
 }
@@ -211,7 +211,7 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     for motion in [sweep - 2, sweep - 1] {
         bench.say(Event::Rest {
             motion,
-            mean_displacement: 3.9,
+            control: 3.9,
         });
     }
     bench.reach(3.92, Direction::Retraction);
@@ -219,7 +219,7 @@ fn the_rest_that_ends_an_older_motion_does_not_take_the_thumb_from_a_sweep() {
     assert_eq!(bench.state().target, 3.92, "the thumb no longer follows");
     bench.say(Event::Rest {
         motion: sweep,
-        mean_displacement: 3.92,
+        control: 3.92,
     });
     assert!(!bench.state().run.is_busy() && bench.state().run.sweep().is_none());
 }
@@ -360,7 +360,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
     bench.reach(3.0, Direction::Approach);
     bench.say(Event::Rest {
         motion: 2,
-        mean_displacement: 3.0,
+        control: 3.0,
     });
     bench.press(Modifiers::NONE, Key::Escape);
     bench.heard();
@@ -491,7 +491,7 @@ fn stale_events_of_an_older_run_are_dropped() {
         1,
         Event::Rest {
             motion: 0,
-            mean_displacement: 1.0,
+            control: 1.0,
         },
     );
     assert_eq!(bench.state().messages.failure, None);

@@ -230,7 +230,9 @@ impl Traversal {
         };
         let jump = JumpRecord {
             direction,
+            control: at,
             mean_displacement: at,
+            mean_displacement_after: at,
             from: atlas.pattern_at(self.place, at),
             to: atlas.pattern_at(next, at),
             stress_before: before.stress,

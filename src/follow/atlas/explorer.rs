@@ -3,11 +3,12 @@
 
 use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
 use crate::numerics::vector::{add, norm, scale};
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
-use crate::physics::system::{Evaluation, System};
+use crate::physics::system::{Evaluation, State, System};
 use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::newton::NewtonState;
 use crate::solver::release::{Release, Slice};
@@ -50,9 +51,10 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// On n x n points of the whole cell.
-    pub fn new(length: f64, n: usize, law: Law) -> Self {
-        let system = System::even(Grid::square(length, n), law, &Indenter::Flat);
+    /// On n x n points of the whole cell, driven by this control.
+    pub fn new(length: f64, n: usize, law: Law, control: Control) -> Self {
+        let system =
+            System::even(Grid::square(length, n), law, &Indenter::Flat).with_control(control);
         Self {
             mechanics: Mechanics::new(system, Slides::Never),
         }
@@ -63,17 +65,15 @@ impl Explorer {
         &self.mechanics.system
     }
 
-    /// Where the flat state comes to rest at `u0` from each mixture of its soft modes, the first
+    /// Where the flat state of gap `u0` comes to rest from each mixture of its soft modes, the first
     /// waves along x and y.
     pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
-        let (flat, ny) = (
-            vec![0.0; self.system().dimension()],
-            self.system().shape().0,
-        );
+        let flat = self.system().uniform(u0).state;
+        let ny = self.system().shape().0;
         let from = |mixture: usize| {
-            let mut mode = flat.clone();
+            let mut mode = vec![0.0; flat.amplitudes.len()];
             (mode[1], mode[ny]) = angle(mixture).sin_cos();
-            self.kicked(&flat, &mode, FLAT_KICK, u0)
+            self.kicked(&flat.amplitudes, &mode, FLAT_KICK, flat.control)
         };
         tried(from, |a, b| a.pattern() == b.pattern())
     }
@@ -94,12 +94,12 @@ impl Explorer {
         self.kicked(z, mode, KICK, u0)
     }
 
-    fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, u0: f64) -> Rest {
+    fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, control: f64) -> Rest {
         let size = kick * self.system().law().range / norm(mode);
         let mut side = |sign: f64| {
             let mut moved = z.to_vec();
             add(&mut moved, sign * size, mode);
-            self.mechanics.at(moved, u0)
+            self.mechanics.at(moved, control)
         };
         let (one, other) = (side(1.0), side(-1.0));
         let start = if other.state.energy < one.state.energy {
@@ -109,11 +109,16 @@ impl Explorer {
         };
         self.mechanics.preconditioner.forget();
         self.fall(start).map_or(Rest::Other, |found| {
-            self.recognise(found.at.state.amplitudes, u0)
+            let State {
+                amplitudes,
+                mean_displacement,
+                ..
+            } = found.at.state;
+            self.recognise(amplitudes, mean_displacement)
         })
     }
 
-    /// Down to the next minimum at fixed u0 by the walk's own release; `None` if there is no way.
+    /// Down to the next minimum at fixed control by the walk's own release; `None` if there is no way.
     fn fall(&mut self, start: Evaluation) -> Option<NewtonState> {
         let mut release = Release::new(start).with_tolerance(TOLERANCE);
         loop {
@@ -127,6 +132,7 @@ impl Explorer {
 
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
     fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
+        z[0] = 0.0;
         let size = norm(&z);
         if size < 0.02 * self.system().law().range {
             return Rest::Flat;

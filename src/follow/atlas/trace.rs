@@ -285,7 +285,7 @@ pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
 
 /// A node moved along its branch by so little that its tangent serves; `rate` is d breaking/du0.
 fn moved(mut node: Node, du: f64, rate: f64) -> Node {
-    node.state.mean_displacement += du;
+    node.state.drive_by(du);
     node.state.energy += du * node.state.stress;
     node.state.stress += du * node.slope;
     add(&mut node.state.amplitudes, du, &node.tangent);

@@ -162,6 +162,7 @@ fn uniform(model: &Model, u0: f64, arc: f64, kind: Kind, index: [usize; 2]) -> P
     let response = model.law.at(u0);
     Point {
         state: State {
+            control: u0,
             mean_displacement: u0,
             amplitudes: Vec::new(),
             energy: response.energy,

@@ -6,6 +6,7 @@ use crate::follow::contest::{mixture, shares};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
 use crate::numerics::vector::norm;
+use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::scene::part::no_quarter;
@@ -26,6 +27,14 @@ const DECIDED: f64 = 100.0;
 /// step across that goes unseen.
 const LONGEST_FLAT: f64 = 0.5;
 const LONGEST_UNEVEN: f64 = 0.1;
+/// How far beyond the end of the flat branch under a spring or a load, in units of the control, the
+/// release begins: as far as the end is uncertain.
+const BEYOND: f64 = 1e-9;
+/// Towards the end of the flat branch under a spring a small step of the stage is a long one of u0,
+/// and the work done is the integral over the states: where u0 goes so many times faster, it goes no
+/// farther than so many ranges.
+const SWIFT: f64 = 1.5;
+const FLAT_STEP: f64 = 0.02;
 /// The first step, in ranges, on a branch just landed on: there is no prediction yet from which
 /// another branch would stray.
 pub(super) const FIRST: f64 = 0.05;
@@ -40,10 +49,10 @@ const AT_END: f64 = 1e-3;
 const GAIN_MAX: f64 = 1e-2;
 
 impl Walk {
-    /// The next u0 on the way: the points start - k x step, the target, or half the way to a known
-    /// barrier.
-    pub(super) fn next_displacement(&self) -> f64 {
-        let here = self.here.state.mean_displacement;
+    /// The next value of the control on the way: the points start - k x step, the target, or half
+    /// the way to a known barrier.
+    pub(super) fn next(&self) -> f64 {
+        let here = self.here.state.control;
         if let Phase::Bracketing(bracket) = &self.phase {
             return self.towards(bracket);
         }
@@ -63,8 +72,9 @@ impl Walk {
         }
     }
 
-    /// How far a method that locates may go without missing a jump (length). Where gamma'' falls
-    /// nowhere below that of the upper limit of the flat state, nothing can jump.
+    /// How far a method that locates may go without missing a jump (in the control's unit). Where
+    /// gamma'' falls nowhere below that of the upper limit of the flat state, nothing can jump, and
+    /// the gap closes no faster than the control goes.
     fn longest(&self) -> f64 {
         let uniform = self.flat.is_some() && self.here.is_uniform();
         if uniform || !self.method.locates() {
@@ -81,13 +91,17 @@ impl Walk {
             .fold(f64::INFINITY, |least, g| least.min(*g))
             - upper
             - law.range;
-        free.max(0.0)
-            + law.range
-                * if self.mechanics.system.is_flat() {
-                    LONGEST_FLAT
-                } else {
-                    LONGEST_UNEVEN
-                }
+        let free = if self.control() == Control::Load {
+            0.0
+        } else {
+            free.max(0.0)
+        };
+        free + self.unit()
+            * if self.mechanics.system.is_flat() {
+                LONGEST_FLAT
+            } else {
+                LONGEST_UNEVEN
+            }
     }
 
     /// Where the branch is expected to end, seen from its last two states: at a fold the eigenvalue
@@ -100,14 +114,14 @@ impl Walk {
                 ..
             },
             here,
-        ) = (self.behind.before?, self.here.state.mean_displacement);
+        ) = (self.behind.before?, self.here.state.control);
         let now = self.here.stiffness_min?.value;
         (now < before).then(|| here + (here - at) * now * now / (before * before - now * now))
     }
 
     /// Where on the way from here to a barrier the eigenvalue is expected to vanish, 0 to 1.
     fn expected_share(&self, barrier: &Barrier) -> Option<f64> {
-        let here = self.here.state.mean_displacement;
+        let here = self.here.state.control;
         let share = match (self.here.stiffness_min, barrier.stiffness) {
             (Some(a), Some(b)) => a.value / (a.value - b),
             _ => (self.expected_fold()? - here) / (barrier.at - here),
@@ -115,14 +129,14 @@ impl Walk {
         (0.0..1.0).contains(&share).then_some(share)
     }
 
-    /// Width of a bracket that is narrow enough (length).
-    fn located_within(&self) -> f64 {
-        LOCATED.max(DECIDED * self.mechanics.system.precision().floor()) * self.model.law.range
+    /// Width of a bracket that is narrow enough (in the control's unit).
+    pub(super) fn located_within(&self) -> f64 {
+        LOCATED.max(DECIDED * self.mechanics.system.precision().floor()) * self.unit()
     }
 
     /// The end of the branch in the bracket up to `barrier`, which is as narrow as it gets.
     fn located(&self, barrier: Barrier) -> Barrier {
-        let here = self.here.state.mean_displacement;
+        let here = self.here.state.control;
         let share = self.expected_share(&barrier).unwrap_or(1.0);
         Barrier {
             at: here + share * (barrier.at - here),
@@ -134,7 +148,7 @@ impl Walk {
     /// vanish, by the secant; the middle where there is no expectation, or it did not help last
     /// time.
     fn towards(&self, Bracket { barrier, halve, .. }: &Bracket) -> f64 {
-        let here = self.here.state.mean_displacement;
+        let here = self.here.state.control;
         let width = barrier.at - here;
         let Some(share) = self.expected_share(barrier) else {
             return here + 0.5 * width;
@@ -159,16 +173,41 @@ impl Walk {
         flat: FlatBranch,
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
-        let next = self.next_displacement();
-        let Some((stable, unstable)) = flat.limit_between(self.here.state.mean_displacement, next)
-        else {
-            self.here = flat.state(&self.mechanics.system, next);
+        let next = self.next();
+        let gap = self.here.state.mean_displacement;
+        let (there, unstable) = match flat.at_control(gap, next) {
+            Ok(there) => (there, None),
+            Err((stable, unstable)) => (stable, Some(unstable)),
+        };
+        let reached = self.swift_step(gap, there, next);
+        let Some(unstable) = unstable.filter(|_| reached == there) else {
+            self.here = flat.state(&self.mechanics.system, reached);
+            if reached == there {
+                // To the last bit, so that it is known to be there.
+                self.here.state.control = next;
+            }
             self.accept(observe);
             return Progress::Working;
         };
-        if stable != self.here.state.mean_displacement {
-            self.here = flat.state(&self.mechanics.system, stable);
+        if there != gap {
+            self.here = flat.state(&self.mechanics.system, there);
             self.accept(observe);
+        }
+        let at = self.mechanics.system.uniform(unstable).state.control;
+        if flat.gives_way_as_a_block() {
+            let mut block = vec![0.0; self.mechanics.system.dimension()];
+            block[0] = 1.0;
+            // The control is largest, or least, at the end: beyond it there is no such state.
+            let beyond = BEYOND * self.unit();
+            let barrier = Barrier {
+                at: match self.direction {
+                    Direction::Approach => at - beyond,
+                    Direction::Retraction => at + beyond,
+                },
+                stiffness: None,
+                soft_mode: block,
+            };
+            return self.release_because(Cause::Fold, barrier, Vec::new());
         }
         let landings = self.landings_from_flat(unstable);
         if self.cancelled() {
@@ -177,12 +216,29 @@ impl Walk {
         let shares = shares(&landings);
         let soft = self.soft_wave_to(&landings, shares.first().map(|most| most.pattern));
         let barrier = Barrier {
-            at: unstable,
+            at,
             stiffness: None,
             soft_mode: soft,
         };
         let contested = if shares.len() > 1 { shares } else { Vec::new() };
         self.release_because(Cause::FlatLimit, barrier, contested)
+    }
+
+    /// How far the flat state goes at once on the way from a `gap` to another while the control goes
+    /// to `next`.
+    fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
+        let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
+        let asked = (next - self.here.state.control).abs();
+        let is_swift = match self.control() {
+            Control::Displacement => false,
+            Control::Spring { .. } => way.abs() > SWIFT * asked,
+            Control::Load => true,
+        };
+        if is_swift && way.abs() > longest {
+            gap + longest.copysign(way)
+        } else {
+            there
+        }
     }
 
     /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
@@ -193,7 +249,7 @@ impl Walk {
             return Vec::new();
         }
         let law = *self.mechanics.system.law();
-        let mut explorer = Explorer::new(grid.length, grid.nx, law);
+        let mut explorer = Explorer::new(grid.length, grid.nx, law, self.control());
         explorer.mechanics.cancel = self.mechanics.cancel.clone();
         let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
         self.spent.looked += explorer.mechanics.transforms();
@@ -232,7 +288,7 @@ impl Walk {
 
     pub(super) fn step_patterned(&mut self, observe: &mut dyn FnMut(Observed)) -> Progress {
         let located = self.located_within();
-        let here = self.here.state.mean_displacement;
+        let here = self.here.state.control;
         let reached = match std::mem::replace(&mut self.phase, Phase::Following) {
             Phase::Bracketing(bracket) if (bracket.barrier.at - here).abs() <= located => {
                 Some(bracket.barrier)
@@ -253,7 +309,7 @@ impl Walk {
                 self.behind.history = History::starting(&self.here.state);
                 barrier.at
             }
-            None => self.next_displacement(),
+            None => self.next(),
         };
         let locates = self.method.locates();
         let mut barrier = Barrier {
@@ -286,7 +342,7 @@ impl Walk {
                 let at_end = self.barrier().is_some_and(|known| {
                     stiffness.value.is_nan()
                         && known.stiffness.is_some()
-                        && (known.at - here).abs() < AT_END * self.model.law.range
+                        && (known.at - here).abs() < AT_END * self.unit()
                 });
                 if at_end {
                     (barrier.stiffness, barrier.soft_mode) = (Some(0.0), state.soft_mode);
@@ -303,7 +359,7 @@ impl Walk {
             Err(Lost::Cancelled) => return Progress::Cancelled,
             Err(Lost::Diverged(why)) => {
                 return Progress::Stuck(Stuck::Diverged {
-                    mean_displacement: next,
+                    mean_displacement: self.placed_at(next),
                     method: self.method.name(),
                     why,
                 });
@@ -330,15 +386,10 @@ impl Walk {
         let (Some(before), Some(now)) = (self.behind.before, self.here.stiffness_min) else {
             return false;
         };
-        let (here, there) = (
-            self.here.state.mean_displacement,
-            next.state.mean_displacement,
-        );
+        let (here, there) = (self.here.state.control, next.state.control);
         let expected =
             now.value + (now.value - before.stiffness) / (here - before.at) * (there - here);
-        expected < 0.0
-            && next.stop == Stop::Stable
-            && (there - here).abs() > PASSED * self.model.law.range
+        expected < 0.0 && next.stop == Stop::Stable && (there - here).abs() > PASSED * self.unit()
     }
 
     /// True if a pattern is gone in `next`: it may have come to its end on the way. Where it only
@@ -351,21 +402,21 @@ impl Walk {
 
     /// After a step that went well: a barrier behind which nothing is expected was only too long a
     /// step.
-    fn reconsider(&mut self, du: f64) {
+    fn reconsider(&mut self, step: f64) {
         let short = &mut self.behind.short;
         *short = short
-            .map(|short| 1.5 * short.max(du.abs()))
+            .map(|short| 1.5 * short.max(step.abs()))
             .filter(|short| *short < self.step);
         let Some(barrier) = self.barrier().cloned() else {
             return;
         };
-        let left = barrier.at - self.here.state.mean_displacement;
+        let left = barrier.at - self.here.state.control;
         let expected = self
             .expected_fold()
-            .is_some_and(|fold| (fold - self.here.state.mean_displacement) / left < 1.5);
+            .is_some_and(|fold| (fold - self.here.state.control) / left < 1.5);
         if barrier.stiffness.is_none() && !expected && left.abs() > self.located_within() {
             self.phase = Phase::Following;
-            self.behind.short = Some(du.abs());
+            self.behind.short = Some(step.abs());
         } else {
             self.bracket(barrier);
         }
@@ -381,7 +432,7 @@ impl Walk {
 
     /// Brackets the end of the branch between the present state and `barrier`.
     fn bracket(&mut self, barrier: Barrier) {
-        let width = (barrier.at - self.here.state.mean_displacement).abs();
+        let width = (barrier.at - self.here.state.control).abs();
         let halve = match &self.phase {
             Phase::Bracketing(last) => width > 0.5 * last.width && !last.halve,
             _ => false,
@@ -405,13 +456,14 @@ impl Walk {
         state: Equilibrium,
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
-        let (before, energy, stress) = (
+        let (before, energy, conjugate, stress) = (
             self.record.clone(),
             self.here.state.energy,
+            self.conjugate(&self.here.state),
             self.here.state.stress,
         );
-        let du = state.state.mean_displacement - self.here.state.mean_displacement;
-        let work = 0.5 * (stress + state.state.stress) * du;
+        let step = state.state.control - self.here.state.control;
+        let work = 0.5 * (conjugate + self.conjugate(&state.state)) * step;
         let released = (energy + work - state.state.energy) / self.model.law.surface_energy;
         if !self.method.locates() && !(released > -GAIN_MAX) {
             let (mean_displacement, method) = (state.state.mean_displacement, self.method.name());
@@ -423,14 +475,14 @@ impl Walk {
         }
         // An extrapolation over a jump that nobody noticed would be of neither branch.
         let smooth = audit(&self.mechanics.system, &self.here.state, &state.state);
-        let (at, stiffness_min) = (self.here.state.mean_displacement, self.here.stiffness_min);
+        let (at, stiffness_min) = (self.here.state.control, self.here.stiffness_min);
         self.behind.before = stiffness_min.filter(|_| smooth).map(|s| Before {
             at,
             stiffness: s.value,
-            stress,
+            conjugate,
         });
         self.here = state;
-        self.reconsider(du);
+        self.reconsider(step);
         if smooth {
             self.remember();
         } else {
@@ -443,13 +495,15 @@ impl Walk {
         if !self.method.locates() && pattern != before.pattern {
             observe(Observed::Jump(JumpRecord {
                 direction: self.direction,
+                control: self.here.state.control,
                 mean_displacement: self.here.state.mean_displacement,
+                mean_displacement_after: self.here.state.mean_displacement,
                 from: before.pattern,
                 to: pattern,
                 stress_before: stress,
                 stress_after: self.here.state.stress,
                 released_energy: released,
-                release_error: (du * (self.here.state.stress - stress)).abs()
+                release_error: (step * (self.conjugate(&self.here.state) - conjugate)).abs()
                     / self.model.law.surface_energy,
                 cause: Cause::PatternChange,
                 landings: Vec::new(),

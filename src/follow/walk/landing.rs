@@ -1,13 +1,14 @@
 //! The release at the end of a branch, and the landing on what is stable.
 
 use super::advance::FIRST;
+use super::apart::apart;
 use super::{Barrier, Jumping, Observed, Phase, Progress, Stuck, Walk};
 use crate::follow::contest::{FLAT_KICK, KICK, Share};
 use crate::follow::record::{Cause, JumpRecord};
 use crate::numerics::krylov::CgLimits;
 use crate::numerics::vector::{add, dot, norm};
 use crate::physics::pattern::Pattern;
-use crate::physics::system::Evaluation;
+use crate::physics::system::{Evaluation, State};
 use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
@@ -25,11 +26,11 @@ const LEAST_KICK: f64 = 1e-4;
 pub(super) const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
-/// Share of a soft mode in what u0 pushes below which that is no push: of 60 ends on even and
+/// Share of a soft mode in what the control pushes below which that is no push: of 60 ends on even and
 /// uneven ground folds have 0.01 and more, and broken symmetries, which mesh and tolerance leave
 /// inexact, up to 4e-5.
 const UNPUSHED: f64 = 1e-3;
-/// Stiffness of what u0 pushes, in units of q1, below which it gives way: at those folds it is 0.02
+/// Stiffness of what the control pushes, in units of q1, below which it gives way: at those folds it is 0.02
 /// at most, elsewhere 0.18 and more.
 const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
@@ -37,8 +38,8 @@ const KICKS: usize = 8;
 
 /// How a branch was left.
 pub(super) struct Leaving {
-    /// Mean stress where it ended (E*).
-    pub(super) stress: f64,
+    /// The derivative of the energy with the control where it ended.
+    pub(super) conjugate: f64,
     /// Energy released from there to where the surface landed (gamma).
     pub(super) released: f64,
     /// What gave way.
@@ -92,16 +93,14 @@ impl Walk {
         Progress::Working
     }
 
-    /// What ends the present branch, of which `mode` goes soft. Where u0 itself pushes the surface
+    /// What ends the present branch, of which `mode` goes soft. Where the control pushes the surface
     /// along a mode without stiffness the branch turns back; where it does not, by symmetry, the
     /// branch goes on and is unstable.
     fn cause(&mut self, mode: &[f64]) -> Cause {
         if mode.is_empty() {
             return Cause::Fold;
         }
-        let mut push = vec![0.0; mode.len()];
-        self.mechanics
-            .stiffness_amplitudes(&self.here.fields, &mut push);
+        let push = self.mechanics.push(&self.here.fields);
         if dot(&push, mode).abs() > UNPUSHED * norm(&push) * norm(mode) {
             return Cause::Fold;
         }
@@ -126,20 +125,22 @@ impl Walk {
         }
     }
 
-    /// Stress and energy of the branch at `u0`, a hair beyond the present state: to second order,
-    /// with the slope of the stress from the state before.
-    fn carried_to(&self, u0: f64) -> (f64, f64) {
-        let (here, stress, du) = (
-            self.here.state.mean_displacement,
-            self.here.state.stress,
-            u0 - self.here.state.mean_displacement,
-        );
-        let slope = self
-            .behind
-            .before
-            .map_or(0.0, |before| (stress - before.stress) / (here - before.at));
-        let there = stress + slope * du;
-        (there, self.here.state.energy + 0.5 * (stress + there) * du)
+    /// Where the control is `control`, a hair beyond the present state, the energy of the branch and
+    /// its derivative with the control: to second order, with the slope from the state before.
+    pub(super) fn carried_to(&self, control: f64) -> (f64, f64) {
+        let here = &self.here.state;
+        let (conjugate, step) = (self.conjugate(here), control - here.control);
+        let slope = self.behind.before.map_or(0.0, |before| {
+            (conjugate - before.conjugate) / (here.control - before.at)
+        });
+        let there = conjugate + slope * step;
+        (there, here.energy + 0.5 * (conjugate + there) * step)
+    }
+
+    /// u0 of the present branch where the control is `control`, close by (length).
+    pub(super) fn placed_at(&self, control: f64) -> f64 {
+        let conjugate = self.conjugate(&self.here.state);
+        self.control().place(control, conjugate)[0]
     }
 
     /// `z` moved by `kick` (ranges) along `mode`: downhill where the two sides differ, and to a
@@ -147,7 +148,7 @@ impl Walk {
     pub(super) fn kicked(
         &mut self,
         z: &[f64],
-        u0: f64,
+        control: f64,
         mode: &[f64],
         kick: f64,
         choose: bool,
@@ -167,7 +168,7 @@ impl Walk {
             if !mode.is_empty() {
                 add(&mut moved, sign * size, mode);
             }
-            self.mechanics.at(moved, u0)
+            self.mechanics.at(moved, control)
         };
         let one = side(random);
         if !choose {
@@ -188,8 +189,16 @@ impl Walk {
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
         let slice = jumping.release.advance(&mut self.mechanics, SLICE);
-        let u0 = jumping.release.at.state.mean_displacement;
+        let State {
+            control,
+            mean_displacement: u0,
+            ..
+        } = jumping.release.at.state;
         match slice {
+            Slice::Moving if self.is_apart(u0) => {
+                let landed = apart(&mut self.mechanics, control);
+                self.land(jumping, landed, observe)
+            }
             Slice::Moving => {
                 let stress = jumping.release.at.state.stress;
                 observe(Observed::Moving { stress });
@@ -213,10 +222,15 @@ impl Walk {
         settled: NewtonState,
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
-        let u0 = settled.at.state.mean_displacement;
+        let State {
+            control,
+            mean_displacement: u0,
+            ..
+        } = settled.at.state;
         let landed = match self.flat {
-            Some(flat) if norm(&settled.at.state.amplitudes) < 1e-4 * self.model.law.range => {
+            Some(flat) if settled.at.state.roughness() < 1e-4 * self.model.law.range => {
                 let mut state = flat.state(&self.mechanics.system, u0);
+                state.state.control = control;
                 if state.stop == Stop::Unstable {
                     state.soft_mode = self.random_soft_wave();
                 }
@@ -237,7 +251,8 @@ impl Walk {
                 });
             }
             jumping.kicks += 1;
-            let kicked = self.kicked(&landed.state.amplitudes, u0, &landed.soft_mode, KICK, true);
+            let soft_mode = &landed.soft_mode;
+            let kicked = self.kicked(&landed.state.amplitudes, control, soft_mode, KICK, true);
             // Where a saddle and the minima beside it all meet the tolerance, only a tighter one
             // tells them apart.
             let tolerance = (jumping.release.tolerance() * 0.1)
@@ -265,7 +280,7 @@ impl Walk {
     /// The pattern `at` moved to where the mesh does not pull at it and its energy is the lowest,
     /// if it slides.
     fn centred(&mut self, at: &Evaluation) -> Option<NewtonState> {
-        let (z, u0) = (&at.state.amplitudes, at.state.mean_displacement);
+        let (z, control) = (&at.state.amplitudes, at.state.control);
         if self.mechanics.sliding_basis(z, &at.fields).is_empty() {
             return None;
         }
@@ -279,7 +294,7 @@ impl Walk {
         } {
             let moved = centred(&self.mechanics.system, z, *between);
             let limits = NewtonLimits::of(&self.mechanics.system);
-            let polished = solve(&mut self.mechanics, moved, u0, limits);
+            let polished = solve(&mut self.mechanics, moved, control, limits);
             let lower = lowest
                 .as_ref()
                 .is_none_or(|lowest| polished.at.state.energy < lowest.at.state.energy - rounding);
@@ -325,9 +340,9 @@ impl Walk {
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
         let law = self.model.law;
-        let u0 = landed.state.mean_displacement;
+        let control = landed.state.control;
         let released = (jumping.energy_before - landed.state.energy) / law.surface_energy;
-        let (stress_before, _) = self.carried_to(u0);
+        let (conjugate, _) = self.carried_to(control);
         self.spent.counts.iterations += landed.cost.iterations;
         if released < -EVENT && jumping.kick > LEAST_KICK {
             // Where minima lie close together (a law whose stiffness jumps), so large a kick has
@@ -335,7 +350,7 @@ impl Walk {
             jumping.kick *= 0.1;
             let kicked = self.kicked(
                 &self.here.state.amplitudes.clone(),
-                u0,
+                control,
                 &jumping.soft_mode.clone(),
                 jumping.kick,
                 true,
@@ -346,7 +361,7 @@ impl Walk {
         }
         if released < -EVENT {
             return Progress::Stuck(Stuck::NegativeRelease {
-                mean_displacement: u0,
+                mean_displacement: self.placed_at(control),
                 released,
             });
         }
@@ -356,7 +371,7 @@ impl Walk {
         self.arrive(
             landed,
             Leaving {
-                stress: stress_before,
+                conjugate,
                 released,
                 cause,
                 landings,
@@ -374,7 +389,7 @@ impl Walk {
         &mut self,
         landed: Equilibrium,
         Leaving {
-            stress: stress_before,
+            conjugate,
             released,
             cause,
             landings,
@@ -406,12 +421,13 @@ impl Walk {
             self.remember();
             return self.accept(observe);
         }
-        let du = (self.here.state.mean_displacement - left.state.mean_displacement).abs();
+        let control = self.here.state.control;
+        let way = (control - left.state.control).abs();
         // The end lies somewhere on the way from the last state: what the release changes on it,
         // and what the energy was carried.
-        let changed = (self.here.state.stress - stress_before).abs()
-            + 0.5 * (stress_before - left.state.stress).abs();
-        let located = du * changed / self.model.law.surface_energy;
+        let changed = (self.conjugate(&self.here.state) - conjugate).abs()
+            + 0.5 * (conjugate - self.conjugate(&left.state)).abs();
+        let located = way * changed / self.model.law.surface_energy;
         let (released_energy, release_error, cause) =
             if self.is_continuous(from, to, released, event) {
                 (0.0, released.abs(), Cause::Transition)
@@ -421,11 +437,14 @@ impl Walk {
                 (released, located, cause)
             };
         self.behind.history = History::starting(&self.here.state);
+        let [u0, stress_before] = self.control().place(control, conjugate);
         // Nothing else happened on the way.
         self.record.mean_displacement = self.here.state.mean_displacement;
         observe(Observed::Jump(JumpRecord {
             direction: self.direction,
-            mean_displacement: self.here.state.mean_displacement,
+            control,
+            mean_displacement: u0,
+            mean_displacement_after: self.here.state.mean_displacement,
             from,
             to,
             stress_before,

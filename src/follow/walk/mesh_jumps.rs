@@ -6,7 +6,7 @@
 //! something let go on the way; then the step is halved until it is short enough to say where.
 
 use super::landing::Leaving;
-use super::{Before, Observed, Progress, Walk};
+use super::{Observed, Progress, Walk};
 use crate::follow::record::Cause;
 use crate::physics::mesh_rule;
 use crate::physics::pattern::{contact_set, moves_by_a_spacing};
@@ -32,7 +32,7 @@ impl Walk {
         observe: &mut dyn FnMut(Observed),
     ) -> Option<Progress> {
         let within = self.options.trapped_within?;
-        let (law, du) = (self.model.law, next - self.here.state.mean_displacement);
+        let (law, step) = (self.model.law, next - self.here.state.control);
         let limits = NewtonLimits {
             steps: DESCENT,
             ..NewtonLimits::of(&self.mechanics.system)
@@ -49,15 +49,11 @@ impl Walk {
             return (settled.end == NewtonEnd::Cancelled).then_some(Progress::Cancelled);
         }
         // To second order in the step, which is long against what a single point releases.
-        let (here, stress) = (self.here.state.mean_displacement, self.here.state.stress);
-        let slope = |before: Before| (stress - before.stress) / (here - before.at);
-        let stress_before = stress + self.behind.before.map_or(0.0, slope) * du;
-        let work = 0.5 * (stress + stress_before) * du;
-        let released =
-            (self.here.state.energy + work - settled.at.state.energy) / law.surface_energy;
+        let (conjugate, energy) = self.carried_to(next);
+        let released = (energy - settled.at.state.energy) / law.surface_energy;
         let jumped = released.abs() > RELEASED;
-        if jumped && du.abs() > within * law.range {
-            self.behind.short = Some(0.5 * du.abs());
+        if jumped && step.abs() > within * self.unit() {
+            self.behind.short = Some(0.5 * step.abs());
             return Some(Progress::Working);
         }
         if jumped {
@@ -77,7 +73,7 @@ impl Walk {
         self.arrive(
             state,
             Leaving {
-                stress: stress_before,
+                conjugate,
                 released,
                 cause: Cause::Fold,
                 landings: Vec::new(),

@@ -4,7 +4,6 @@ use super::landing::EVENT;
 use super::{Observed, Walk};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord, StateRecord};
-use crate::numerics::vector::norm;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::theory::flat;
 use crate::scene::part::Part;
@@ -28,7 +27,7 @@ impl Walk {
         } else {
             0.02 * self.model.law.range
         };
-        if self.mechanics.system.is_flat() && norm(&self.here.state.amplitudes) < thermal {
+        if self.mechanics.system.is_flat() && self.here.state.roughness() < thermal {
             return Pattern::Flat;
         }
         classify(
@@ -64,6 +63,7 @@ impl Walk {
         let length = self.model.grid.length;
         self.record = StateRecord {
             direction: self.direction,
+            control: self.here.state.control,
             mean_displacement: self.here.state.mean_displacement,
             stress: self.here.state.stress,
             stress_over_max: self.here.state.stress / law.traction_max(),
@@ -72,7 +72,7 @@ impl Walk {
             residual: self.here.residual,
             stiffness_min: stiffness.value * length,
             stiffness_error: stiffness.error * length,
-            energy: self.here.state.energy,
+            energy: self.body_energy(&self.here),
             part: match self.options.part {
                 _ if uniform && self.flat.is_some() => Part::Flat,
                 part if self.model.grid.is_line() => part.of_line(),
@@ -110,10 +110,11 @@ impl Walk {
         } else {
             -1.0
         };
-        let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
         if to == Pattern::Flat {
+            let before = self.here.state.mean_displacement + side * APART * self.model.law.range;
             return !flat.is_stable(before);
         }
+        let before = self.here.state.control + side * APART * self.unit();
         // So soft a state is told from the flat one only by a small residual.
         let limits = NewtonLimits {
             tolerance: self.mechanics.system.precision().floor().max(1e-10),
@@ -121,13 +122,21 @@ impl Walk {
         };
         // The state is taken already: this last question is answered even if somebody asks to stop.
         let cancel = std::mem::take(&mut self.mechanics.cancel);
-        let pattern = &self.here.state.amplitudes;
-        let found = solve(&mut self.mechanics, pattern.clone(), before, limits);
+        let pattern = self.here.state.amplitudes.clone();
+        let found = solve(&mut self.mechanics, pattern, before, limits);
         self.mechanics.cancel = cancel;
         match found.end {
-            NewtonEnd::Converged => norm(&found.at.state.amplitudes) < 0.5 * norm(pattern),
+            NewtonEnd::Converged => found.at.state.roughness() < 0.5 * self.here.state.roughness(),
             _ => released.abs() <= event,
         }
+    }
+
+    /// Energy per area of body and cohesion, without the machine (E* times length).
+    fn body_energy(&self, Equilibrium { state, .. }: &Equilibrium) -> f64 {
+        state.energy
+            - self
+                .control()
+                .energy(state.control, state.mean_displacement)
     }
 
     /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
@@ -135,7 +144,7 @@ impl Walk {
     pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
         let (at, law) = (state.state.mean_displacement, &self.model.law);
         flat.is_stable(at)
-            && (state.state.energy - law.at(at).energy).abs() <= EVENT * law.surface_energy
+            && (self.body_energy(state) - law.at(at).energy).abs() <= EVENT * law.surface_energy
     }
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the
@@ -174,7 +183,9 @@ impl Walk {
                 + (stress + b.stress) * (b.mean_displacement - at));
         observe(Observed::Jump(JumpRecord {
             direction: self.direction,
+            control: self.control().balanced(at, stress)[0],
             mean_displacement: at,
+            mean_displacement_after: at,
             from: if leaves { Pattern::Flat } else { pattern },
             to: if leaves { pattern } else { Pattern::Flat },
             stress_before: stress,

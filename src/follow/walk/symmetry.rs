@@ -8,7 +8,7 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::System;
+use crate::physics::system::{State, System};
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
@@ -137,17 +137,23 @@ impl Walk {
 
     /// Puts `whole` on the present state; false where that is near no equilibrium of it.
     fn stand(&mut self, whole: &mut Self) -> bool {
-        let u0 = self.here.state.mean_displacement;
+        let State {
+            control,
+            mean_displacement: u0,
+            ..
+        } = self.here.state;
         whole.direction = self.direction;
         match self.flat {
             Some(flat) if self.here.is_uniform() => {
                 whole.here = flat.state(&whole.mechanics.system, u0);
+                whole.here.state.control = control;
             }
             _ => {
                 let even = self.mechanics.field(&self.here.state.amplitudes).clone();
                 let displacement = self.mechanics.system.unfolded(&even);
                 let amplitudes = whole.mechanics.amplitudes(&displacement);
-                whole.here = solved(&mut whole.mechanics, &mut whole.tracker, amplitudes, u0);
+                let (mechanics, tracker) = (&mut whole.mechanics, &mut whole.tracker);
+                whole.here = solved(mechanics, tracker, amplitudes, control);
                 whole.behind.history = History::starting(&whole.here.state);
                 if !matches!(whole.here.stop, Stop::Stable | Stop::Unstable) {
                     return false;

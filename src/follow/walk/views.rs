@@ -58,7 +58,7 @@ impl Walk {
         let (mode, stiffness) = (self.soft_amplitudes()?, self.here.stiffness_min?);
         let step = 2.0 * OFFSET * self.model.law.range / (SAMPLES - 1) as f64;
         Some(EnergyWell {
-            mean_displacement: self.here.state.mean_displacement,
+            mean_displacement: self.here.state.control,
             offsets: (0..SAMPLES)
                 .map(|i| (i as f64 - (SAMPLES / 2) as f64) * step)
                 .collect(),

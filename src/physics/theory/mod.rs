@@ -17,7 +17,7 @@ pub mod units;
 /// bit.
 ///
 /// `is_below` is never evaluated at the two ends, so that they may lie where it has no meaning.
-fn boundary(mut below: f64, mut above: f64, is_below: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn boundary(mut below: f64, mut above: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (below + above);
         if middle == below || middle == above || middle.is_nan() {

@@ -64,7 +64,7 @@ impl Sector {
                 let Evaluation {
                     mut state, fields, ..
                 } = at;
-                state.mean_displacement += du;
+                state.drive_by(du);
                 state.energy += du * state.stress;
                 let mut node = Node::bare(state, slope, tangent);
                 self.soften(&mut node, None, &fields, &rates);
@@ -79,7 +79,7 @@ impl Sector {
             let du = -(dot(phi, &at.gradient) - dot(&image, &along_g)) / border;
             add(&mut at.state.amplitudes, -1.0, &along_g);
             add(&mut at.state.amplitudes, -du, &along_u);
-            at.state.mean_displacement += du;
+            at.state.drive_by(du);
             self.mechanics.update(&mut at);
         }
         Err(Lost::Gone)
@@ -165,9 +165,10 @@ impl Node {
     fn shift_to(&mut self, arc: &Arc, top: (f64, f64), bend: f64) {
         let shift = top.0 - arc.a;
         add(&mut self.state.amplitudes, shift, &arc.dz);
-        self.state.energy += self.state.stress * (top.1 - self.state.mean_displacement);
+        let du = top.1 - self.state.mean_displacement;
+        self.state.energy += self.state.stress * du;
         self.state.stress += shift * self.slope;
-        self.state.mean_displacement = top.1;
+        self.state.drive_by(du);
         // Per unit of the null vector instead of phi.
         let length = norm(&self.tangent);
         self.bend = bend / (length * length);

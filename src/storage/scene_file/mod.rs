@@ -6,7 +6,9 @@
 mod read;
 
 use super::{Failure, files};
+use crate::physics::control::Control;
 use crate::physics::parameter::{Parameter, Refusal, Value as Own};
+use crate::scene::parameter;
 use crate::scene::{Points, Range, Scene, Turn};
 use std::path::Path;
 use toml::Value;
@@ -141,11 +143,19 @@ fn drive(scene: &Scene) -> Keys {
         Turn::At(turn) => turn.into(),
         Turn::ZeroLoad => "zero_load".into(),
     };
-    vec![
+    let mut keys: Keys = Vec::new();
+    if scene.drive.control.frees_mean() {
+        keys.push(("control", scene.drive.control.word().into()));
+    }
+    if let Control::Spring { stiffness } = scene.drive.control {
+        keys.push((parameter::STIFFNESS.name(), stiffness.into()));
+    }
+    keys.extend([
         ("start", scene.drive.start.into()),
         ("turn", turn),
         ("step", scene.drive.step.into()),
-    ]
+    ]);
+    keys
 }
 
 /// A count; TOML has no integers beyond 2^63 - 1, and no allowed scene has such a count.

@@ -1,6 +1,7 @@
 //! From the text of a scene file to a scene, by a typed view of each of its tables.
 
 use super::{FORMAT, refused};
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
 use crate::physics::parameter::{Parameter, Value as Own};
@@ -193,7 +194,7 @@ fn counts(section: &Section<'_>, parameter: &Parameter) -> Result<[usize; 2], Fa
 }
 
 fn drive(section: &Section<'_>) -> Result<Drive, Failure> {
-    section.only(&["start", "turn", "step"])?;
+    let control = control(section)?;
     let start = section.number(&parameter::START)?;
     let turn = match section.given(&parameter::TURN)? {
         Value::String(word) if word == "zero_load" => Turn::ZeroLoad,
@@ -202,10 +203,30 @@ fn drive(section: &Section<'_>) -> Result<Drive, Failure> {
         }
     };
     Ok(Drive {
+        control,
         start,
         turn,
         step: section.number(&parameter::STEP)?,
     })
+}
+
+/// What is driven: the mean displacement where the file says nothing.
+fn control(section: &Section<'_>) -> Result<Control, Failure> {
+    let keys = ["control", "start", "turn", "step"];
+    let word = section.text_or("control", Control::Displacement.word())?;
+    let kinds = Control::all(f64::NAN);
+    let words = kinds.map(|kind| kind.word());
+    let kind = words
+        .iter()
+        .position(|known| *known == word)
+        .ok_or_else(|| section.refuse_word("control", &word, &words))?;
+    if let Control::Spring { .. } = kinds[kind] {
+        section.only(&[&keys[..], &[parameter::STIFFNESS.name()]].concat())?;
+        let stiffness = section.number(&parameter::STIFFNESS)?;
+        return Ok(Control::Spring { stiffness });
+    }
+    section.only(&keys)?;
+    Ok(kinds[kind])
 }
 
 fn accuracy(section: &Section<'_>) -> Result<f64, Failure> {

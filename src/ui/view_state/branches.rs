@@ -122,6 +122,7 @@ impl ViewState {
         };
         let state = &point.state;
         self.frame = Some(Arc::new(Frame {
+            control: self.run.actual,
             mean_displacement: state.mean_displacement,
             stress: state.stress,
             gap: Arc::new(branch.gap(point)),

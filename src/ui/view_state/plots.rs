@@ -278,7 +278,7 @@ impl ViewState {
                 self.plots.ghosts.pop_front();
             }
         }
-        self.run.record = LoopRecord::default();
+        self.run.record = LoopRecord::of(self.scene.drive.control);
         self.run.closed_loop = None;
     }
 }

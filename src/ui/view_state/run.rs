@@ -6,6 +6,7 @@ use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::walk::EnergyWell;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
+use crate::scene::Drive;
 use crate::study::time_step_map::TimeStepMap;
 use crate::worker::job::Job;
 use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
@@ -69,8 +70,9 @@ pub struct Selection {
 }
 
 impl RunView {
-    /// A run at rest at `start`, the start of its drive, from where it is asked to go to `target`.
-    pub(super) fn new(id: RunId, start: f64, target: f64) -> Self {
+    /// A run at rest at the start of its drive, from where it is asked to go to `target`.
+    pub(super) fn new(id: RunId, drive: &Drive, target: f64) -> Self {
+        let start = drive.start;
         let mut run = Self {
             id,
             ready: None,
@@ -80,7 +82,7 @@ impl RunView {
             paused: false,
             motion: 0,
             state: None,
-            record: LoopRecord::default(),
+            record: LoopRecord::of(drive.control),
             curve: Curve::default(),
             stiffness: Curve::default(),
             closed_loop: None,
@@ -217,9 +219,7 @@ impl ViewState {
         let Some(jump) = self.run.record.jumps.get(index) else {
             return;
         };
-        let landed = |s: &&StateRecord| {
-            s.direction == jump.direction && s.mean_displacement == jump.mean_displacement
-        };
+        let landed = |s: &&StateRecord| s.direction == jump.direction && s.control == jump.control;
         self.run.selection = self
             .run
             .record
@@ -249,7 +249,7 @@ impl ViewState {
     }
 
     fn jump_at(&self, state: &StateRecord) -> Option<usize> {
-        let off = |jump: &JumpRecord| (jump.mean_displacement - state.mean_displacement).abs();
+        let off = |jump: &JumpRecord| (jump.control - state.control).abs();
         let near = |jump: &JumpRecord| {
             jump.direction == state.direction && off(jump) <= AT_JUMP * self.rho()
         };

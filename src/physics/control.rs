@@ -1,0 +1,125 @@
+//! What drives the body: its mean displacement, a stage that pulls through a spring, or a load.
+//!
+//! The mean displacement u0 is one more amplitude, that of q = 0, and the machine is its stiffness.
+//! With V(u0, z) the energy per area of body and cohesion and sigma = dV/du0 its mean stress:
+//!
+//! | control | value | energy per area | equilibrium | derivative with the value |
+//! |---|---|---|---|---|
+//! | displacement | u0 | V | u0 given | sigma |
+//! | spring | w, of the stage | V + k (w - u0)^2/2 | sigma = k (w - u0) | sigma |
+//! | load | F per area | V - F u0 | sigma = F | -u0 |
+//!
+//! Equilibria are those of fixed u0. With S = d sigma/du0 along a branch the Hessian with u0 as an
+//! unknown has one negative eigenvalue more than at fixed u0 where S < -k (Schur's complement), and
+//! k = 0 under a load.
+
+use super::law::Law;
+
+/// What is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Control {
+    /// The mean displacement u0 itself: a machine without compliance.
+    #[default]
+    Displacement,
+    /// A stage that pulls through a spring.
+    Spring {
+        /// Its stiffness k per area (E* per length).
+        stiffness: f64,
+    },
+    /// The load per area, the mean stress: a dead weight.
+    Load,
+}
+
+impl Control {
+    /// Every kind, a spring with a `stiffness` of its own.
+    pub fn all(stiffness: f64) -> [Self; 3] {
+        [Self::Displacement, Self::Spring { stiffness }, Self::Load]
+    }
+
+    /// The word of the scene file.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Spring { .. } => "spring",
+            Self::Load => "load",
+        }
+    }
+
+    /// Over what length, or stress of a load, a body of this law answers: the range, beside which a
+    /// spring is stretched by sigma_max/k; or sigma_max.
+    pub fn unit(&self, law: &Law) -> f64 {
+        match self {
+            Self::Displacement => law.range,
+            Self::Spring { stiffness } => law.range + law.traction_max() / stiffness,
+            Self::Load => law.traction_max(),
+        }
+    }
+
+    /// True if u0 is an unknown.
+    pub fn frees_mean(&self) -> bool {
+        *self != Self::Displacement
+    }
+
+    /// Stiffness of the machine (E* per length), infinite at fixed u0.
+    pub fn stiffness(&self) -> f64 {
+        match self {
+            Self::Displacement => f64::INFINITY,
+            Self::Spring { stiffness } => *stiffness,
+            Self::Load => 0.0,
+        }
+    }
+
+    /// u0 (length) where the control has this `value` and the amplitude of q = 0 is `mean`.
+    pub(super) fn mean_displacement(&self, value: f64, mean: f64) -> f64 {
+        match self {
+            Self::Displacement => value,
+            Self::Spring { .. } => value + mean,
+            Self::Load => mean,
+        }
+    }
+
+    /// The value of the control where u0 and the amplitude of q = 0 are these; a load, of which they
+    /// say nothing, is zero.
+    pub fn value(&self, u0: f64, mean: f64) -> f64 {
+        match self {
+            Self::Displacement => u0,
+            Self::Spring { .. } => u0 - mean,
+            Self::Load => 0.0,
+        }
+    }
+
+    /// Value of the control and amplitude of q = 0 where u0 and the mean `stress` are in
+    /// equilibrium.
+    pub fn balanced(&self, u0: f64, stress: f64) -> [f64; 2] {
+        match self {
+            Self::Displacement => [u0, 0.0],
+            Self::Spring { stiffness } => [u0 + stress / stiffness, -stress / stiffness],
+            Self::Load => [stress, u0],
+        }
+    }
+
+    /// Energy per area of the machine at mean displacement `u0` (length), to be added to that of
+    /// body and cohesion (E* times length).
+    pub fn energy(&self, value: f64, u0: f64) -> f64 {
+        match self {
+            Self::Displacement => 0.0,
+            Self::Spring { stiffness } => 0.5 * stiffness * (value - u0).powi(2),
+            Self::Load => -value * u0,
+        }
+    }
+
+    /// The derivative of the energy per area with the control, from the mean displacement and the
+    /// mean stress of an equilibrium.
+    pub fn conjugate(&self, u0: f64, stress: f64) -> f64 {
+        if *self == Self::Load { -u0 } else { stress }
+    }
+
+    /// u0 and mean stress of the equilibrium with this `value` of the control and its `conjugate`.
+    pub fn place(&self, value: f64, conjugate: f64) -> [f64; 2] {
+        match self {
+            Self::Displacement => [value, conjugate],
+            Self::Spring { stiffness } => [value - conjugate / stiffness, conjugate],
+            Self::Load => [-conjugate, value],
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! What a soft machine does instead of a stiff one: the same equilibria, other ends.
+
+use crate::loops::{preset, walked};
+use std::sync::OnceLock;
+use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
+use tackscope::follow::run::LoopRun;
+use tackscope::follow::walk::{Progress, Walk, WalkOptions};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::control::Control;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::pattern::Pattern::{self, Dimple, Flat, Ridge};
+use tackscope::physics::theory::jkr::Jkr;
+use tackscope::scene::part::Part;
+use tackscope::scene::{Points, Scene, Turn};
+use tackscope::solver::mechanics::{Mechanics, Slides};
+use tackscope::solver::methods::MethodKind;
+use tackscope::solver::stability::Tracker;
+
+fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3]) -> Scene {
+    scene.drive.control = control;
+    (scene.drive.start, scene.drive.step) = (start, step);
+    scene.drive.turn = Turn::At(turn);
+    scene
+}
+
+/// The scene of Fig. 2 under a spring.
+fn sprung(stiffness: f64, drive: [f64; 3]) -> Scene {
+    let mut scene = preset("fig2");
+    scene.cell.points = Points::Square(48);
+    driven(scene, Control::Spring { stiffness }, drive)
+}
+
+fn soft() -> &'static LoopRun {
+    static RUN: OnceLock<LoopRun> = OnceLock::new();
+    RUN.get_or_init(|| walked(&sprung(0.03, [6.0, -2.0, 0.1]), Part::Quarter))
+}
+
+fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
+    let jumps = run.record.jumps.iter().filter(|j| j.direction == direction);
+    std::iter::once(Flat).chain(jumps.map(|j| j.to)).collect()
+}
+
+fn find<'r>(run: &'r LoopRun, from: Pattern, direction: Direction) -> &'r JumpRecord {
+    let found = |j: &&JumpRecord| j.from == from && j.direction == direction;
+    run.record.jumps.iter().find(found).expect("such a jump")
+}
+
+#[test]
+fn a_spring_of_a_million_is_a_driven_displacement_to_1e_6() {
+    let drive = [4.2, 0.2, 0.1];
+    let stiff = walked(&sprung(1e6, drive), Part::Quarter);
+    let scene = driven(sprung(1.0, drive), Control::Displacement, drive);
+    let fixed = walked(&scene, Part::Quarter);
+    assert_eq!(stiff.record.jumps.len(), fixed.record.jumps.len());
+    for (a, b) in stiff.record.jumps.iter().zip(&fixed.record.jumps) {
+        assert_eq!((a.from, a.to, a.cause), (b.from, b.to, b.cause));
+        // Ends are located to 1e-5 of the range.
+        assert!((a.control - b.control).abs() < 1e-5, "{a:?} {b:?}");
+        assert!(
+            (a.released_energy - b.released_energy).abs() < 2e-6,
+            "{a:?} {b:?}"
+        );
+    }
+    for a in &stiff.record.states {
+        let same = |b: &&StateRecord| b.control == a.control && b.direction == a.direction;
+        let Some(b) = fixed.record.states.iter().find(same) else {
+            continue;
+        };
+        assert!((a.stress - b.stress).abs() < 1e-6, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn broken_symmetries_stay_at_their_u0_and_patterns_are_skipped_under_a_soft_spring() {
+    let run = soft();
+    assert_eq!(
+        sequence(run, Direction::Approach),
+        [Flat, Ridge, Dimple, Flat]
+    );
+    assert_eq!(
+        sequence(run, Direction::Retraction),
+        [Flat, Dimple, Ridge, Flat]
+    );
+    let drive = [4.2, 0.2, 0.1];
+    let fixed = walked(
+        &driven(sprung(1.0, drive), Control::Displacement, drive),
+        Part::Quarter,
+    );
+    for (from, direction) in [
+        (Ridge, Direction::Approach),
+        (Dimple, Direction::Retraction),
+        (Ridge, Direction::Retraction),
+    ] {
+        let [here, there] = [run, &fixed].map(|run| find(run, from, direction));
+        assert_eq!(here.cause, Cause::SymmetryBreaking);
+        assert!(
+            (here.mean_displacement - there.mean_displacement).abs() < 2e-5,
+            "{here:?} {there:?}"
+        );
+    }
+}
+
+/// By a second method: along the branch at fixed u0 the stage w = u0 + stress/k has its least value.
+#[test]
+fn a_fold_under_a_spring_is_where_the_stage_turns_back_along_the_branch() {
+    let (stiffness, drive) = (0.03, [4.2, 0.2, 0.1]);
+    let fold = find(soft(), Dimple, Direction::Approach);
+    assert_eq!(fold.cause, Cause::Fold);
+    let scene = driven(sprung(1.0, drive), Control::Displacement, drive);
+    let options = WalkOptions {
+        part: Part::Quarter,
+        ..MethodKind::NewtonKrylov.into()
+    };
+    let mut walk = Walk::start(&scene, options, &Cancel::default()).unwrap();
+    let h = 1e-2;
+    let stage = [h, 0.0, -h].map(|away| {
+        walk.set_target(fold.mean_displacement + away);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        let here = walk.record();
+        assert_eq!(here.pattern, Dimple);
+        here.mean_displacement + here.stress / stiffness
+    });
+    // The lowest point of the parabola through the three.
+    let (slope, bend) = (
+        0.5 * (stage[0] - stage[2]),
+        stage[0] - 2.0 * stage[1] + stage[2],
+    );
+    let lowest = stage[1] - 0.5 * slope * slope / bend;
+    assert!(bend > 0.0 && slope.abs() < bend, "{slope} {bend}");
+    let unit = scene.model().unwrap().law;
+    let unit = Control::Spring { stiffness }.unit(&unit);
+    assert!(
+        (fold.control - lowest).abs() < 1e-5 * unit,
+        "{} {lowest}",
+        fold.control
+    );
+}
+
+#[test]
+fn a_machine_softer_than_the_longest_wave_snaps_as_one_block_where_gamma_is_as_soft() {
+    let stiffness = 0.01;
+    let scene = sprung(stiffness, [10.0, -4.0, 0.1]);
+    let law = scene.model().unwrap().law;
+    assert!(stiffness < std::f64::consts::PI / scene.cell.length);
+    let run = walked(&scene, Part::Whole);
+    assert!(run.record.states.iter().all(|s| s.pattern == Flat));
+    assert_eq!(run.record.jumps.len(), 2);
+    for jump in &run.record.jumps {
+        let [u0, after] = [jump.mean_displacement, jump.mean_displacement_after];
+        assert!(
+            (law.at(u0).stiffness / -stiffness - 1.0).abs() < 1e-6,
+            "{jump:?}"
+        );
+        let energy = |u: f64| law.at(u).energy + 0.5 * stiffness * (jump.control - u).powi(2);
+        let released = (energy(u0) - energy(after)) / law.surface_energy;
+        assert!(
+            (jump.released_energy - released).abs() < 1e-6,
+            "{jump:?} {released}"
+        );
+        assert!((law.at(after).traction - stiffness * (jump.control - after)).abs() < 1e-7);
+    }
+    let ledger = run.record.ledger(law.surface_energy);
+    let off = ledger.loop_integral / ledger.released_energy_sum - 1.0;
+    assert!(off.abs() < 1e-4, "{off}");
+}
+
+#[test]
+fn under_a_load_contact_forms_at_once_at_zero_stress_and_breaks_at_the_largest_traction() {
+    let scene = driven(sprung(1.0, [0.0; 3]), Control::Load, [0.1, -0.02, 0.001]);
+    let law = scene.model().unwrap().law;
+    let run = walked(&scene, Part::Whole);
+    assert!(run.record.states.iter().all(|s| s.pattern == Flat));
+    let [touch, pull_off] = &run.record.jumps[..] else {
+        panic!("{:?}", run.record.jumps)
+    };
+    let largest = law.traction_max();
+    assert!(touch.control.abs() < 2e-5 * largest, "{touch:?}");
+    // From far away, without energy, into the well of the law.
+    assert!((touch.released_energy - 1.0).abs() < 1e-3, "{touch:?}");
+    assert!(
+        (pull_off.control / largest - 1.0).abs() < 1e-8,
+        "{pull_off:?}"
+    );
+    assert!((pull_off.mean_displacement - law.contact_gap()).abs() < 1e-6);
+    let ledger = run.record.ledger(law.surface_energy);
+    let off = ledger.loop_integral / ledger.released_energy_sum - 1.0;
+    assert!(off.abs() < 1e-6, "{off}");
+}
+
+/// A tip small beside its cell.
+fn tip(points: usize) -> Scene {
+    let mut scene = preset("hertz");
+    scene.cell.points = Points::Square(points);
+    scene
+}
+
+#[test]
+fn a_dead_weight_pulls_a_tip_off_at_the_largest_tension_of_the_driven_loop() {
+    let scene = tip(64);
+    let law = scene.model().unwrap().law;
+    let fixed = walked(&scene, Part::Quarter);
+    let states = fixed.record.states.iter();
+    let largest = states.map(|s| s.stress).fold(0.0, f64::max);
+    let load = driven(
+        scene,
+        Control::Load,
+        [2.0 * largest, -0.2 * largest, 0.05 * largest],
+    );
+    let run = walked(&load, Part::Quarter);
+    let [touch, pull_off] = &run.record.jumps[..] else {
+        panic!("{:?}", run.record.jumps)
+    };
+    assert!(touch.control.abs() < 2e-5 * law.traction_max(), "{touch:?}");
+    // The driven loop has no state just at its largest tension.
+    let off = pull_off.control / largest - 1.0;
+    assert!((0.0..2e-3).contains(&off), "{off}");
+    let ledger = run.record.ledger(law.surface_energy);
+    let off = ledger.loop_integral / ledger.released_energy_sum - 1.0;
+    assert!(off.abs() < 1e-5, "{off}");
+}
+
+#[test]
+fn the_pull_off_force_under_a_load_tends_to_that_of_jkr_as_the_range_shrinks() {
+    let off = [32, 64].map(|points| {
+        let scene = tip(points);
+        let Indenter::Hertz(hertz) = scene.indenter else {
+            panic!("a tip")
+        };
+        let jkr = Jkr {
+            radius: hertz.radius,
+            surface_energy: scene.law.surface_energy,
+        };
+        let stress = jkr.pull_off_force() / scene.cell.length.powi(2);
+        let load = driven(
+            scene,
+            Control::Load,
+            [2.0 * stress, -0.1 * stress, 0.05 * stress],
+        );
+        let run = walked(&load, Part::Quarter);
+        let pull_off = run.record.jumps.last().expect("a pull-off");
+        pull_off.control / stress - 1.0
+    });
+    assert!(
+        off[1].abs() < off[0].abs() && off[1].abs() < 0.05,
+        "{off:?}"
+    );
+}
+
+/// Every state of a loop under a spring, looked at by itself.
+#[test]
+fn no_state_called_stable_under_a_spring_is_unstable_at_fixed_u0_nor_steeper_than_the_spring() {
+    let stiffness = 0.02;
+    let mut scene = sprung(stiffness, [7.0, -1.0, 0.1]);
+    scene.cell.points = Points::Line(64);
+    let mut walk =
+        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut fixed = Mechanics::new(
+        walk.system().clone().with_control(Control::Displacement),
+        Slides::Freely,
+    );
+    let (mut before, mut looked_at) = (walk.record().clone(), 0);
+    for target in [-1.0, 7.0] {
+        walk.set_target(target);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {
+            let (here, state) = (walk.record().clone(), walk.here().state.clone());
+            if here.pattern == before.pattern && here.mean_displacement != before.mean_displacement
+            {
+                let secant = (here.stress - before.stress)
+                    / (here.mean_displacement - before.mean_displacement);
+                assert!(
+                    secant > -stiffness || here.direction != before.direction,
+                    "{here:?}"
+                );
+            }
+            let mut z = state.amplitudes;
+            z[0] = 0.0;
+            let at = fixed.at(z, state.mean_displacement);
+            fixed.refresh(&at.fields);
+            let mut tracker = Tracker::new(rand::SeedableRng::seed_from_u64(7));
+            let (seen, _) = tracker.check(&mut fixed, &at.state.amplitudes, &at.fields);
+            assert!(
+                seen.is_stable() && seen.value >= walk.here().stiffness_min.unwrap().value - 1e-6,
+                "{here:?} {seen:?}"
+            );
+            looked_at += usize::from(here.pattern == Ridge);
+            before = here;
+        }
+    }
+    assert!(looked_at > 20, "{looked_at}");
+}
