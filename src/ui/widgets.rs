@@ -132,9 +132,12 @@ pub fn described(picture: &Response, sentence: &str) {
     picture.widget_info(|| WidgetInfo::labeled(Role::Image, true, sentence));
 }
 
-/// How far a job is, beside the button that is returned: it is to end the job.
+/// How far a job is, beside a button that stops it, which is returned.
 pub fn progress<T>(ui: &mut Ui, job: &Job<T>) -> Response {
     let button = ui.button("Cancel");
+    if button.clicked() {
+        job.stop();
+    }
     let bar = ProgressBar::new(job.fraction as f32);
     ui.add(bar.desired_width(60.0).desired_height(14.0));
     button

@@ -33,9 +33,8 @@ pub struct Accuracy {
 /// What was asked of the tab.
 enum Asked {
     Measure(Effort),
-    Stop,
-    /// To make the settings of this row of the chart the scene's.
-    Use(usize),
+    /// To make the settings of this point of the chart the scene's.
+    Use(Point),
 }
 
 impl Tab for Accuracy {
@@ -50,8 +49,8 @@ impl Tab for Accuracy {
     fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {
         self.controls(ui);
         if let Some(chart) = self.chart.as_ref().and_then(|(_, job)| job.so_far.as_ref()) {
-            if let Some(index) = clicked(ui, chart, self.cost) {
-                self.asked = Some(Asked::Use(index));
+            if let Some(row) = clicked(ui, chart, self.cost) {
+                self.asked = Some(Asked::Use(row.point));
             }
         } else {
             let words = "Every method on this scene's loop, against a finer solution. Quick takes \
@@ -74,18 +73,11 @@ impl Tab for Accuracy {
         let Some((model, job)) = &mut self.chart else {
             return;
         };
-        let rows = job.so_far.as_ref().map(|chart| &chart.rows);
-        match asked {
-            Some(Asked::Stop) => job.stop(),
-            Some(Asked::Use(index)) => {
-                if let Some(point) = rows.and_then(|rows| rows.get(index)).map(|row| row.point) {
-                    job.stop();
-                    run_as(state, point);
-                    // It is still a chart of this loop.
-                    *model = state.model.clone();
-                }
-            }
-            Some(Asked::Measure(_)) | None => {}
+        if let Some(Asked::Use(point)) = asked {
+            job.stop();
+            run_as(state, point);
+            // It is still a chart of this loop.
+            *model = state.model.clone();
         }
         take_in(job, state);
     }
@@ -95,7 +87,7 @@ impl Tab for Accuracy {
     }
 }
 
-/// Makes the settings of a row the scene's: method, mesh, step.
+/// Makes the settings of a point of the chart the scene's: method, mesh, step.
 fn run_as(state: &mut ViewState, point: Point) {
     let mut scene = (*state.scene).clone();
     scene.law.range = Range::Length(state.model.law.range);
@@ -112,7 +104,7 @@ fn run_as(state: &mut ViewState, point: Point) {
 }
 
 /// Draws the chart; returns the row that was clicked.
-fn clicked(ui: &mut Ui, chart: &ChartSoFar, cost: Cost) -> Option<usize> {
+fn clicked<'a>(ui: &mut Ui, chart: &'a ChartSoFar, cost: Cost) -> Option<&'a Judged> {
     let drawn = ChartPanel::new(&chart.rows, chart.floor, cost);
     let mut panel = drawn.panel();
     panel.y.label = "error of the loss".to_owned();
@@ -129,16 +121,13 @@ fn clicked(ui: &mut Ui, chart: &ChartSoFar, cost: Cost) -> Option<usize> {
         )
         .filter(|distance| *distance <= NEAR)
     };
-    let near = |at: Pos2| {
-        chart
-            .rows
-            .iter()
-            .enumerate()
-            .filter_map(move |(i, row)| Some((i, distance(row, at)?)))
+    let nearest = |at: Pos2| {
+        let near = |row: &'a Judged| Some((row, distance(row, at)?));
+        let near = chart.rows.iter().filter_map(near);
+        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
     };
-    let nearest = |at: Pos2| near(at).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i);
     let pointed = response.hover_pos().and_then(nearest);
-    if let Some(index) = pointed {
+    if let Some(row) = pointed {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         // At once, and not when the pointer has rested: the marks are close together.
         let tip = Tooltip::always_open(
@@ -147,7 +136,7 @@ fn clicked(ui: &mut Ui, chart: &ChartSoFar, cost: Cost) -> Option<usize> {
             response.id,
             PopupAnchor::Pointer,
         );
-        tip.show(|ui| ui.label(words(&chart.rows[index])));
+        tip.show(|ui| ui.label(words(row)));
     }
     let failed = chart
         .rows
@@ -167,9 +156,7 @@ impl Accuracy {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             if let Some((_, job)) = self.chart.as_ref().filter(|(_, job)| job.is_running()) {
-                if progress(ui, job).on_hover_text(STAYS).clicked() {
-                    self.asked = Some(Asked::Stop);
-                }
+                progress(ui, job).on_hover_text(STAYS);
                 doing(ui, job);
                 return;
             }

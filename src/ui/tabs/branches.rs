@@ -2,7 +2,7 @@
 //! the state at that point in map and profile.
 
 use super::{Tab, Title, Update, doing};
-use crate::follow::diagram::{Diagram, Kind};
+use crate::follow::diagram::{Branch, Diagram, Kind, Point};
 use crate::physics::law::Law;
 use crate::plot::diagram_panel::{counts, diagram_panel, place};
 use crate::plot::panel::{Colour, Panel, Role, Series, Symbol};
@@ -33,7 +33,8 @@ pub struct Branches {
     missing: Option<String>,
     /// The point whose state map and profile show, and that picture.
     at: Option<(At, Arc<Frame>)>,
-    asked: Option<Asked>,
+    /// The point that is to be pictured next.
+    asked: Option<At>,
 }
 
 /// A point: its branch, and its place on it.
@@ -47,13 +48,6 @@ struct Shown {
     panel: Panel,
 }
 
-/// What was asked of the tab.
-enum Asked {
-    Stop,
-    /// To show the state at this point in map and profile.
-    Show(At),
-}
-
 impl Tab for Branches {
     fn title(&self) -> Title {
         let what = "every state of equilibrium, stable and unstable: why there are jumps";
@@ -64,9 +58,7 @@ impl Tab for Branches {
         self.words(ui);
         let at = self.at.as_ref().map(|(at, _)| *at);
         if let Some(shown) = &self.shown {
-            if let Some(at) = clicked(ui, state, shown, at) {
-                self.asked = Some(Asked::Show(at));
-            }
+            self.asked = clicked(ui, state, shown, at);
         } else {
             ui.label(RichText::new("Every state of equilibrium, stable or not.").weak());
         }
@@ -86,13 +78,11 @@ impl Tab for Branches {
             };
         }
         // The words of a point end with what they speak of.
-        let pictured =
-            |frame: &Arc<Frame>| matches!(&state.frame, Some(now) if Arc::ptr_eq(now, frame));
-        self.at.take_if(|(_, frame)| !pictured(frame));
-        match asked {
-            Some(Asked::Stop) => self.job.iter().for_each(Job::stop),
-            Some(Asked::Show(at)) => self.picture(at, state),
-            None => {}
+        let now = state.frame.as_ref();
+        self.at
+            .take_if(|(_, frame)| now.is_none_or(|now| !Arc::ptr_eq(now, frame)));
+        if let Some(at) = asked {
+            self.picture(at, state);
         }
         self.take_in(state);
         if with.seen && self.job.is_none() {
@@ -130,11 +120,8 @@ impl Branches {
 
     /// Shows the state at a point in map and profile, until the surface moves.
     fn picture(&mut self, at: At, state: &mut ViewState) {
-        let branches = self.shown.iter().flat_map(|shown| &shown.diagram.branches);
-        let Some(branch) = branches.into_iter().nth(at[0]) else {
-            return;
-        };
-        let Some(point) = branch.points.get(at[1]) else {
+        let shown = self.shown.as_ref();
+        let Some((branch, point)) = shown.and_then(|shown| shown.point(at)) else {
             return;
         };
         let frame = Arc::new(Frame {
@@ -150,14 +137,12 @@ impl Branches {
     }
 
     /// How far the job is, or why there is nothing, or what is seen.
-    fn words(&mut self, ui: &mut Ui) {
+    fn words(&self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             match (&self.job, &self.missing, &self.shown) {
                 (Some(job), ..) if job.is_running() => {
-                    if progress(ui, job).clicked() {
-                        self.asked = Some(Asked::Stop);
-                    }
+                    progress(ui, job);
                     doing(ui, job);
                 }
                 (_, Some(why), _) => {
@@ -178,10 +163,14 @@ impl Branches {
 }
 
 impl Shown {
+    fn point(&self, at: At) -> Option<(&Branch, &Point)> {
+        let branch = self.diagram.branches.get(at[0])?;
+        Some((branch, branch.points.get(at[1])?))
+    }
+
     /// A point in words: what it is, and along how many modes it is unstable.
-    fn words(&self, [branch, point]: At) -> Option<String> {
-        let branch = self.diagram.branches.get(branch)?;
-        let point = branch.points.get(point)?;
+    fn words(&self, at: At) -> Option<String> {
+        let (branch, point) = self.point(at)?;
         let [before, after] = point.index;
         let softness = match before.min(after) {
             _ if point.kind == Kind::Fold => "a fold: its own mode has no stiffness".to_owned(),
@@ -212,8 +201,8 @@ fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Opt
             .series
             .extend([here(Symbol::Ring), here(Symbol::Circle).filled()]);
     }
-    let seen = at.and_then(|[i, j]| {
-        let state = &shown.diagram.branches.get(i)?.points.get(j)?.state;
+    let seen = at.and_then(|at| {
+        let state = &shown.point(at)?.1.state;
         Some(place(state.mean_displacement, state.stress, &shown.law))
     });
     let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());

@@ -40,14 +40,8 @@ pub struct Paper {
 enum Asked {
     /// To turn to a page; one that could not be computed is tried again.
     Open(Page),
-    /// To give up the page that is being computed.
-    Cancel,
-    /// The scene of the figure.
+    /// To open the scene of the figure.
     Scene,
-    /// A window of its own.
-    Enlarge,
-    /// None.
-    Reduce,
 }
 
 /// Every page with a face, in order.
@@ -90,9 +84,7 @@ impl Tab for Paper {
         ui.horizontal_wrapped(|ui| {
             self.buttons(ui, state, actions);
             let enlarge = ui.button("Enlarge").on_hover_text("a window of its own");
-            if enlarge.clicked() {
-                self.asked = Some(Asked::Enlarge);
-            }
+            self.large |= enlarge.clicked();
         });
         ScrollArea::vertical()
             .auto_shrink([false, false])
@@ -104,19 +96,12 @@ impl Tab for Paper {
         let state = with.state;
         match self.asked.take() {
             Some(Asked::Open(page)) => (self.page, self.missing) = (page, None),
-            Some(Asked::Cancel) => {
-                if let Some((page, _)) = self.job.take() {
-                    self.give_up(page, "cancelled".to_owned(), state);
-                }
-            }
             Some(Asked::Scene) => {
                 if let Some(entry) = entry(self.page) {
                     state.open_scene((entry.scene)());
                     state.plots.overlay = true;
                 }
             }
-            Some(Asked::Enlarge) => self.large = true,
-            Some(Asked::Reduce) => self.large = false,
             None => {}
         }
         self.take_in(state);
@@ -153,9 +138,7 @@ impl Tab for Paper {
                     .auto_shrink([false, false])
                     .show(ui, |ui| self.content(ui));
             });
-        if !open {
-            self.asked = Some(Asked::Reduce);
-        }
+        self.large = open;
     }
 
     fn commands(&self) -> Vec<String> {
@@ -177,20 +160,18 @@ impl Paper {
         let Some((page, job)) = &mut self.job else {
             return;
         };
-        let Some(end) = job.poll() else { return };
+        let end = match job.poll() {
+            Some(end) => end,
+            None if job.is_running() => return,
+            None => Err("cancelled".to_owned()),
+        };
         let (page, content) = (*page, job.so_far.take());
         self.job = None;
         match (end, content) {
-            (Err(why), _) => self.give_up(page, why, state),
             (Ok(()), Some(PageContent::Theory(theory))) => state.plots.theory = Some(theory),
             (Ok(()), content) => self.known.extend(content.map(|content| (page, content))),
-        }
-    }
-
-    fn give_up(&mut self, page: Page, why: String, state: &mut ViewState) {
-        match page {
-            Page::Theory => state.plots.overlay = false,
-            _ => self.missing = Some(why),
+            (Err(_), _) if page == Page::Theory => state.plots.overlay = false,
+            (Err(why), _) => self.missing = Some(why),
         }
     }
 }
@@ -264,9 +245,7 @@ impl Paper {
     fn under_way(&mut self, ui: &mut Ui) {
         if let Some((_, job)) = &self.job {
             ui.horizontal(|ui| {
-                if progress(ui, job).clicked() {
-                    self.asked = Some(Asked::Cancel);
-                }
+                progress(ui, job);
                 doing(ui, job);
             });
         } else if let Some(why) = &self.missing {

@@ -34,7 +34,8 @@ pub struct Stability {
     of: Of,
     /// The measurement of the time-step map, and in which run.
     time_steps: Option<(RunId, Job<TimeStepMap>)>,
-    asked: Option<Asked>,
+    /// It is to begin.
+    measure: bool,
 }
 
 /// Stability of what.
@@ -45,12 +46,6 @@ enum Of {
     States,
     /// Of GFMD: which time steps it survives.
     TimeSteps,
-}
-
-/// What was asked of the tab.
-enum Asked {
-    Measure,
-    Stop,
 }
 
 impl Tab for Stability {
@@ -79,15 +74,11 @@ impl Tab for Stability {
 
     fn update(&mut self, Update { state, solver, .. }: Update<'_>) {
         self.time_steps.take_if(|(run, _)| *run != state.run.id);
-        match self.asked.take() {
-            Some(Asked::Measure) => {
-                let input = (state.scene.clone(), state.limits.0);
-                let job = solver.job(input, background::time_steps);
-                state.measure(&job);
-                self.time_steps = Some((state.run.id, job));
-            }
-            Some(Asked::Stop) => self.time_steps.iter().for_each(|(_, job)| job.stop()),
-            None => {}
+        if std::mem::take(&mut self.measure) {
+            let input = (state.scene.clone(), state.limits.0);
+            let job = solver.job(input, background::time_steps);
+            state.measure(&job);
+            self.time_steps = Some((state.run.id, job));
         }
         if let Some((_, job)) = &mut self.time_steps {
             take_in(job, state);
@@ -298,15 +289,10 @@ impl Stability {
         let job = self.time_steps.as_ref().map(|(_, job)| job);
         ui.horizontal_wrapped(|ui| {
             if let Some(job) = job.filter(|job| job.is_running()) {
-                if progress(ui, job).on_hover_text(STAYS).clicked() {
-                    self.asked = Some(Asked::Stop);
-                }
-            } else if ui
-                .button("Measure")
-                .on_hover_text("let a tiny perturbation go at states along the approach")
-                .clicked()
-            {
-                self.asked = Some(Asked::Measure);
+                progress(ui, job).on_hover_text(STAYS);
+            } else {
+                let what = "let a tiny perturbation go at states along the approach";
+                self.measure = ui.button("Measure").on_hover_text(what).clicked();
             }
             time_step_legend(ui, &palette);
         });
