@@ -39,8 +39,8 @@ pub struct Reporter<T> {
     pace: Pace,
 }
 
-/// What a job does with its input: it reports as it goes, polls its reporter's `cancel`, and says why
-/// it could not be finished.
+/// What a job does with its input: it reports as it goes, polls its reporter's `cancel`, and says
+/// why it could not be finished.
 pub type Compute<I, T> = fn(&I, &Reporter<T>) -> Result<(), String>;
 
 /// Work that waits for somebody to run it, on whatever thread.
@@ -109,8 +109,8 @@ impl<T> Job<T> {
         )
     }
 
-    /// Takes in what was reported; never blocks. Tells once how the job ended, unless it was stopped:
-    /// the error is why it could not be finished.
+    /// Takes in what was reported; never blocks. Tells once how the job ended, unless it was
+    /// stopped: the error is why it could not be finished.
     pub fn poll(&mut self) -> Option<Result<(), String>> {
         for report in self.reports.try_iter() {
             match report {
