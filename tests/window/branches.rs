@@ -92,14 +92,21 @@ fn the_branches_of_an_edited_scene_stay_until_its_own_come_and_those_of_another_
     small.cell.points = Points::Line(32);
     report.result(diagram(&small));
     report.end(Ok(()));
-    bench.settle();
+    bench.reach(4.0, Direction::Approach);
     let shown = |bench: &Bench| bench.names().contains("Every branch of equilibria:");
     assert!(shown(&bench) && !bench.state().plots.beneath.is_empty());
     bench.click("law cosine");
     assert!(shown(&bench) && bench.state().plots.beneath.is_empty());
     // The solver's first picture of the opened scene is there before the tab hears of the scene.
-    bench.window.key_press(egui::Key::Num2);
+    bench.window.event(egui::Event::Key {
+        key: egui::Key::Num2,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    });
     bench.window.step();
+    assert!(bench.state().frame.is_none());
     bench.reach(4.0, Direction::Approach);
     assert!(!shown(&bench), "{}", bench.names());
 }
