@@ -16,10 +16,9 @@ use tackscope::solver::methods::MethodKind;
 use tackscope::storage::{presets, scene_file};
 use tackscope::study::chart::Effort;
 use tackscope::study::live_loop::Fineness;
+use tackscope::worker::background::{self, Page, PageContent};
 use tackscope::worker::job::Job;
-use tackscope::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, Page, PageContent, Speed, Sweep,
-};
+use tackscope::worker::protocol::{Command, Envelope, Event, Failure, Frame, Speed, Sweep};
 use tackscope::worker::session::Session;
 use tackscope::worker::{SolverHandle, Worker};
 
@@ -371,6 +370,11 @@ fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
     assert!(resting > 10 && moving > 3, "{resting} {moving}");
 }
 
+/// The worker as the window sees it.
+fn beside(worker: &Worker) -> &dyn SolverHandle {
+    worker
+}
+
 /// Waits until a job has ended, at most a minute, calling `look` now and then.
 fn await_end<T>(job: &mut Job<T>, mut look: impl FnMut(&Job<T>)) -> Result<(), String> {
     let begin = Instant::now();
@@ -389,15 +393,15 @@ fn time_steps_are_measured_beside_the_walk_and_the_newest_measurement_takes_the_
  {
     let worker = Worker::spawn(|| {});
     let scene = Arc::new(fig2(16));
-    let mut job = worker.time_steps(scene.clone(), 0.2);
+    let mut job = beside(&worker).job((scene.clone(), 0.2), background::time_steps);
     job = {
         drop(job);
-        worker.time_steps(scene.clone(), 0.2)
+        beside(&worker).job((scene.clone(), 0.2), background::time_steps)
     };
     worker.send(set_scene(2, fig2(16)));
     job.stop();
     assert!(!job.is_running());
-    job = worker.time_steps(scene, 0.2);
+    job = beside(&worker).job((scene, 0.2), background::time_steps);
     let mut partial = 0;
     assert_eq!(
         await_end(&mut job, |job| partial += usize::from(
@@ -444,7 +448,7 @@ fn the_live_loop_of_the_newest_scene_comes_coarse_first_and_fine_when_the_scenes
 #[test]
 fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
     let worker = Worker::spawn(|| {});
-    let mut job = worker.chart(Arc::new(fig2(32)), Effort::Quick);
+    let mut job = beside(&worker).job((Arc::new(fig2(32)), Effort::Quick), background::chart);
     let begin = Instant::now();
     while job
         .so_far
@@ -481,20 +485,23 @@ fn a_chart_is_told_as_it_grows_and_stops_when_asked() {
 #[test]
 fn pages_of_the_paper_are_computed_beside_the_walk_and_one_that_is_dropped_says_no_more() {
     let worker = Worker::spawn(|| {});
-    let mut dropped = worker.page(Page::Figure(2));
+    let mut dropped = beside(&worker).job(Page::Figure(2), background::page);
     dropped.stop();
     worker.send(set_scene(1, fig2(16)));
-    let mut theory = worker.page(Page::Theory);
+    let mut theory = beside(&worker).job(Page::Theory, background::page);
     assert_eq!(await_end(&mut theory, |_| {}), Ok(()));
     assert!(matches!(theory.so_far, Some(PageContent::Theory(_))));
     assert!(
         dropped.poll().is_none() && dropped.so_far.is_none(),
         "Fig. 2 was dropped without a word"
     );
-    let mut figure = worker.page(Page::Figure(4));
+    let mut figure = beside(&worker).job(Page::Figure(4), background::page);
     assert_eq!(await_end(&mut figure, |_| {}), Ok(()));
     assert!(matches!(&figure.so_far, Some(PageContent::Figure(figure)) if figure.number == 4));
-    let end = await_end(&mut worker.page(Page::Figure(777)), |_| {});
+    let end = await_end(
+        &mut beside(&worker).job(Page::Figure(777), background::page),
+        |_| {},
+    );
     assert!(
         matches!(&end, Err(why) if why.contains("no Fig. 777")),
         "{end:?}"
@@ -829,8 +836,11 @@ fn the_threads_end_within_two_seconds_whatever_they_are_at() {
             worker.send(set_scene(1, scene.clone()));
             worker.send(sweep(1, 1, Sweep::Loop));
             let jobs = (
-                worker.chart(Arc::new(scene.clone()), Effort::Full { seconds: 60.0 }),
-                worker.page(pages),
+                beside(&worker).job(
+                    (Arc::new(scene.clone()), Effort::Full { seconds: 60.0 }),
+                    background::chart,
+                ),
+                beside(&worker).job(pages, background::page),
             );
             std::thread::sleep(Duration::from_millis(150));
             let began = Instant::now();

@@ -1,11 +1,10 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
-use crate::plot::chart_panel::Cost;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::worker::protocol::{Page, Speed, Sweep};
+use crate::worker::protocol::{Speed, Sweep};
 use std::path::PathBuf;
 
 /// An intent of the user.
@@ -61,26 +60,15 @@ pub enum Action {
     FitScene,
     /// Change how things are drawn.
     SetView(ViewOptions),
-    /// Begin a measurement beside the walk.
-    Measure(Measurement),
-    /// Drop the measurement under way.
-    StopMeasuring,
-    /// Give up the branches that are being followed.
-    StopBranches,
-    /// Show the state at this point (branch, place) of the diagram.
-    ShowBranchPoint([usize; 2]),
-    /// Turn to a page of the paper.
-    OpenPage(Page),
-    /// Give up the page that is being computed.
-    ClosePage,
-    /// Open the scene of the figure that is looked at.
-    OpenPageScene,
+    /// Ask a tab for one of its commands.
+    CommandTab {
+        /// Which tab.
+        tab: usize,
+        /// Which command.
+        index: usize,
+    },
     /// Lay theory over the live plot, or take it away.
     OverlayTheory(bool),
-    /// Show the page in a window of its own, or only in its tab.
-    EnlargePage(bool),
-    /// Make the settings of this row of the chart the scene's.
-    UseChartRow(usize),
     /// Look at the recorded state nearest to a place of the plot.
     SelectState {
         /// u0/rho and stress/sigma_max.
@@ -184,45 +172,6 @@ pub enum ProfileLine {
     AlongY(f64),
 }
 
-/// What is shown below the plot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Tab {
-    /// The list of jumps.
-    #[default]
-    Events,
-    /// The smallest eigenvalue, or the time steps.
-    Stability,
-    /// Every branch of the scene.
-    Branches,
-    /// The energy along the soft mode.
-    EnergyWell,
-    /// Speed against accuracy of every method.
-    Accuracy,
-    /// The paper, figure by figure.
-    Paper,
-}
-
-/// What can be measured beside the walk.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measurement {
-    /// Which time steps GFMD survives.
-    TimeSteps,
-    /// Speed against accuracy, on coarse meshes with long steps.
-    QuickChart,
-    /// Speed against accuracy, within two minutes.
-    FullChart,
-}
-
-/// Stability of what.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum StabilityOf {
-    /// Of the equilibria: the smallest eigenvalue against u0.
-    #[default]
-    States,
-    /// Of GFMD: which time steps it survives.
-    TimeSteps,
-}
-
 /// How things are drawn; no part of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -234,12 +183,8 @@ pub struct ViewOptions {
     pub profile: ProfileLine,
     /// Draw the soft mode over the map.
     pub soft_mode: bool,
-    /// What is shown below the plot.
-    pub tab: Tab,
-    /// Which stability.
-    pub stability: StabilityOf,
-    /// Which cost the chart shows.
-    pub cost: Cost,
+    /// What is shown below the plot: the tab of this index.
+    pub tab: usize,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
 }
@@ -251,9 +196,7 @@ impl Default for ViewOptions {
             smooth: true,
             profile: ProfileLine::Auto,
             soft_mode: false,
-            tab: Tab::default(),
-            stability: StabilityOf::default(),
-            cost: Cost::default(),
+            tab: 0,
             speed: Speed::default(),
         }
     }

@@ -3,8 +3,9 @@
 use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
+use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::{controls, gap_map, keys, loop_plot, paper, profile, status_bar, tabs, toolbar};
+use super::{controls, gap_map, keys, loop_plot, profile, status_bar, toolbar};
 use crate::plot::loop_panel;
 use crate::scene::Scene;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
@@ -25,6 +26,7 @@ pub struct App {
     state: ViewState,
     solver: Box<dyn SolverHandle>,
     map: MapCache,
+    tabs: Tabs,
     dialogs: Dialogs,
     /// When a jump was last announced (seconds).
     announced: f64,
@@ -57,6 +59,7 @@ impl App {
             state,
             solver: Box::new(solver),
             map: MapCache::default(),
+            tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
             opening: None,
@@ -73,13 +76,15 @@ impl App {
         let ctx = ui.ctx().clone();
         self.listen();
         self.open();
+        self.tabs.update(&mut self.state, &*self.solver);
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         self.announce(&ctx);
         self.everything(ui, &mut actions);
-        paper::window(&ctx, &self.state, &mut actions);
-        self.dialogs.show(&ctx, &self.state, &mut actions);
+        self.tabs.float(&ctx, &self.state, &mut actions);
+        self.dialogs
+            .show(&ctx, &self.state, &self.tabs, &mut actions);
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
             ctx.request_repaint();
@@ -93,15 +98,12 @@ impl App {
         for command in self.state.take_commands() {
             self.solver.send(command);
         }
-        self.state.begin_page(&*self.solver);
-        self.state.follow_branches(&*self.solver);
     }
 
     fn listen(&mut self) {
         for event in self.solver.poll() {
             self.state.apply(event);
         }
-        self.state.poll_jobs();
     }
 
     /// Takes in the file that was being opened, if it is there.
@@ -188,9 +190,10 @@ impl App {
             .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
-            loop_plot::show(ui, state, actions);
+            let height = self.tabs.plot_height(ui, state);
+            loop_plot::show(ui, state, actions, height);
             ui.separator();
-            tabs::show(ui, state, actions);
+            self.tabs.show(ui, state, actions);
         });
         CentralPanel::default().show(ui, |ui| {
             gap_map::show(ui, state, actions, &self.map);
@@ -236,21 +239,8 @@ impl App {
             Action::FitData => state.fit_axes(),
             Action::FitScene => state.plots.fit = None,
             Action::SetView(view) => state.view = view,
-            Action::OpenPage(page) => state.paper.open(page),
-            Action::ClosePage => state.paper.cancel(),
-            Action::OpenPageScene => {
-                if let Some(entry) = state.paper.entry() {
-                    state.open_scene((entry.scene)());
-                    state.paper.overlay = true;
-                }
-            }
-            Action::OverlayTheory(overlay) => state.paper.overlay = overlay,
-            Action::EnlargePage(large) => state.paper.large = large,
-            Action::Measure(what) => state.measure(what, &*self.solver),
-            Action::StopBranches => state.stop_branches(),
-            Action::ShowBranchPoint(which) => state.show_branch_point(which),
-            Action::StopMeasuring => state.stop_measuring(),
-            Action::UseChartRow(index) => state.use_chart_row(index),
+            Action::CommandTab { tab, index } => self.tabs.command(tab, index),
+            Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(by) => state.step_jump(by),
@@ -271,6 +261,7 @@ impl App {
                 ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
                 state.view = ViewOptions::default();
                 state.plots.fit = None;
+                self.tabs.restore();
             }
             Action::DismissFailure => state.messages.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),

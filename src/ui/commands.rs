@@ -1,18 +1,17 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, Tab, ViewOptions};
-use super::tabs::TABS;
+use super::action::{Action, FileTask, ViewOptions};
+use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
 use super::widgets;
-use crate::paper::GALLERY;
 use crate::physics::law::Shape;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::presets;
-use crate::worker::protocol::{Page, Sweep};
+use crate::worker::protocol::Sweep;
 use egui::{
     Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
 };
@@ -39,7 +38,7 @@ impl Command {
 }
 
 /// Everything that can be done in this state.
-fn all(state: &ViewState) -> Vec<Command> {
+fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
     let one = Command::new;
     let mut list = motions(state);
     list.extend(files());
@@ -51,7 +50,12 @@ fn all(state: &ViewState) -> Vec<Command> {
     list.push(one("Quit", "Ctrl+Q", Action::Quit));
     list.extend(scenes(state));
     list.extend(choices(state));
-    list.extend(pages(state));
+    let of_tabs = tabs.commands(state).into_iter();
+    list.extend(of_tabs.map(|(name, actions)| Command {
+        name,
+        keys: "",
+        actions,
+    }));
     list
 }
 
@@ -138,9 +142,9 @@ fn views(state: &ViewState) -> Vec<Command> {
         one("Fit the axes to the data", "", Action::FitData),
         one("Axes of the scene", "", Action::FitScene),
         one(
-            &on("theory over the live plot", state.paper.overlay),
+            &on("theory over the live plot", state.plots.overlay),
             "",
-            Action::OverlayTheory(!state.paper.overlay),
+            Action::OverlayTheory(!state.plots.overlay),
         ),
         one(
             &on("the soft mode on the map", state.view.soft_mode),
@@ -212,45 +216,8 @@ fn choices(state: &ViewState) -> Vec<Command> {
     list
 }
 
-/// The tabs, and the pages of the paper's tab.
-fn pages(state: &ViewState) -> Vec<Command> {
-    let one = Command::new;
-    let view = Action::SetView;
-    let mut list = TABS
-        .map(|(tab, name, _)| {
-            one(
-                &format!("Tab: {name}"),
-                "",
-                view(ViewOptions { tab, ..state.view }),
-            )
-        })
-        .to_vec();
-    let page = |name: String, page: Page| {
-        let tab = view(ViewOptions {
-            tab: Tab::Paper,
-            ..state.view
-        });
-        Command {
-            name,
-            keys: "",
-            actions: vec![tab, Action::OpenPage(page)],
-        }
-    };
-    list.extend(GALLERY.iter().map(|entry| {
-        page(
-            format!("Fig. {}: {}", entry.number, entry.title),
-            Page::Figure(entry.number),
-        )
-    }));
-    list.push(page(
-        "Errata: what the print got wrong".to_owned(),
-        Page::Errata,
-    ));
-    list
-}
-
 /// What these words find: every word somewhere in the name. A number alone is a u0, in ranges.
-pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
+pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
     let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
     let place = widgets::parse(words).filter(|u0| (low..=high).contains(u0));
     let go = place.map(|u0| {
@@ -266,7 +233,7 @@ pub fn found(state: &ViewState, words: &str) -> Vec<Command> {
         wanted.iter().all(|word| name.contains(word.as_str()))
     };
     go.into_iter()
-        .chain(all(state).into_iter().filter(fits))
+        .chain(all(state, tabs).into_iter().filter(fits))
         .collect()
 }
 
@@ -280,15 +247,21 @@ pub struct Palette {
 
 impl Palette {
     /// Draws it; what is run closes it first.
-    pub fn show(&mut self, ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
+    pub fn show(
+        &mut self,
+        ctx: &Context,
+        state: &ViewState,
+        tabs: &Tabs,
+        actions: &mut Vec<Action>,
+    ) {
         Window::new("Commands")
             .title_bar(false)
             .resizable(false)
             .anchor(Align2::CENTER_TOP, [0.0, 60.0])
-            .show(ctx, |ui| self.body(ui, state, actions));
+            .show(ctx, |ui| self.body(ui, state, tabs, actions));
     }
 
-    fn body(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    fn body(&mut self, ui: &mut Ui, state: &ViewState, tabs: &Tabs, actions: &mut Vec<Action>) {
         ui.set_width((ui.ctx().content_rect().width() - 60.0).min(480.0));
         let (up, down, enter) = ui.input_mut(|input| {
             let mut pressed = |key| input.count_and_consume_key(Modifiers::NONE, key);
@@ -311,7 +284,7 @@ impl Palette {
         if field.changed() {
             self.chosen = 0;
         }
-        let list = found(state, &self.words);
+        let list = found(state, tabs, &self.words);
         let last = list.len().saturating_sub(1);
         self.chosen = (self.chosen + down).saturating_sub(up).min(last);
         let mut run = if enter { list.get(self.chosen) } else { None };

@@ -4,6 +4,7 @@
 use super::action::{Action, FileTask};
 use super::commands::Palette;
 use super::keys;
+use super::tabs::Tabs;
 use super::view_state::ViewState;
 use crate::storage::files::{self, Effect};
 use egui::{Align2, Context, RichText, Ui, Window};
@@ -128,12 +129,18 @@ impl Dialogs {
     }
 
     /// Draws what is open and asks the desktop's chooser for its answer.
-    pub fn show(&mut self, ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
+    pub fn show(
+        &mut self,
+        ctx: &Context,
+        state: &ViewState,
+        tabs: &Tabs,
+        actions: &mut Vec<Action>,
+    ) {
         if self.help {
             help(ctx, actions);
         }
         if let Some(commands) = &mut self.commands {
-            commands.show(ctx, state, actions);
+            commands.show(ctx, state, tabs, actions);
         }
         let Self {
             chooser,

@@ -1,7 +1,7 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::{Action, Tab};
+use super::action::Action;
 use super::diagram;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -19,21 +19,8 @@ const CLICK: f64 = 14.0;
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
 
-/// Height of legend and plot: what is left of the column goes to the view below, of which the paper
-/// wants most.
-fn height(ui: &Ui, state: &ViewState) -> f32 {
-    let whole = ui.available_height();
-    let (share, least) = match state.view.tab {
-        Tab::Paper => (0.36, 215.0),
-        _ if whole < 600.0 => (0.54, 230.0),
-        _ => (0.62, 230.0),
-    };
-    (share * whole).max(least)
-}
-
-/// Draws heading, legend and plot.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let height = height(ui, state);
+/// Draws heading, legend and plot; the two below the heading in this height.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
     let palette = theme::palette(ui);
     heading(ui, state, actions, &palette);
     let panel = panel(state);
@@ -206,7 +193,7 @@ fn panel(state: &ViewState) -> Panel {
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
-    panel.series.extend(beneath(state));
+    panel.series.extend(state.plots.beneath.iter().cloned());
     panel.series.extend(state.plots.flat_state.iter().cloned());
     panel.series.extend(live(state));
     panel
@@ -235,20 +222,6 @@ fn panel(state: &ViewState) -> Panel {
             .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
     }
     panel
-}
-
-/// The branches of the diagram, if they are known of this scene: unstable ones, which the loop cannot
-/// show, and where stable ones end.
-fn beneath(state: &ViewState) -> Vec<Series> {
-    let Some(shown) = state.branches.of(&state.scene) else {
-        return Vec::new();
-    };
-    let marks = [Symbol::Square, Symbol::Circle];
-    let seen = |series: &&Series| {
-        series.role == Role::Unstable && series.colour != Colour::FLAT
-            || series.symbol.is_some_and(|symbol| marks.contains(&symbol))
-    };
-    shown.panel.series.iter().filter(seen).cloned().collect()
 }
 
 /// Pieces as one broken line.

@@ -1,7 +1,8 @@
 //! Floor 8: the window (eframe, egui, egui_plot, rfd), behind the feature `gui`.
 //!
 //! A panel is a function that reads the [`view_state::ViewState`] and pushes [`action::Action`]s;
-//! only [`app`] acts on them. The state is plain data that is built and updated without egui. The
+//! only [`app`] acts on them. A tab below the plot holds what only it needs, and acts once a frame
+//! on what was asked of it. The state is plain data that is built and updated without egui. The
 //! solver is behind [`crate::worker::SolverHandle`]: its thread never blocks the window, and tests
 //! drive one by hand. May use everything below; touches files only through `storage`, starts no
 //! thread.
@@ -14,24 +15,18 @@ pub mod app;
 pub mod theme;
 pub mod view_state;
 
-mod accuracy;
-mod branches;
 mod commands;
 mod controls;
 mod diagram;
 mod dialogs;
 mod display;
-mod energy_well;
-mod event_list;
 mod gap_map;
 mod gap_picture;
 mod keys;
 mod loop_plot;
-mod paper;
 mod profile;
 mod saved_state;
 mod sliders;
-mod stability;
 mod status_bar;
 mod tabs;
 mod toolbar;

@@ -1,67 +1,205 @@
 //! What stands below the plot: one of several views behind a strip of tabs.
+//!
+//! A tab is a file of the folder `tabs` and an entry of [`Tabs::default`]. It holds its state, its
+//! job and what was asked of it; what other panels show of it, it puts into the [`ViewState`].
 
-use super::action::{Action, Tab, ViewOptions};
+mod accuracy;
+mod branches;
+mod energy_well;
+mod event_list;
+mod paper;
+mod stability;
+
+use super::action::{Action, ViewOptions};
 use super::view_state::ViewState;
-use super::{accuracy, branches, energy_well, event_list, paper, stability};
-use egui::{Role, Ui, WidgetInfo};
+use crate::worker::SolverHandle;
+use crate::worker::job::Job;
+use egui::{Context, Label, RichText, Role, Ui, WidgetInfo};
+
+/// What a tab is called, and the room that it wants.
+#[derive(Clone, Copy, Debug)]
+pub struct Title {
+    /// Its name.
+    pub name: &'static str,
+    /// Its name in a narrow strip.
+    pub short: &'static str,
+    /// What it shows, while the pointer rests on it.
+    pub what: &'static str,
+    /// It wants more room than the plot above.
+    pub tall: bool,
+}
+
+impl Title {
+    const fn new(name: &'static str, what: &'static str) -> Self {
+        Self {
+            name,
+            short: name,
+            what,
+            tall: false,
+        }
+    }
+}
+
+/// What a tab works with, once a frame.
+pub struct Update<'a> {
+    /// What the window shows.
+    pub state: &'a mut ViewState,
+    /// Who begins its job.
+    pub solver: &'a dyn SolverHandle,
+    /// The tab is the chosen one.
+    pub seen: bool,
+}
+
+/// A view behind the strip. Its methods are called whether it is the chosen one or not, but for
+/// `show`.
+pub trait Tab {
+    /// What it is called.
+    fn title(&self) -> Title;
+
+    /// Draws it, and notes what is asked of it: `update` acts.
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>);
+
+    /// Once a frame, before anything is drawn: does what was asked of it, takes in what its job has
+    /// found, and begins one if somebody looks.
+    fn update(&mut self, _with: Update<'_>) {}
+
+    /// Draws what floats over the panels.
+    fn float(&mut self, _ctx: &Context, _state: &ViewState, _actions: &mut Vec<Action>) {}
+
+    /// What it does beyond being shown, by names for the palette of commands.
+    fn commands(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Is asked for the command of this index.
+    fn command(&mut self, _index: usize) {}
+
+    /// Shows things as at first.
+    fn restore(&mut self) {}
+}
 
 /// The tabs in order.
-pub const TABS: [(Tab, &str, &str); 6] = [
-    (Tab::Events, "Events", "every jump so far"),
-    (
-        Tab::Stability,
-        "Stability",
-        "how far the next jump is, and which time steps GFMD survives",
-    ),
-    (
-        Tab::Branches,
-        "Branches",
-        "every state of equilibrium, stable and unstable: why there are jumps",
-    ),
-    (
-        Tab::EnergyWell,
-        "Energy well",
-        "the energy along the softest mode",
-    ),
-    (
-        Tab::Accuracy,
-        "Speed and accuracy",
-        "what every method costs, and how far off it is",
-    ),
-    (
-        Tab::Paper,
-        "Paper",
-        "the paper's figures beside their theory, and what the print got wrong",
-    ),
-];
+pub struct Tabs(Vec<Box<dyn Tab>>);
 
-/// The strip, and the chosen view in the rest of the space.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let narrow = ui.available_width() < 480.0;
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        for (tab, name, what) in TABS {
-            let chosen = state.view.tab == tab;
-            let short = match tab {
-                Tab::Accuracy if narrow => "Accuracy",
-                Tab::EnergyWell if narrow => "Well",
-                _ => name,
-            };
-            let response = ui.selectable_label(chosen, short).on_hover_text(what);
-            response.widget_info(|| {
-                WidgetInfo::selected(Role::Tab, true, chosen, format!("{name} tab"))
+impl Default for Tabs {
+    fn default() -> Self {
+        Self(vec![
+            Box::new(event_list::EventList),
+            Box::<stability::Stability>::default(),
+            Box::<branches::Branches>::default(),
+            Box::new(energy_well::Well),
+            Box::<accuracy::Accuracy>::default(),
+            Box::<paper::Paper>::default(),
+        ])
+    }
+}
+
+impl Tabs {
+    /// Once a frame, before anything is drawn.
+    pub fn update(&mut self, state: &mut ViewState, solver: &dyn SolverHandle) {
+        for (index, tab) in self.0.iter_mut().enumerate() {
+            let seen = state.view.tab == index;
+            tab.update(Update {
+                state,
+                solver,
+                seen,
             });
-            if response.clicked() && !chosen {
-                actions.push(Action::SetView(ViewOptions { tab, ..state.view }));
-            }
         }
-    });
-    match state.view.tab {
-        Tab::Events => event_list::show(ui, state, actions),
-        Tab::Stability => stability::show(ui, state, actions),
-        Tab::Branches => branches::show(ui, state, actions),
-        Tab::EnergyWell => energy_well::show(ui, state),
-        Tab::Accuracy => accuracy::show(ui, state, actions),
-        Tab::Paper => paper::show(ui, state, actions),
+    }
+
+    /// The height of legend and plot above: the rest of the column goes to the tab.
+    pub fn plot_height(&self, ui: &Ui, state: &ViewState) -> f32 {
+        let whole = ui.available_height();
+        let tall = self
+            .0
+            .get(state.view.tab)
+            .is_some_and(|tab| tab.title().tall);
+        let (share, least) = match tall {
+            true => (0.36, 215.0),
+            false if whole < 600.0 => (0.54, 230.0),
+            false => (0.62, 230.0),
+        };
+        (share * whole).max(least)
+    }
+
+    /// The strip, and the chosen view in the rest of the space.
+    pub fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+        let narrow = ui.available_width() < 480.0;
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (index, title) in self.titles().enumerate() {
+                let chosen = state.view.tab == index;
+                let face = if narrow { title.short } else { title.name };
+                let response = ui.selectable_label(chosen, face).on_hover_text(title.what);
+                response.widget_info(|| {
+                    let name = format!("{} tab", title.name);
+                    WidgetInfo::selected(Role::Tab, true, chosen, name)
+                });
+                if response.clicked() && !chosen {
+                    actions.push(choose(index, state));
+                }
+            }
+        });
+        if let Some(tab) = self.0.get_mut(state.view.tab) {
+            tab.show(ui, state, actions);
+        }
+    }
+
+    /// Draws what floats over the panels.
+    pub fn float(&mut self, ctx: &Context, state: &ViewState, actions: &mut Vec<Action>) {
+        for tab in &mut self.0 {
+            tab.float(ctx, state, actions);
+        }
+    }
+
+    /// For the palette: the name of each tab and of what it does, with the actions.
+    pub fn commands(&self, state: &ViewState) -> Vec<(String, Vec<Action>)> {
+        let titles = self.titles().enumerate();
+        let choices =
+            titles.map(|(tab, title)| (format!("Tab: {}", title.name), vec![choose(tab, state)]));
+        let own = self.0.iter().enumerate().flat_map(|(tab, held)| {
+            let named = held.commands().into_iter().enumerate();
+            named.map(move |(index, name)| {
+                let command = Action::CommandTab { tab, index };
+                (name, vec![choose(tab, state), command])
+            })
+        });
+        choices.chain(own).collect()
+    }
+
+    /// Asks a tab for its command of this index.
+    pub fn command(&mut self, tab: usize, index: usize) {
+        if let Some(tab) = self.0.get_mut(tab) {
+            tab.command(index);
+        }
+    }
+
+    /// Shows things as at first.
+    pub fn restore(&mut self) {
+        self.0.iter_mut().for_each(|tab| tab.restore());
+    }
+
+    fn titles(&self) -> impl Iterator<Item = Title> + '_ {
+        self.0.iter().map(|tab| tab.title())
+    }
+}
+
+/// What is said of a button that ends a measurement.
+const STAYS: &str = "what is measured stays";
+
+fn choose(tab: usize, state: &ViewState) -> Action {
+    Action::SetView(ViewOptions { tab, ..state.view })
+}
+
+/// What a job is doing, small, cut where there is no room.
+fn doing<T>(ui: &mut Ui, job: &Job<T>) {
+    ui.add(Label::new(RichText::new(&job.doing).small()).truncate());
+}
+
+/// Takes in what a measurement has found; one that ends early says why.
+fn take_in<T>(job: &mut Job<T>, state: &mut ViewState) {
+    if let Some(Err(why)) = job.poll() {
+        let message = format!("The measurement ended early: {why}.");
+        state.messages.fail(message, "What was measured stands.");
     }
 }

@@ -1,17 +1,14 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
-mod branches;
-mod jobs;
 mod plots;
 mod run;
 
-pub use branches::{Branches, Shown};
-pub use jobs::PaperState;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 
-use super::action::{Tab, ViewOptions};
+use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
 use crate::plot::loop_panel::{flat_state, loss};
@@ -22,7 +19,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    ChartSoFar, Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
 };
 use std::sync::Arc;
 
@@ -36,6 +33,8 @@ const CHANGED: &str = "Changed: ";
 pub struct ViewState {
     /// The scene.
     pub scene: Arc<Scene>,
+    /// How many scenes were opened; an edited one is still the one opened.
+    pub opened: usize,
     /// What the scene was decided to be.
     pub model: Model,
     /// The method.
@@ -56,18 +55,16 @@ pub struct ViewState {
     pub frame: Option<Arc<Frame>>,
     /// What the diagrams show beside the run.
     pub plots: Plots,
-    /// The measurement of speed against accuracy.
-    pub chart: Option<Job<ChartSoFar>>,
-    /// Every branch of the scene.
-    pub branches: Branches,
-    /// The paper's pages.
-    pub paper: PaperState,
+    /// Somebody looks at the energy well.
+    pub watched: bool,
     /// What is said in words.
     pub messages: Messages,
     /// How things are drawn.
     pub view: ViewOptions,
     /// Undo and redo.
     pub history: History,
+    /// Stops the measurement under way.
+    measurement: Cancel,
     told: Told,
 }
 
@@ -112,9 +109,11 @@ impl ViewState {
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let limits = scale::limits(&scene, &model);
+        let drive = scene.drive;
         Ok(Self {
             plots: Plots::new(flat_state(&model, limits.into())),
             scene: Arc::new(scene),
+            opened: 0,
             model,
             method: MethodKind::default(),
             asked: None,
@@ -122,11 +121,9 @@ impl ViewState {
             limits,
             target: limits.1,
             last_sweep: Sweep::Loop,
-            run: RunView::new(1, &scene.drive, limits.1),
+            run: RunView::new(1, &drive, limits.1),
             frame: None,
-            chart: None,
-            branches: Branches::default(),
-            paper: PaperState::default(),
+            watched: false,
             messages: Messages {
                 failure: None,
                 notice: None,
@@ -135,6 +132,7 @@ impl ViewState {
             },
             view: ViewOptions::default(),
             history: History::default(),
+            measurement: Cancel::default(),
             told: Told::default(),
         })
     }
@@ -183,12 +181,7 @@ impl ViewState {
         if model != self.model {
             self.plots.ghosts.clear();
         }
-        // Mesh and step are what a chart compares; another law or cell is another loop.
-        let loop_of = |m: &Model| (m.law, m.grid.length, m.grid.is_line(), m.indenter);
-        if loop_of(&model) != loop_of(&self.model) {
-            self.chart = None;
-        }
-        self.branches.restart();
+        self.plots.beneath.clear();
         self.plots.flat_state = flat_state(&model, self.limits.into());
         self.scene = Arc::new(scene);
         self.model = model;
@@ -220,7 +213,7 @@ impl ViewState {
         if self.set_scene(scene) {
             // Another scene: nothing of the last one is true of it.
             self.frame = None;
-            self.branches = Branches::default();
+            self.opened += 1;
             self.history.end_gesture();
             self.history.remember(before);
             self.messages.hint = true;
@@ -261,8 +254,13 @@ impl ViewState {
     /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
         self.run = RunView::new(self.run.id + 1, &self.scene.drive, self.target);
-        self.chart.iter_mut().for_each(Job::stop);
+        self.measurement.request();
         self.messages.notice = None;
+    }
+
+    /// Notes a measurement that has begun: the one before ends, and this one with the run.
+    pub fn measure<T>(&mut self, job: &Job<T>) {
+        std::mem::replace(&mut self.measurement, job.cancel()).request();
     }
 
     /// What the solver must hear: at most one scene and one motion per frame, in the order that
@@ -298,7 +296,7 @@ impl ViewState {
         if std::mem::replace(&mut told.paused, run.paused) != run.paused {
             commands.push(Command::Pause { paused: run.paused });
         }
-        let energy_well = self.view.tab == Tab::EnergyWell;
+        let energy_well = self.watched;
         if std::mem::replace(&mut told.energy_well, energy_well) != energy_well {
             commands.push(Command::Watch { energy_well });
         }
@@ -327,7 +325,6 @@ impl ViewState {
             Event::Frame(frame) => {
                 self.moved_to(frame.control);
                 self.frame = Some(frame);
-                self.branches.at = None;
             }
             Event::Jump(jump) => {
                 self.messages.hint = false;

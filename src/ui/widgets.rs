@@ -1,7 +1,6 @@
 //! What panels are made of: numbers as people type them and the fields they are typed into, buttons
 //! and pictures with a name, jobs under way.
 
-use super::action::Action;
 use crate::physics::parameter::{Parameter, Value};
 use crate::worker::job::Job;
 use egui::{Align, DragValue, Layout, ProgressBar, Response, Role, Ui, WidgetInfo, WidgetText};
@@ -133,17 +132,15 @@ pub fn described(picture: &Response, sentence: &str) {
     picture.widget_info(|| WidgetInfo::labeled(Role::Image, true, sentence));
 }
 
-/// How far a job is, beside a button that ends it by this action.
-pub fn progress<T>(ui: &mut Ui, job: &Job<T>, end: Action, actions: &mut Vec<Action>) {
-    let mut button = ui.button("Cancel");
-    if end == Action::StopMeasuring {
-        button = button.on_hover_text("what is measured stays");
-    }
+/// How far a job is, beside a button that stops it, which is returned.
+pub fn progress<T>(ui: &mut Ui, job: &Job<T>) -> Response {
+    let button = ui.button("Cancel");
     if button.clicked() {
-        actions.push(end);
+        job.stop();
     }
     let bar = ProgressBar::new(job.fraction as f32);
     ui.add(bar.desired_width(60.0).desired_height(14.0));
+    button
 }
 
 #[cfg(test)]

@@ -1,17 +1,16 @@
 //! What is computed in the background, with partial results as they come: for the window, beside
-//! the walk, which time steps GFMD survives, speed against accuracy, and a page of the paper; for
-//! the command line the paper's figures, several at once, one on each core.
+//! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria, and
+//! a page of the paper; for the command line the paper's figures, several at once, one on each core.
 
 use super::job::{FAULT, Pace, Reporter};
-use super::protocol::{ChartSoFar, Page, PageContent};
 use super::system::{self, Instant};
 use crate::follow::diagram::Diagram;
 use crate::numerics::cancel::Cancel;
-use crate::paper::errata::errata;
+use crate::paper::errata::{Erratum, errata};
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};
 use crate::scene::Scene;
-use crate::study::chart::{self, Effort, News};
+use crate::study::chart::{self, Effort, Judged, News};
 use crate::study::plan;
 use crate::study::time_step_map::{Progress as Step, Survey, TimeStepMap};
 use crossbeam_channel::unbounded;
@@ -22,16 +21,46 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Most figures at once.
 const THREADS_MAX: usize = 8;
 
-/// Measures the time-step map along an approach that ends at `turn` (length).
+/// A page of the paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Page {
+    /// The figure of this number.
+    Figure(usize),
+    /// What the print got wrong.
+    Errata,
+    /// Theory to lay over the live loop.
+    Theory,
+}
+
+/// What stands on a page of the paper.
+#[derive(Clone, Debug)]
+pub enum PageContent {
+    /// A figure.
+    Figure(Arc<Figure>),
+    /// The errata.
+    Errata(Arc<Vec<Erratum>>),
+    /// The theory.
+    Theory(Arc<ZeroRange>),
+}
+
+/// A chart of speed against accuracy as far as it is measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartSoFar {
+    /// What was measured, in that order.
+    pub rows: Vec<Judged>,
+    /// The reference's own error of the dissipated energy, once everything is measured.
+    pub floor: Option<f64>,
+}
+
+/// Measures which time steps GFMD survives on an approach that ends at a u0 (length).
 ///
 /// # Errors
 /// Why it could not be finished, in words.
-pub(super) fn time_steps(
-    scene: &Scene,
-    turn: f64,
+pub fn time_steps(
+    (scene, turn): &(Arc<Scene>, f64),
     report: &Reporter<TimeStepMap>,
 ) -> Result<(), String> {
-    let mut survey = Survey::new(scene, turn).map_err(|error| error.to_string())?;
+    let mut survey = Survey::new(scene, *turn).map_err(|error| error.to_string())?;
     let mut end = Ok(());
     while !report.cancel.requested() {
         match survey.step(&report.cancel) {
@@ -51,18 +80,17 @@ pub(super) fn time_steps(
     end
 }
 
-/// Measures the chart of speed against accuracy.
+/// Measures speed against accuracy of every method.
 ///
 /// # Errors
 /// Why it could not be finished, in words.
-pub(super) fn chart(
-    scene: &Scene,
-    effort: Effort,
+pub fn chart(
+    (scene, effort): &(Arc<Scene>, Effort),
     report: &Reporter<ChartSoFar>,
 ) -> Result<(), String> {
     let mut so_far = ChartSoFar::default();
     let (mut done, mut doing) = (0.0, String::new());
-    let chart = chart::run(scene, effort, &report.cancel, &mut |news| {
+    let chart = chart::run(scene, *effort, &report.cancel, &mut |news| {
         match news {
             News::Begun {
                 what,
@@ -99,7 +127,7 @@ pub(super) fn chart(
 ///
 /// # Errors
 /// Why it could not be, in words.
-pub(super) fn diagram(scene: &Scene, report: &Reporter<Arc<Diagram>>) -> Result<(), String> {
+pub fn diagram(scene: &Arc<Scene>, report: &Reporter<Arc<Diagram>>) -> Result<(), String> {
     let mut tell = |branch: &str, points: usize, _: f64| {
         if report.is_due() {
             // How long a branch is shows only at its end.
@@ -117,8 +145,8 @@ pub(super) fn diagram(scene: &Scene, report: &Reporter<Arc<Diagram>>) -> Result<
 ///
 /// # Errors
 /// Why it could not be finished, in words.
-pub(super) fn page(page: Page, report: &Reporter<PageContent>) -> Result<(), String> {
-    match content(page, report) {
+pub fn page(page: &Page, report: &Reporter<PageContent>) -> Result<(), String> {
+    match content(*page, report) {
         Ok(content) => {
             report.result(content);
             Ok(())

@@ -3,6 +3,7 @@
 use super::system::{self, Instant};
 use crate::numerics::cancel::Cancel;
 use crossbeam_channel::{Receiver, Sender, unbounded};
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -36,6 +37,38 @@ pub struct Reporter<T> {
     reports: Sender<Report<T>>,
     wake: Wake,
     pace: Pace,
+}
+
+/// What a job does with its input: it reports as it goes, polls its reporter's `cancel`, and says
+/// why it could not be finished.
+pub type Compute<I, T> = fn(&I, &Reporter<T>) -> Result<(), String>;
+
+/// Work that waits for somebody to run it, on whatever thread.
+pub trait Work: Any + Send {
+    /// Does all of it.
+    fn run(self: Box<Self>);
+}
+
+/// The work of a job.
+pub struct Computation<I, T> {
+    /// Of what.
+    pub input: I,
+    /// To whom.
+    pub report: Reporter<T>,
+    /// How.
+    pub compute: Compute<I, T>,
+}
+
+impl<I: Send + 'static, T: Send + 'static> Work for Computation<I, T> {
+    fn run(self: Box<Self>) {
+        to_the_end(&self.report, |report| (self.compute)(&self.input, report));
+    }
+}
+
+/// Computes, and reports how it ended; a panic is such an end.
+fn to_the_end<T>(report: &Reporter<T>, work: impl FnOnce(&Reporter<T>) -> Result<(), String>) {
+    let end = catch_unwind(AssertUnwindSafe(|| work(report)));
+    report.end(end.unwrap_or_else(|_| Err(FAULT.to_owned())));
 }
 
 /// Keeps reports that are not urgent apart.
@@ -76,8 +109,8 @@ impl<T> Job<T> {
         )
     }
 
-    /// Takes in what was reported; never blocks. Tells once how the job ended: the error is why it
-    /// could not be finished.
+    /// Takes in what was reported; never blocks. Tells once how the job ended, unless it was
+    /// stopped: the error is why it could not be finished.
     pub fn poll(&mut self) -> Option<Result<(), String>> {
         for report in self.reports.try_iter() {
             match report {
@@ -85,7 +118,11 @@ impl<T> Job<T> {
                     (self.fraction, self.doing) = (fraction, doing);
                 }
                 Report::Result(result) => self.so_far = Some(result),
-                Report::End(end) => return std::mem::take(&mut self.running).then_some(end),
+                Report::End(end) => {
+                    let heard = self.is_running();
+                    self.running = false;
+                    return heard.then_some(end);
+                }
             }
         }
         None
@@ -93,13 +130,17 @@ impl<T> Job<T> {
 
     /// True until it has ended or was stopped.
     pub fn is_running(&self) -> bool {
-        self.running
+        self.running && !self.cancel.requested()
     }
 
     /// Stops it; what there is stays, and what it still finds on its way out is taken in.
-    pub fn stop(&mut self) {
-        self.running = false;
+    pub fn stop(&self) {
         self.cancel.request();
+    }
+
+    /// What stops it, for somebody who does not hold it.
+    pub fn cancel(&self) -> Cancel {
+        self.cancel.clone()
     }
 }
 
@@ -112,8 +153,7 @@ impl<T: Send + 'static> Job<T> {
     ) -> Self {
         let (job, reporter) = Self::new(wake);
         system::spawn("job", move || {
-            let end = catch_unwind(AssertUnwindSafe(|| work(&reporter)));
-            reporter.end(end.unwrap_or_else(|_| Err(FAULT.to_owned())));
+            to_the_end(&reporter, work);
         });
         job
     }

@@ -1,20 +1,14 @@
 //! What the window says to the solver, and what it hears back.
 
-use super::job::Job;
-use crate::follow::diagram::Diagram;
+use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::walk::EnergyWell;
-use crate::paper::Figure;
-use crate::paper::errata::Erratum;
-use crate::paper::overlay::ZeroRange;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
-use crate::study::chart::{Effort, Judged};
 use crate::study::live_loop::{Fineness, LiveLoop};
 use crate::study::plan::Plan;
-use crate::study::time_step_map::TimeStepMap;
 use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
@@ -70,37 +64,6 @@ impl Speed {
             Speed::Full => Duration::ZERO,
         }
     }
-}
-
-/// A page of the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Page {
-    /// The figure of this number.
-    Figure(usize),
-    /// What the print got wrong.
-    Errata,
-    /// Theory to lay over the live loop.
-    Theory,
-}
-
-/// What stands on a page of the paper.
-#[derive(Clone, Debug)]
-pub enum PageContent {
-    /// A figure.
-    Figure(Arc<Figure>),
-    /// The errata.
-    Errata(Arc<Vec<Erratum>>),
-    /// The theory.
-    Theory(Arc<ZeroRange>),
-}
-
-/// A chart of speed against accuracy as far as it is measured.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ChartSoFar {
-    /// What was measured, in that order.
-    pub rows: Vec<Judged>,
-    /// The reference's own error of the dissipated energy, once everything is measured.
-    pub floor: Option<f64>,
 }
 
 /// Something went wrong, in words, with what to do about it.
@@ -282,16 +245,26 @@ pub trait SolverHandle {
     /// The events since the last call, the newest picture last.
     fn poll(&self) -> Vec<Envelope<Event>>;
 
-    /// Begins to measure which time steps GFMD survives on an approach that ends at `turn`
-    /// (length).
-    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap>;
+    /// What a job calls, from whatever thread, when it has something to say.
+    fn wake(&self) -> Wake;
 
-    /// Begins to measure speed against accuracy of every method.
-    fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar>;
+    /// Begins work beside the solver.
+    fn begin(&self, work: Box<dyn Work>);
+}
 
-    /// Begins to follow every branch of equilibria.
-    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>>;
-
-    /// Begins to compute a page of the paper.
-    fn page(&self, page: Page) -> Job<PageContent>;
+impl dyn SolverHandle + '_ {
+    /// Begins a job beside the solver.
+    pub fn job<I, T>(&self, input: I, compute: Compute<I, T>) -> Job<T>
+    where
+        I: Send + 'static,
+        T: Send + 'static,
+    {
+        let (job, report) = Job::new(self.wake());
+        self.begin(Box::new(Computation {
+            input,
+            report,
+            compute,
+        }));
+        job
+    }
 }

@@ -2,20 +2,13 @@
 //! beside it the live loop's, where the newest scene wins: a coarse loop first, a finer one when
 //! the hand rests.
 
-use super::background;
-use super::job::{Job, Wake};
-use super::protocol::{
-    ChartSoFar, Command, Envelope, Event, Failure, LiveState, Page, PageContent, RunId,
-    SolverHandle,
-};
+use super::job::{Wake, Work};
+use super::protocol::{Command, Envelope, Event, Failure, LiveState, RunId, SolverHandle};
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
-use crate::follow::diagram::Diagram;
 use crate::numerics::cancel::Cancel;
 use crate::scene::{Drive, Model, Scene};
-use crate::study::chart::Effort;
 use crate::study::live_loop::{Fineness, LiveLoops};
-use crate::study::time_step_map::TimeStepMap;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -98,28 +91,12 @@ impl SolverHandle for Worker {
             .collect()
     }
 
-    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
-        Job::start(self.wake.clone(), move |report| {
-            background::time_steps(&scene, turn, report)
-        })
+    fn wake(&self) -> Wake {
+        self.wake.clone()
     }
 
-    fn chart(&self, scene: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
-        Job::start(self.wake.clone(), move |report| {
-            background::chart(&scene, effort, report)
-        })
-    }
-
-    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>> {
-        Job::start(self.wake.clone(), move |report| {
-            background::diagram(&scene, report)
-        })
-    }
-
-    fn page(&self, page: Page) -> Job<PageContent> {
-        Job::start(self.wake.clone(), move |report| {
-            background::page(page, report)
-        })
+    fn begin(&self, work: Box<dyn Work>) {
+        system::spawn("job", move || work.run());
     }
 }
 

@@ -39,7 +39,7 @@ fn state(places: &[f64]) -> (Pattern, f64, Vec<f64>) {
     }
     (
         walk.record().pattern,
-        walk.displacement(),
+        walk.surface().control,
         walk.here().state.amplitudes.clone(),
     )
 }

@@ -2,12 +2,13 @@
 
 use super::bench::Bench;
 use egui::pos2;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tackscope::scene::Points;
 use tackscope::scene::part::Strategy;
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::chart::{Effort, Errors, Judged, Point, Precision, Verdict};
-use tackscope::worker::protocol::{ChartSoFar, Command};
+use tackscope::worker::background::ChartSoFar;
+use tackscope::worker::protocol::Command;
 
 fn row(method: MethodKind, seconds: f64, error: f64, verdict: Verdict) -> Judged {
     Judged {
@@ -152,9 +153,55 @@ fn every_mark_is_found_by_the_pointer_failures_on_the_top_edge_and_a_click_makes
         "{heard:?}"
     );
     assert!(
-        bench.state().chart.is_some(),
+        bench.names().contains("3 points measured"),
         "it is still a chart of this loop"
     );
     bench.click("law cosine");
-    assert!(bench.state().chart.is_none());
+    assert!(!bench.names().contains("points measured"));
+}
+
+#[test]
+fn one_measurement_is_under_way_at_a_time_and_ends_with_its_run_and_the_layout_is_restored() {
+    let mut bench = Bench::new();
+    bench.click("Speed and accuracy tab");
+    bench.click("Run quick");
+    let (_, chart) = bench.chart();
+    bench.click("Stability tab");
+    bench.click("time steps");
+    bench.click("Measure");
+    let (_, steps) = bench.time_steps();
+    assert!(chart.cancel.requested() && !steps.cancel.requested());
+    chart.end(Err("stopped".to_owned()));
+    bench.click("Speed and accuracy tab");
+    assert!(
+        bench.state().messages.failure.is_none(),
+        "who stopped it needs not hear of it"
+    );
+    bench.click("Run full");
+    let (effort, chart) = bench.chart();
+    assert_eq!(effort, Effort::Full { seconds: 120.0 });
+    assert!(steps.cancel.requested());
+    bench.click("Reset");
+    assert!(chart.cancel.requested());
+    bench.click("Run quick");
+    let (_, chart) = bench.chart();
+    chart.end(Err("no reference".to_owned()));
+    bench.settle();
+    let failure = bench.state().messages.failure.as_ref().expect("said");
+    assert!(failure.message.contains("no reference"), "{failure:?}");
+
+    bench.click("transforms");
+    let transforms = |bench: &Bench| {
+        let radio = bench.window.get_by_label("transforms");
+        radio.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    assert!(transforms(&bench));
+    bench.press(egui::Modifiers::COMMAND, egui::Key::K);
+    bench.click("Restore layout");
+    assert!(
+        bench.names().contains("No jump yet."),
+        "the first tab is the chosen one"
+    );
+    bench.click("Speed and accuracy tab");
+    assert!(!transforms(&bench));
 }

@@ -4,6 +4,7 @@ use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use ndarray::Array2;
+use std::any::Any;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -23,20 +24,16 @@ use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::SolverHandle;
-use tackscope::worker::job::{Job, Reporter};
-use tackscope::worker::protocol::{
-    ChartSoFar, Command, Envelope, Event, Frame, ModelChoice, Page, PageContent, Ready, RunId,
-};
+use tackscope::worker::background::{ChartSoFar, Page, PageContent};
+use tackscope::worker::job::{Computation, Reporter, Wake, Work};
+use tackscope::worker::protocol::{Command, Envelope, Event, Frame, ModelChoice, Ready, RunId};
 
 /// What the window said, and what it will hear at its next frame.
 #[derive(Default)]
 struct Wire {
     commands: Vec<Envelope<Command>>,
     events: Vec<Envelope<Event>>,
-    time_steps: Vec<(Arc<Scene>, f64, Reporter<TimeStepMap>)>,
-    charts: Vec<(Effort, Reporter<ChartSoFar>)>,
-    diagrams: Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)>,
-    pages: Vec<(Page, Reporter<PageContent>)>,
+    begun: Vec<Box<dyn Any>>,
 }
 
 /// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
@@ -52,28 +49,12 @@ impl SolverHandle for FakeSolver {
         std::mem::take(&mut self.0.borrow_mut().events)
     }
 
-    fn time_steps(&self, scene: Arc<Scene>, turn: f64) -> Job<TimeStepMap> {
-        let (job, report) = Job::new(Arc::new(|| {}));
-        self.0.borrow_mut().time_steps.push((scene, turn, report));
-        job
+    fn wake(&self) -> Wake {
+        Arc::new(|| {})
     }
 
-    fn chart(&self, _: Arc<Scene>, effort: Effort) -> Job<ChartSoFar> {
-        let (job, report) = Job::new(Arc::new(|| {}));
-        self.0.borrow_mut().charts.push((effort, report));
-        job
-    }
-
-    fn diagram(&self, scene: Arc<Scene>) -> Job<Arc<Diagram>> {
-        let (job, report) = Job::new(Arc::new(|| {}));
-        self.0.borrow_mut().diagrams.push((scene, report));
-        job
-    }
-
-    fn page(&self, page: Page) -> Job<PageContent> {
-        let (job, report) = Job::new(Arc::new(|| {}));
-        self.0.borrow_mut().pages.push((page, report));
-        job
+    fn begin(&self, work: Box<dyn Work>) {
+        self.0.borrow_mut().begun.push(work);
     }
 }
 
@@ -143,34 +124,36 @@ impl Bench {
         std::mem::take(&mut self.solver.0.borrow_mut().commands)
     }
 
+    /// The jobs of this kind that were begun since the last call, for the test to answer.
+    fn begun<I: 'static, T: 'static>(&self) -> Vec<(I, Reporter<T>)> {
+        let all = &mut self.solver.0.borrow_mut().begun;
+        let these = all.extract_if(.., |work| work.is::<Computation<I, T>>());
+        these
+            .filter_map(|work| work.downcast::<Computation<I, T>>().ok())
+            .map(|work| (work.input, work.report))
+            .collect()
+    }
+
     /// The time-step map that was asked for.
-    pub fn time_steps(&self) -> (Arc<Scene>, f64, Reporter<TimeStepMap>) {
-        self.solver
-            .0
-            .borrow_mut()
-            .time_steps
-            .pop()
-            .expect("it was asked for")
+    pub fn time_steps(&self) -> ((Arc<Scene>, f64), Reporter<TimeStepMap>) {
+        self.begun().pop().expect("it was asked for")
     }
 
     /// The chart that was asked for.
     pub fn chart(&self) -> (Effort, Reporter<ChartSoFar>) {
-        self.solver
-            .0
-            .borrow_mut()
-            .charts
-            .pop()
-            .expect("it was asked for")
+        let asked = self.begun::<(Arc<Scene>, Effort), _>().pop();
+        let ((_, effort), report) = asked.expect("it was asked for");
+        (effort, report)
     }
 
     /// The diagrams of branches that were asked for since the last call.
     pub fn diagrams(&self) -> Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)> {
-        std::mem::take(&mut self.solver.0.borrow_mut().diagrams)
+        self.begun()
     }
 
     /// The pages that were asked for since the last call.
     pub fn pages(&self) -> Vec<(Page, Reporter<PageContent>)> {
-        std::mem::take(&mut self.solver.0.borrow_mut().pages)
+        self.begun()
     }
 
     pub fn targets(&self) -> Vec<f64> {

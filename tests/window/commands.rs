@@ -2,8 +2,9 @@
 
 use super::bench::{Bench, fig2};
 use egui::{Event, Key, Modifiers};
-use tackscope::ui::action::Tab;
-use tackscope::worker::protocol::{Command, Page, Speed};
+use tackscope::paper::GALLERY;
+use tackscope::worker::background::Page;
+use tackscope::worker::protocol::{Command, Speed};
 
 /// Opens the palette and types these words.
 fn asked(words: &str) -> Bench {
@@ -36,7 +37,7 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
     bench.press(Modifiers::NONE, Key::ArrowDown);
     bench.press(Modifiers::NONE, Key::ArrowUp);
     bench.press(Modifiers::NONE, Key::Enter);
-    assert_eq!(bench.state().view.tab, Tab::Stability);
+    assert!(bench.names().contains("soft mode on map"));
     bench.press(Modifiers::COMMAND, Key::K);
     bench.click("Play approach");
     assert!(bench.state().run.sweep().is_some());
@@ -46,10 +47,11 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
 fn a_figure_opens_in_its_tab() {
     let mut bench = asked("fig. 12");
     bench.press(Modifiers::NONE, Key::Enter);
-    assert_eq!(
-        (bench.state().view.tab, bench.state().paper.page),
-        (Tab::Paper, Page::Figure(12))
-    );
+    let title = GALLERY.iter().find(|entry| entry.number == 12);
+    let title = format!("Fig. 12: {}", title.expect("Fig. 12").title);
+    assert!(bench.names().contains(&title), "{}", bench.names());
+    let asked: Vec<Page> = bench.pages().into_iter().map(|(page, _)| page).collect();
+    assert_eq!(asked, [Page::Figure(12)]);
 }
 
 #[test]

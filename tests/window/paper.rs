@@ -13,8 +13,8 @@ use tackscope::paper::{Figure, GALLERY, Size, Task};
 use tackscope::plot::panel::{
     Area, Arrow, Axis, Colour, Content, Inset, Label, Panel, Role, Series, Symbol,
 };
+use tackscope::worker::background::{Page, PageContent};
 use tackscope::worker::job::Reporter;
-use tackscope::worker::protocol::{Page, PageContent};
 
 fn opened() -> Bench {
     let mut bench = Bench::new();
@@ -190,7 +190,8 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
         .focus();
     bench.settle();
     bench.press(egui::Modifiers::NONE, Key::Enter);
-    assert_eq!(bench.state().paper.page, Page::Figure(entry.number));
+    let last = bench.pages().pop().expect("asked for");
+    assert_eq!(last.0, Page::Figure(entry.number));
     bench.heard();
     bench.click("Open this scene");
     assert_eq!(
@@ -201,7 +202,7 @@ fn a_figure_is_chosen_by_the_keyboard_and_its_scene_opened() {
             .collect::<Vec<_>>(),
         [(entry.scene)()]
     );
-    assert!(bench.state().paper.overlay, "with theory over it");
+    assert!(bench.state().plots.overlay, "with theory over it");
     bench.click("Undo");
     assert_eq!(*bench.state().scene, super::bench::fig2());
 }
@@ -294,7 +295,6 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     // A new window finds its size in a few more frames than `run` allows.
     bench.window.get_by_label("Enlarge").click();
     bench.window.run_steps(10);
-    assert!(bench.state().paper.large);
     let diagrams = bench
         .names()
         .matches(&format!("Fig. {} diagram a:", first()))

@@ -8,17 +8,14 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tackscope::follow::diagram::Diagram;
 use tackscope::numerics::cancel::Cancel;
-use tackscope::scene::{Points, Scene};
-use tackscope::study::chart::Effort;
-use tackscope::study::time_step_map::TimeStepMap;
+use tackscope::scene::Points;
 use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::SolverHandle;
-use tackscope::worker::job::Job;
-use tackscope::worker::protocol::{ChartSoFar, Command, Envelope, Event, Page, PageContent};
+use tackscope::worker::job::{Wake, Work};
+use tackscope::worker::protocol::{Command, Envelope, Event};
 use tackscope::worker::session::Session;
 
 /// Steps of the session in a frame.
@@ -56,21 +53,11 @@ impl SolverHandle for Stepped {
         said
     }
 
-    fn time_steps(&self, _: Arc<Scene>, _: f64) -> Job<TimeStepMap> {
-        Job::new(Arc::new(|| {})).0
+    fn wake(&self) -> Wake {
+        Arc::new(|| {})
     }
 
-    fn chart(&self, _: Arc<Scene>, _: Effort) -> Job<ChartSoFar> {
-        Job::new(Arc::new(|| {})).0
-    }
-
-    fn diagram(&self, _: Arc<Scene>) -> Job<Arc<Diagram>> {
-        Job::new(Arc::new(|| {})).0
-    }
-
-    fn page(&self, _: Page) -> Job<PageContent> {
-        Job::new(Arc::new(|| {})).0
-    }
+    fn begin(&self, _: Box<dyn Work>) {}
 }
 
 #[test]

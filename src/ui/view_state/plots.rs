@@ -4,6 +4,7 @@
 use super::ViewState;
 use crate::follow::record::{Direction, LoopRecord};
 use crate::follow::walk::EnergyWell;
+use crate::paper::overlay::ZeroRange;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Series;
@@ -31,6 +32,12 @@ pub struct Plots {
     pub fit: Option<([f64; 2], [f64; 2])>,
     /// Height of the energy well's picture (gamma).
     pub well_scale: f64,
+    /// What lies under the loop, of this very scene.
+    pub beneath: Vec<Series>,
+    /// Theory is laid over the live plot, once it is known.
+    pub overlay: bool,
+    /// Theory.
+    pub theory: Option<Arc<ZeroRange>>,
 }
 
 impl Plots {
@@ -43,6 +50,9 @@ impl Plots {
             flat_state,
             fit: None,
             well_scale: 0.01,
+            beneath: Vec::new(),
+            overlay: false,
+            theory: None,
         }
     }
 }
@@ -205,7 +215,7 @@ impl ViewState {
 
     /// Theory in the units of the live plot: name, and (u0/rho, stress/sigma_max).
     pub fn overlay(&self) -> Vec<(&'static str, Vec<[f64; 2]>)> {
-        let Some(theory) = self.paper.theory() else {
+        let Some(theory) = self.plots.theory.as_ref().filter(|_| self.plots.overlay) else {
             return Vec::new();
         };
         let (rho, top) = (self.rho(), self.model.law.traction_max());

@@ -7,8 +7,6 @@ use crate::follow::walk::EnergyWell;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Drive;
-use crate::study::time_step_map::TimeStepMap;
-use crate::worker::job::Job;
 use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
 use std::sync::Arc;
 
@@ -47,8 +45,6 @@ pub struct RunView {
     pub selection: Option<Selection>,
     /// The newest energy well.
     pub well: Option<Arc<EnergyWell>>,
-    /// The measurement of the time-step map.
-    pub time_steps: Option<Job<TimeStepMap>>,
 }
 
 /// A closed loop as it is drawn.
@@ -88,7 +84,6 @@ impl RunView {
             closed_loop: None,
             selection: None,
             well: None,
-            time_steps: None,
         };
         if target != start {
             run.set(Play::ToTarget);

@@ -1,11 +1,7 @@
 //! How stable the surface is: its smallest eigenvalue along the path, and where the next jump is
 //! expected; and which time steps GFMD survives.
 
-use super::action::{Action, Measurement, StabilityOf, ViewOptions};
-use super::diagram::{self, line, small};
-use super::theme::{self, Palette};
-use super::view_state::ViewState;
-use super::widgets::{described, progress};
+use super::{STAYS, Tab, Title, Update, take_in};
 use crate::follow::record::Direction;
 use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
@@ -15,6 +11,14 @@ use crate::plot::ticks::label;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
+use crate::ui::action::{Action, ViewOptions};
+use crate::ui::diagram::{self, line, small};
+use crate::ui::theme::{self, Palette};
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::{described, progress};
+use crate::worker::background;
+use crate::worker::job::Job;
+use crate::worker::protocol::RunId;
 use egui::{RichText, Ui};
 use egui_plot::{
     FilledArea, GridInput, GridMark, HLine, LineStyle, MarkerShape, PlotBounds, PlotPoint, PlotUi,
@@ -25,21 +29,64 @@ use egui_plot::{
 const LOWEST: f64 = -0.4;
 
 /// The tab.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let before = state.view;
-    let mut view: ViewOptions = before;
-    ui.horizontal_wrapped(|ui| {
-        ui.radio_value(&mut view.stability, StabilityOf::States, "states");
-        ui.radio_value(&mut view.stability, StabilityOf::TimeSteps, "time steps");
-        ui.checkbox(&mut view.soft_mode, "soft mode on map")
-            .on_hover_text("contours of the mode that gives way first");
-    });
-    match before.stability {
-        StabilityOf::States => eigenvalue(ui, state),
-        StabilityOf::TimeSteps => time_steps(ui, state, actions),
+#[derive(Default)]
+pub struct Stability {
+    of: Of,
+    /// The measurement of the time-step map, and in which run.
+    time_steps: Option<(RunId, Job<TimeStepMap>)>,
+    /// It is to begin.
+    measure: bool,
+}
+
+/// Stability of what.
+#[derive(Clone, Copy, PartialEq, Default)]
+enum Of {
+    /// Of the equilibria: the smallest eigenvalue against u0.
+    #[default]
+    States,
+    /// Of GFMD: which time steps it survives.
+    TimeSteps,
+}
+
+impl Tab for Stability {
+    fn title(&self) -> Title {
+        let what = "how far the next jump is, and which time steps GFMD survives";
+        Title::new("Stability", what)
     }
-    if view != before {
-        actions.push(Action::SetView(view));
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+        let before = self.of;
+        let mut view: ViewOptions = state.view;
+        ui.horizontal_wrapped(|ui| {
+            ui.radio_value(&mut self.of, Of::States, "states");
+            ui.radio_value(&mut self.of, Of::TimeSteps, "time steps");
+            ui.checkbox(&mut view.soft_mode, "soft mode on map")
+                .on_hover_text("contours of the mode that gives way first");
+        });
+        match before {
+            Of::States => eigenvalue(ui, state),
+            Of::TimeSteps => self.time_steps(ui, state),
+        }
+        if view != state.view {
+            actions.push(Action::SetView(view));
+        }
+    }
+
+    fn update(&mut self, Update { state, solver, .. }: Update<'_>) {
+        self.time_steps.take_if(|(run, _)| *run != state.run.id);
+        if std::mem::take(&mut self.measure) {
+            let input = (state.scene.clone(), state.limits.0);
+            let job = solver.job(input, background::time_steps);
+            state.measure(&job);
+            self.time_steps = Some((state.run.id, job));
+        }
+        if let Some((_, job)) = &mut self.time_steps {
+            take_in(job, state);
+        }
+    }
+
+    fn restore(&mut self) {
+        self.of = Of::default();
     }
 }
 
@@ -235,33 +282,32 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
 /// Marks of the axis of time steps.
 const TIME_STEPS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
 
-/// Which time steps GFMD survives: measured crosses and dots over u0, with the bound that predicts
-/// them.
-fn time_steps(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(ui);
-    let job = state.run.time_steps.as_ref();
-    ui.horizontal_wrapped(|ui| {
-        if let Some(job) = job.filter(|job| job.is_running()) {
-            progress(ui, job, Action::StopMeasuring, actions);
-        } else if ui
-            .button("Measure")
-            .on_hover_text("let a tiny perturbation go at states along the approach")
-            .clicked()
-        {
-            actions.push(Action::Measure(Measurement::TimeSteps));
+impl Stability {
+    /// Which time steps GFMD survives.
+    fn time_steps(&mut self, ui: &mut Ui, state: &ViewState) {
+        let palette = theme::palette(ui);
+        let job = self.time_steps.as_ref().map(|(_, job)| job);
+        ui.horizontal_wrapped(|ui| {
+            if let Some(job) = job.filter(|job| job.is_running()) {
+                progress(ui, job).on_hover_text(STAYS);
+            } else {
+                let what = "let a tiny perturbation go at states along the approach";
+                self.measure = ui.button("Measure").on_hover_text(what).clicked();
+            }
+            time_step_legend(ui, &palette);
+        });
+        if let Some(map) = job.and_then(|job| job.so_far.as_ref()) {
+            time_step_plot(ui, state, map, &palette);
+        } else {
+            let words = "Which time steps does GFMD survive on the way down? Measure, and compare \
+                with the bound.";
+            ui.label(RichText::new(words).weak());
         }
-        time_step_legend(ui, &palette);
-    });
-    let Some(map) = job.and_then(|job| job.so_far.as_ref()) else {
-        ui.label(
-            RichText::new(
-                "Which time steps does GFMD survive on the way down? Measure, and \
-            compare with the bound.",
-            )
-            .weak(),
-        );
-        return;
-    };
+    }
+}
+
+/// Measured crosses and dots over u0, with the bound that predicts them.
+fn time_step_plot(ui: &mut Ui, state: &ViewState, map: &TimeStepMap, palette: &Palette) {
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let ends = (
         map.time_steps[0].log10() - 0.06,
@@ -281,7 +327,7 @@ fn time_steps(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
     .show(ui, |plot| {
         plot.set_plot_bounds(PlotBounds::from_min_max([left, ends.0], [right, ends.1]));
-        draw_time_steps(plot, state, map, &palette);
+        draw_time_steps(plot, state, map, palette);
     })
     .response;
     let unstable = map.stable.iter().filter(|stable| !**stable).count();

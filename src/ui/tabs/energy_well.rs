@@ -1,10 +1,12 @@
 //! The energy well: the energy along the softest mode, with the state as a ball in it.
 
-use super::diagram::{grid, line, small};
-use super::theme;
-use super::view_state::ViewState;
-use super::widgets::described;
+use super::{Tab, Title, Update};
 use crate::follow::walk::EnergyWell;
+use crate::ui::action::Action;
+use crate::ui::diagram::{grid, line, small};
+use crate::ui::theme;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::described;
 use egui::{RichText, Stroke, Ui, vec2};
 use egui_plot::{LineStyle, PlotBounds, PlotPoint};
 
@@ -12,7 +14,26 @@ use egui_plot::{LineStyle, PlotBounds, PlotPoint};
 const BALL: f32 = 7.0;
 
 /// The tab.
-pub fn show(ui: &mut Ui, state: &ViewState) {
+pub struct Well;
+
+impl Tab for Well {
+    fn title(&self) -> Title {
+        Title {
+            short: "Well",
+            ..Title::new("Energy well", "the energy along the softest mode")
+        }
+    }
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
+        show(ui, state);
+    }
+
+    fn update(&mut self, with: Update<'_>) {
+        with.state.watched = with.seen;
+    }
+}
+
+fn show(ui: &mut Ui, state: &ViewState) {
     let palette = theme::palette(ui);
     let Some(well) = &state.run.well else {
         ui.label(RichText::new("No well yet: it is measured where the surface rests.").weak());

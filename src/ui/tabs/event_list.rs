@@ -1,9 +1,10 @@
 //! The list of jumps, newest first.
 
-use super::action::Action;
-use super::theme;
-use super::view_state::ViewState;
+use super::{Tab, Title};
 use crate::follow::record::{Cause, Direction};
+use crate::ui::action::Action;
+use crate::ui::theme;
+use crate::ui::view_state::ViewState;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.
@@ -40,8 +41,21 @@ fn why(cause: Cause) -> &'static str {
 /// Width below which the columns stand closer, so that the causes have room.
 const NARROW: f32 = 350.0;
 
+/// The tab.
+pub struct EventList;
+
+impl Tab for EventList {
+    fn title(&self) -> Title {
+        Title::new("Events", "every jump so far")
+    }
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+        show(ui, state, actions);
+    }
+}
+
 /// Sum and table.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
     let sum = ui.label(
         RichText::new(format!(

@@ -1,0 +1,248 @@
+//! Every branch of the scene, stable and unstable: followed while somebody looks, and a click shows
+//! the state at that point in map and profile.
+
+use super::{Tab, Title, Update, doing};
+use crate::follow::diagram::{Branch, Diagram, Kind, Point};
+use crate::physics::law::Law;
+use crate::plot::diagram_panel::{counts, diagram_panel, place};
+use crate::plot::panel::{Colour, Panel, Role, Series, Symbol};
+use crate::scene::Scene;
+use crate::ui::action::Action;
+use crate::ui::diagram;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::{described, progress};
+use crate::worker::background;
+use crate::worker::job::Job;
+use crate::worker::protocol::Frame;
+use egui::{RichText, Ui};
+use std::sync::Arc;
+
+/// A click this near to a point means it, in screen points.
+const NEAR: f32 = 14.0;
+
+/// The tab.
+#[derive(Default)]
+pub struct Branches {
+    /// The scene they are followed for, and how many were opened up to it.
+    scene: Option<(usize, Arc<Scene>)>,
+    /// The newest diagram; of an edited scene until its own is there.
+    shown: Option<Shown>,
+    /// The one that is being computed.
+    job: Option<Job<Arc<Diagram>>>,
+    /// Why there is none.
+    missing: Option<String>,
+    /// The point whose state map and profile show, and that picture.
+    at: Option<(At, Arc<Frame>)>,
+    /// The point that is to be pictured next.
+    asked: Option<At>,
+}
+
+/// A point: its branch, and its place on it.
+type At = [usize; 2];
+
+/// A diagram with the law that scales it.
+struct Shown {
+    diagram: Arc<Diagram>,
+    law: Law,
+    /// As it is drawn.
+    panel: Panel,
+}
+
+impl Tab for Branches {
+    fn title(&self) -> Title {
+        let what = "every state of equilibrium, stable and unstable: why there are jumps";
+        Title::new("Branches", what)
+    }
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
+        self.words(ui);
+        let at = self.at.as_ref().map(|(at, _)| *at);
+        if let Some(shown) = &self.shown {
+            self.asked = clicked(ui, state, shown, at);
+        } else {
+            ui.label(RichText::new("Every state of equilibrium, stable or not.").weak());
+        }
+    }
+
+    fn update(&mut self, with: Update<'_>) {
+        let state = with.state;
+        let asked = self.asked.take();
+        let (opened, scene) = (state.opened, &state.scene);
+        let before = self.scene.as_ref();
+        if before.is_none_or(|(_, before)| !Arc::ptr_eq(before, scene)) {
+            let edited = before.is_some_and(|(before, _)| *before == opened);
+            *self = Self {
+                shown: self.shown.take().filter(|_| edited),
+                scene: Some((opened, scene.clone())),
+                ..Self::default()
+            };
+        }
+        // The words of a point end with what they speak of.
+        let now = state.frame.as_ref();
+        self.at
+            .take_if(|(_, frame)| now.is_none_or(|now| !Arc::ptr_eq(now, frame)));
+        if let Some(at) = asked {
+            self.picture(at, state);
+        }
+        self.take_in(state);
+        if with.seen && self.job.is_none() {
+            self.job = Some(with.solver.job(state.scene.clone(), background::diagram));
+        }
+    }
+}
+
+impl Branches {
+    /// Takes in what the job has found, and lays what the loop cannot show beneath it: unstable
+    /// branches, and where stable ones end.
+    fn take_in(&mut self, state: &mut ViewState) {
+        let Some(job) = &mut self.job else { return };
+        let end = job.poll();
+        if let Some(diagram) = job.so_far.take() {
+            let law = state.model.law;
+            let panel = diagram_panel(&diagram, &law);
+            let marks = [Symbol::Square, Symbol::Circle];
+            let beneath = |series: &&Series| {
+                series.role == Role::Unstable && series.colour != Colour::FLAT
+                    || series.symbol.is_some_and(|symbol| marks.contains(&symbol))
+            };
+            state.plots.beneath = panel.series.iter().filter(beneath).cloned().collect();
+            self.at = None;
+            self.shown = Some(Shown {
+                diagram,
+                law,
+                panel,
+            });
+        }
+        if let Some(Err(why)) = end {
+            self.missing = Some(why);
+        }
+    }
+
+    /// Shows the state at a point in map and profile, until the surface moves.
+    fn picture(&mut self, at: At, state: &mut ViewState) {
+        let shown = self.shown.as_ref();
+        let Some((branch, point)) = shown.and_then(|shown| shown.point(at)) else {
+            return;
+        };
+        let frame = Arc::new(Frame {
+            control: state.run.actual,
+            mean_displacement: point.state.mean_displacement,
+            stress: point.state.stress,
+            gap: Arc::new(branch.gap(point)),
+            soft_mode: None,
+            relaxing: false,
+            state: None,
+        });
+        state.frame = Some(frame.clone());
+        self.at = Some((at, frame));
+    }
+
+    /// How far the job is, or why there is nothing, or what is seen.
+    fn words(&self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            match (&self.job, &self.missing, &self.shown) {
+                (Some(job), ..) if job.is_running() => {
+                    progress(ui, job);
+                    doing(ui, job);
+                }
+                (_, Some(why), _) => {
+                    ui.label(why);
+                }
+                (_, _, Some(shown)) => {
+                    let at = self.at.as_ref().and_then(|(at, _)| shown.words(*at));
+                    let mut words = at.unwrap_or_else(|| counts(&shown.diagram));
+                    for missing in &shown.diagram.missing {
+                        words.push_str(&format!("; missing: {missing}"));
+                    }
+                    ui.add(egui::Label::new(RichText::new(words).small()).truncate());
+                }
+                _ => {}
+            }
+        });
+    }
+}
+
+impl Shown {
+    fn point(&self, at: At) -> Option<(&Branch, &Point)> {
+        let branch = self.diagram.branches.get(at[0])?;
+        Some((branch, branch.points.get(at[1])?))
+    }
+
+    /// A point in words: what it is, and along how many modes it is unstable.
+    fn words(&self, at: At) -> Option<String> {
+        let (branch, point) = self.point(at)?;
+        let [before, after] = point.index;
+        let softness = match before.min(after) {
+            _ if point.kind == Kind::Fold => "a fold: its own mode has no stiffness".to_owned(),
+            _ if point.kind == Kind::Bifurcation => "a bifurcation: other states leave".to_owned(),
+            0 => "stable".to_owned(),
+            1 => "unstable along one mode: a pass between two valleys".to_owned(),
+            many => format!("unstable along {many} modes"),
+        };
+        Some(format!(
+            "Map: {} on \"{}\" at {:.3} ρ, {softness}",
+            point.pattern,
+            branch.name,
+            point.state.mean_displacement / self.law.range
+        ))
+    }
+}
+
+/// Draws the diagram with a frame around the point that is pictured; returns the point that was
+/// clicked.
+fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Option<At> {
+    let mut panel = shown.panel.clone();
+    panel.x.label = "u₀ / ρ".to_owned();
+    panel.y.label = "stress / σ_max".to_owned();
+    if let Some(now) = &state.run.state {
+        let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
+        let here = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
+        panel
+            .series
+            .extend([here(Symbol::Ring), here(Symbol::Circle).filled()]);
+    }
+    let seen = at.and_then(|at| {
+        let state = &shown.point(at)?.1.state;
+        Some(place(state.mean_displacement, state.stress, &shown.law))
+    });
+    let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());
+    panel.series.push(frame);
+    let height = ui.available_height().max(80.0);
+    let drawn = diagram::show(ui, &panel, "branches", height, |_, _| None);
+    let (response, transform) = (drawn.response, drawn.transform);
+    let nearest = response.hover_pos().and_then(|pointer| {
+        let near = |at: [f64; 2]| {
+            let place = transform.position_from_point(&egui_plot::PlotPoint::new(at[0], at[1]));
+            place.distance(pointer)
+        };
+        points(shown)
+            .map(|(which, at)| (which, near(at)))
+            .filter(|(_, distance)| *distance <= NEAR)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    });
+    if nearest.is_some() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+    }
+    let sentence = format!("Every branch of equilibria: {}", counts(&shown.diagram));
+    described(&response, &sentence);
+    nearest
+        .filter(|_| response.clicked())
+        .map(|(which, _)| which)
+}
+
+/// Every point with its branch and place, and where it is drawn.
+fn points(shown: &Shown) -> impl Iterator<Item = (At, [f64; 2])> + '_ {
+    let law = &shown.law;
+    shown
+        .diagram
+        .branches
+        .iter()
+        .enumerate()
+        .flat_map(move |(i, branch)| {
+            branch.points.iter().enumerate().map(move |(j, point)| {
+                let (u0, stress) = (point.state.mean_displacement, point.state.stress);
+                ([i, j], place(u0, stress, law))
+            })
+        })
+}
