@@ -14,6 +14,10 @@
 //! k = 0 under a load.
 
 use super::law::Law;
+use super::theory::boundary;
+
+/// Traction at the stop of a load over the largest: a tenth of the residual of every state.
+const TRACE: f64 = 1e-7;
 
 /// What is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -53,6 +57,17 @@ impl Control {
             Self::Spring { stiffness } => law.range + law.traction_max() / stiffness,
             Self::Load => law.traction_max(),
         }
+    }
+
+    /// u0 of the stop on which a load holds the body apart (length), the highest point of the ground
+    /// at zero: where the ground is not felt any more.
+    pub fn stop(law: &Law) -> f64 {
+        let felt = |gap: f64| law.at(gap).traction > TRACE * law.traction_max();
+        let (near, mut width) = (law.contact_gap(), law.range);
+        while felt(near + width) {
+            width *= 2.0;
+        }
+        boundary(near, near + width, felt)
     }
 
     /// True if u0 is an unknown.

@@ -106,19 +106,16 @@ impl Curve {
     }
 }
 
-/// True if the surface jumped between two neighbours: they share one u0, or a recorded jump changed
+/// True if the surface jumped between two neighbours: they share one value of the control, or a recorded jump changed
 /// the pattern between them.
 fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
-    let (low, high) = (
-        a.mean_displacement.min(b.mean_displacement),
-        a.mean_displacement.max(b.mean_displacement),
-    );
-    let between = |u0: f64| (low..=high).contains(&u0);
+    let (low, high) = (a.control.min(b.control), a.control.max(b.control));
+    let between = |control: f64| (low..=high).contains(&control);
     let recorded = || {
         record
             .jumps
             .iter()
-            .any(|j| j.direction == b.direction && between(j.mean_displacement))
+            .any(|j| j.direction == b.direction && between(j.control))
     };
     a.direction == b.direction && (low == high || a.pattern != b.pattern) && recorded()
 }

@@ -118,9 +118,13 @@ pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
     pieces
 }
 
-/// The areas between both branches: what is lost.
+/// The areas between both ways: what is lost. Under a spring a jump goes along the spring's line.
 pub fn loss(curve: &Curve) -> Vec<Area> {
-    let [approach, retraction] = branches(curve).map(|branch| branch.points);
+    let [approach, retraction] = branches(curve).map(|branch| {
+        let mut points = branch.points;
+        points.retain(|p| p[0].is_finite());
+        points
+    });
     let (low, high) = scale::ends(approach.iter().map(|p| p[0]).filter(|u| u.is_finite()));
     let mut areas: Vec<Area> = Vec::new();
     let mut open = false;
@@ -155,16 +159,14 @@ fn value(curve: &[[f64; 2]], x: f64) -> Option<f64> {
     })
 }
 
-/// Jumps as arrows from the stress before to the stress after.
+/// Jumps as arrows from the state before to the state after: along the line of the machine.
 pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
     let arrow = |jump: &JumpRecord| {
-        let at = |stress: f64| {
-            [
-                jump.mean_displacement / law.range,
-                stress / law.traction_max(),
-            ]
-        };
-        let (tail, head) = (at(jump.stress_before), at(jump.stress_after));
+        let at = |u0: f64, stress: f64| [u0 / law.range, stress / law.traction_max()];
+        let (tail, head) = (
+            at(jump.mean_displacement, jump.stress_before),
+            at(jump.mean_displacement_after, jump.stress_after),
+        );
         Arrow {
             name: "jump",
             tail,

@@ -3,8 +3,10 @@
 //! so that axes and colours keep their meaning while u0 moves.
 
 use super::panel::{Axis, Panel};
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
-use crate::scene::{Model, Scene, Turn};
+use crate::scene::window;
+use crate::scene::{Model, Scene};
 
 /// The least and the largest of some numbers; infinite, the wrong way round, if there are none.
 pub fn ends(numbers: impl IntoIterator<Item = f64>) -> (f64, f64) {
@@ -126,20 +128,12 @@ fn data(panel: &Panel) -> impl Iterator<Item = [f64; 2]> + '_ {
         .chain(panel.labels.iter().map(|label| label.at))
 }
 
-/// Ends of u0 (lower, upper; length).
-pub fn limits(scene: &Scene, model: &Model) -> (f64, f64) {
-    let lower = match scene.drive.turn {
-        Turn::At(turn) => turn,
-        Turn::ZeroLoad => -0.6 * model.indenter.ground().relief(&model.law) - model.law.range,
-    };
-    (lower, scene.drive.start)
-}
-
 /// The largest gap of the colour scale: fixed by the scene, so that colours keep their meaning
 /// while u0 moves.
 pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
     let rho = model.law.range;
     let wanted = match model.indenter {
+        Indenter::Flat if scene.drive.control == Control::Load => 8.0 * rho,
         Indenter::Flat => 1.8 * scene.drive.start,
         _ => (2.5 * model.indenter.ground().relief(&model.law)).max(6.0 * rho),
     };
@@ -150,7 +144,7 @@ pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
 pub fn stress_scale(scene: &Scene, model: &Model) -> (f64, f64) {
     let law = &model.law;
     if model.indenter == Indenter::Flat {
-        let at_turn = law.at(limits(scene, model).0).traction / law.traction_max();
+        let at_turn = law.at(window::of_u0(scene, model)[0]).traction / law.traction_max();
         return (at_turn.clamp(-1.5, 0.0) - 0.06, 1.08);
     }
     // Between full contact and a few asperities nothing is known beforehand.
@@ -178,6 +172,7 @@ mod tests {
     use crate::physics::indenter::Hertz;
     use crate::plot::panel::Series;
     use crate::scene::tests::fig2;
+    use crate::scene::window;
     use crate::scene::{Drive, Range};
 
     #[test]

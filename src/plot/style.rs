@@ -47,6 +47,8 @@ impl Colour {
     pub const LOSS: Self = Self::Gold;
     /// The flat state.
     pub const FLAT: Self = Self::Grey;
+    /// What the machine allows.
+    pub const MACHINE: Self = Self::Ink;
     /// The live loop.
     pub const LIVE: Self = Self::Teal;
 

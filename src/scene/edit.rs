@@ -149,15 +149,57 @@ fn fit_drive(scene: &mut Scene) {
         && turn < held(lower - 0.1 * law.range)
         && pressed < 1.0;
     if !fits {
-        let (start, turn) = (held(upper + 1.1 * law.range), held(turn_for(&law, lower)));
-        scene.drive = Drive {
-            control,
-            start,
-            turn: Turn::At(turn),
-            step: 0.02 * law.range,
-        };
+        scene.drive = enclosing(&law, (lower, upper), control);
     }
 }
+
+/// A drive on flat ground that goes beyond both ends of what is unstable.
+fn enclosing(law: &Law, (lower, upper): (f64, f64), control: Control) -> Drive {
+    let held = |gap: f64| control.balanced(gap, law.at(gap).traction)[0];
+    let (start, turn) = match control {
+        Control::Load => (1.3 * law.traction_max(), -0.3 * law.traction_max()),
+        // As soft a machine takes both ends farther.
+        _ => {
+            let stretched = control.unit(law) - law.range;
+            let start = held(upper + 1.1 * law.range) + stretched;
+            (start, held(turn_for(law, lower)))
+        }
+    };
+    let step = match control {
+        Control::Displacement => 0.02 * law.range,
+        _ => (start - turn) / STEPS,
+    };
+    Drive {
+        control,
+        start,
+        turn: Turn::At(turn),
+        step,
+    }
+}
+
+/// The scene under another machine, driven from where nothing touches into contact and back.
+pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
+    let mut scene = frozen(scene, model);
+    let law = model.law;
+    scene.drive = match flat::limits(&law, model.grid.length) {
+        Some(limits) if model.indenter == Indenter::Flat => enclosing(&law, limits, control),
+        _ => {
+            let mut drive = with_ground(&scene, model, model.indenter).drive;
+            drive.control = control;
+            if control == Control::Load {
+                let pull_off = model.indenter.ground().pull_off(&law, &model.grid);
+                let start = 1.5 * pull_off.unwrap_or(law.traction_max());
+                (drive.start, drive.turn) = (start, Turn::At(-0.3 * start));
+                drive.step = 1.3 * start / STEPS;
+            }
+            drive
+        }
+    };
+    scene
+}
+
+/// Steps of the approach of a drive under a spring or a load.
+const STEPS: f64 = 150.0;
 
 /// A drive that no law refuses, to ask for the model of a scene whose own drive may not fit any
 /// more.

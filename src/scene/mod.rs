@@ -7,6 +7,7 @@ pub mod edit;
 pub mod mesh;
 pub mod parameter;
 pub mod part;
+pub mod window;
 
 use crate::physics::control::Control;
 use crate::physics::grid::{Grid, POINTS_MAX};

@@ -46,13 +46,13 @@ parameters! {
     STIFFNESS: "drive.stiffness", "Stiffness of the spring", "k", "E* per length", LENGTHS, None,
         POSITIVE;
     /// Where the drive begins and ends.
-    START: "drive.start", "Start of", "u₀", "length", -FAR..=FAR, None,
+    START: "drive.start", "Start of the drive", "", "length, or E* of a load", -FAR..=FAR, None,
         "a finite number, {range}, as in 4.2";
     /// Where it turns.
-    TURN: "drive.turn", "Turn of", "u₀", "length", -FAR..=FAR, None,
+    TURN: "drive.turn", "Turn of the drive", "", "length, or E* of a load", -FAR..=FAR, None,
         "a number below drive.start, {range}, or \"zero_load\"";
     /// Largest step.
-    STEP: "drive.step", "Step of", "u₀", "length", LENGTHS, None, POSITIVE;
+    STEP: "drive.step", "Step of the drive", "", "length, or E* of a load", LENGTHS, None, POSITIVE;
     /// Relative error that the plan must meet.
     TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(Value::Number(0.01)),
         "a number above 0 and below 1, {range}, as in 0.01";

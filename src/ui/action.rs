@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// An intent of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Walk to this mean displacement u0 (length).
+    /// Walk to this value of what is driven (length; E* of a load).
     SetTarget(f64),
     /// Move the target by this many increments of the drive (negative: down).
     Step(f64),

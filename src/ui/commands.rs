@@ -2,6 +2,7 @@
 //! keyboard.
 
 use super::action::{Action, FileTask, ViewOptions};
+use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
@@ -71,12 +72,12 @@ fn motions(state: &ViewState) -> Vec<Command> {
         one("Reverse", "R", Action::Reverse),
         one("One increment onwards", ".", Action::Increment),
         one(
-            "Go to the start of u₀",
+            "Go to the start of the drive",
             "Home",
             Action::SetTarget(state.limits.1),
         ),
         one(
-            "Go to the turning point of u₀",
+            "Go to the turning point of the drive",
             "End",
             Action::SetTarget(state.limits.0),
         ),
@@ -216,15 +217,21 @@ fn choices(state: &ViewState) -> Vec<Command> {
     list
 }
 
-/// What these words find: every word somewhere in the name. A number alone is a u0, in ranges.
+/// What these words find: every word somewhere in the name. A number alone is a value of what is driven.
 pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
-    let (low, high) = (state.limits.0 / state.rho(), state.limits.1 / state.rho());
-    let place = widgets::parse(words).filter(|u0| (low..=high).contains(u0));
-    let go = place.map(|u0| {
+    let Told {
+        symbol,
+        suffix,
+        unit,
+        ..
+    } = machine::told(state);
+    let (low, high) = (state.limits.0 / unit, state.limits.1 / unit);
+    let place = widgets::parse(words).filter(|value| (low..=high).contains(value));
+    let go = place.map(|value| {
         Command::new(
-            &format!("Go to u₀ = {u0} ρ"),
+            &format!("Go to {symbol} = {value}{suffix}"),
             "",
-            Action::SetTarget(u0 * state.rho()),
+            Action::SetTarget(value * unit),
         )
     });
     let wanted: Vec<String> = words.split_whitespace().map(str::to_lowercase).collect();

@@ -1,9 +1,11 @@
 //! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
 
 use super::action::Action;
+use super::machine::Told;
+use super::theme::Palette;
 use super::view_state::ViewState;
-use super::widgets::{SEED_MAX, field, labelled, named, number, own, whole};
-use super::{sliders, theme};
+use super::widgets::{SEED_MAX, card, field, labelled, named, number, own, whole};
+use super::{machine, sliders, theme};
 use crate::follow::record::Direction;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
@@ -11,15 +13,17 @@ use crate::scene::edit::{self, Follows};
 use crate::scene::part::Strategy;
 use crate::scene::{Points, Scene, Turn, parameter};
 use crate::solver::methods::MethodKind;
-use egui::{Align2, ComboBox, Id, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{ComboBox, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     egui::ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
-            heading(ui, "Mean displacement u₀");
-            displacement(ui, state, actions);
+            let told = machine::told(state);
+            heading(ui, &format!("{} {}", told.name, told.symbol));
+            driven(ui, state, &told, actions);
+            machine::show(ui, state, actions);
             ui.separator();
             mesh_number(ui, state, actions);
             ui.separator();
@@ -39,27 +43,31 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).strong());
 }
 
-fn displacement(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let rho = state.rho();
+fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
+    let unit = told.unit;
     ui.horizontal_top(|ui| {
-        sliders::u0(ui, state, actions);
+        sliders::driven(ui, state, told, actions);
         ui.vertical(|ui| {
             ui.set_width(ui.available_width().min(130.0));
             let label = ui.label("Target");
-            let mut target = state.target / rho;
-            let range = state.limits.0 / rho..=state.limits.1 / rho;
+            let mut target = state.target / unit;
+            let range = state.limits.0 / unit..=state.limits.1 / unit;
             let drag = field(&mut target)
                 .range(range)
                 .clamp_existing_to_range(false)
                 .speed(0.01)
                 .max_decimals(6);
-            if ui.add(drag.suffix(" ρ")).labelled_by(label.id).changed() {
-                actions.push(Action::SetTarget(target * rho));
+            if ui
+                .add(drag.suffix(told.suffix))
+                .labelled_by(label.id)
+                .changed()
+            {
+                actions.push(Action::SetTarget(target * unit));
             }
             ui.add_space(4.0);
             ui.label("Actual");
             ui.label(
-                RichText::new(format!("{:.4} ρ", state.run.actual / rho))
+                RichText::new(format!("{:.4}{}", state.run.actual / unit, told.suffix))
                     .heading()
                     .strong(),
             );
@@ -233,22 +241,29 @@ fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
-/// Where u0 starts and turns, and its step.
+/// Where the drive starts and turns, and its step.
 fn drive(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let (drive, rho) = (state.scene.drive, state.rho());
+    let (drive, told) = (state.scene.drive, machine::told(state));
+    let (unit, suffix) = (told.unit, told.suffix.trim());
     let far = -1e4..=1e4;
-    if let Some(value) = number(ui, &parameter::START, drive.start / rho, far.clone(), "ρ") {
-        change(state, actions, |scene| scene.drive.start = value * rho);
+    if let Some(value) = number(
+        ui,
+        &parameter::START,
+        drive.start / unit,
+        far.clone(),
+        suffix,
+    ) {
+        change(state, actions, |scene| scene.drive.start = value * unit);
     }
     if let Turn::At(turn) = drive.turn
-        && let Some(value) = number(ui, &parameter::TURN, turn / rho, far, "ρ")
+        && let Some(value) = number(ui, &parameter::TURN, turn / unit, far, suffix)
     {
         change(state, actions, |scene| {
-            scene.drive.turn = Turn::At(value * rho);
+            scene.drive.turn = Turn::At(value * unit);
         });
     }
-    if let Some(value) = number(ui, &parameter::STEP, drive.step / rho, 1e-5..=10.0, "ρ") {
-        change(state, actions, |scene| scene.drive.step = value * rho);
+    if let Some(value) = number(ui, &parameter::STEP, drive.step / unit, 1e-5..=10.0, suffix) {
+        change(state, actions, |scene| scene.drive.step = value * unit);
     }
 }
 
@@ -347,8 +362,13 @@ fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.spacing_mut().item_spacing.x = 6.0;
             for &shape in pair {
                 let same = shape.word() == present.word();
-                let drawn = if same { present } else { shape };
-                if law_card(ui, drawn, same, width) && !same {
+                let shown = if same { present } else { shape };
+                let name = shape.word().replace('_', " ");
+                let drawn = |painter: &Painter, rect: Rect, palette: &Palette| {
+                    traction(shown, painter, rect, palette);
+                };
+                let response = card(ui, ("law", &name), same, vec2(width, 56.0), drawn);
+                if response.clicked() && !same {
                     let scene = edit::with_shape(&state.scene, &state.model, shape);
                     actions.push(Action::edit(scene));
                 }
@@ -357,35 +377,8 @@ fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
-fn law_card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
-    let (_, rect) = ui.allocate_space(vec2(width, 56.0));
-    let response = ui.interact(rect, Id::unique(("law", shape.word())), Sense::click());
-    let name = shape.word().replace('_', " ");
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::RadioButton, true, selected, format!("law {name}"))
-    });
-    let visuals = ui.style().interact_selectable(&response, selected);
-    let palette = theme::palette(ui);
-    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let fill = if selected {
-        ui.visuals().selection.bg_fill.gamma_multiply(0.55)
-    } else {
-        ui.visuals().faint_bg_color
-    };
-    painter.rect(
-        rect.shrink(0.5),
-        5.0,
-        fill,
-        Stroke::new(
-            1.0,
-            if selected {
-                palette.approach
-            } else {
-                visuals.bg_stroke.color
-            },
-        ),
-        egui::StrokeKind::Inside,
-    );
+/// The law's traction against the gap.
+fn traction(shape: Shape, painter: &Painter, rect: Rect, palette: &Palette) {
     let law = Law {
         shape,
         surface_energy: 1.0,
@@ -395,7 +388,7 @@ fn law_card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
     painter.hline(
         rect.x_range().shrink(6.0),
         axis,
-        Stroke::new(1.0, ui.visuals().weak_text_color()),
+        Stroke::new(1.0, palette.flat),
     );
     let points = (0..=60)
         .map(|i| f64::from(i) / 60.0)
@@ -410,12 +403,4 @@ fn law_card(ui: &mut Ui, shape: Shape, selected: bool, width: f32) -> bool {
         })
         .collect();
     painter.line(points, Stroke::new(1.8, palette.retraction));
-    painter.text(
-        pos2(rect.center().x, rect.bottom() - 2.0),
-        Align2::CENTER_BOTTOM,
-        name,
-        theme::small(),
-        ui.visuals().strong_text_color(),
-    );
-    response.clicked()
 }

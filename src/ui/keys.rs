@@ -1,5 +1,5 @@
 //! The keys. They do not fire while something is being typed, nor take the arrows away from a
-//! focused widget other than the u0 slider.
+//! focused widget other than the slider of what is driven.
 
 use super::action::{Action, FileTask};
 use super::sliders;
@@ -13,7 +13,10 @@ pub const SHEET: [(&str, &str); 20] = [
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
     ),
-    ("← →", "one step of u₀ down, up (with Shift a tenth)"),
+    (
+        "← →",
+        "one step of u₀, w or F down, up (with Shift a tenth)",
+    ),
     ("PgDn PgUp", "ten steps down, up"),
     ("Home End", "start, turning point"),
     ("Space", "play, pause"),
@@ -43,7 +46,7 @@ const COARSE: f64 = 10.0;
 /// Turns this frame's key presses into actions. `dialog_open` leaves only what concerns the dialog.
 pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mut Vec<Action>) {
     let focused = ctx.memory(egui::Memory::focused);
-    let free = focused.is_none() || focused == Some(sliders::u0_id());
+    let free = focused.is_none() || focused == Some(sliders::driven_id());
     let presses: Vec<(Key, Modifiers, bool)> = ctx.input(|input| {
         let pressed = |event: &Event| match event {
             Event::Key {

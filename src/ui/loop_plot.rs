@@ -3,6 +3,7 @@
 
 use super::action::Action;
 use super::diagram;
+use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
@@ -203,6 +204,7 @@ fn panel(state: &ViewState) -> Panel {
         .labels
         .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
+    panel.series.extend(machine::line(state, [left, right]));
     ahead(state, &mut panel);
     let rho = state.rho();
     if let Some(selection) = &state.run.selection {

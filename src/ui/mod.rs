@@ -24,6 +24,7 @@ mod gap_map;
 mod gap_picture;
 mod keys;
 mod loop_plot;
+mod machine;
 mod profile;
 mod saved_state;
 mod sliders;

@@ -1,6 +1,7 @@
-//! The two sliders of the left panel: the mean displacement u0, and the mesh number mu_rho.
+//! The two sliders of the left panel: what is driven, and the mesh number mu_rho.
 
 use super::action::Action;
+use super::machine::Told;
 use super::theme;
 use super::view_state::ViewState;
 use crate::plot::ticks;
@@ -11,13 +12,12 @@ use egui::{
     pos2, vec2,
 };
 
-/// Accessible names of the sliders.
-const U0: &str = "mean displacement u0";
+/// Accessible name of the slider of the mesh.
 const MESH_NUMBER: &str = "mesh number mu_rho";
 
-/// Id of the slider of u0: the keys of u0 work while it has the focus.
-pub fn u0_id() -> Id {
-    Id::unique("u0_slider")
+/// Id of the slider of what is driven: its keys work while it has the focus.
+pub fn driven_id() -> Id {
+    Id::unique("driven_slider")
 }
 
 /// Tells a screen reader of a slider with this value between two ends; the value it asks for.
@@ -51,13 +51,13 @@ fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
     }
 }
 
-/// The slider of the mean displacement: up is away, so dragging down lowers the body. Two marks:
+/// The slider of what is driven: up is away, so dragging down lowers the body. Two marks:
 /// where it should go, and where it is.
-pub fn u0(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
     let tall = ui.ctx().content_rect().height() > 740.0;
     let height = if tall { 236.0 } else { 180.0 };
     let (_, rect) = ui.allocate_space(vec2(122.0, height));
-    let response = ui.interact(rect, u0_id(), Sense::click_and_drag());
+    let response = ui.interact(rect, driven_id(), Sense::click_and_drag());
     let rail = Rect::from_min_max(
         pos2(rect.left() + 38.0, rect.top() + 10.0),
         pos2(rect.left() + 47.0, rect.bottom() - 10.0),
@@ -83,10 +83,10 @@ pub fn u0(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         };
         actions.push(Action::SetTarget(wanted));
     }
-    speak_u0(ui, state, actions, &response);
+    speak_driven(ui, state, told, actions, &response);
 
     let palette = theme::palette(ui);
-    u0_ticks(ui, state, rail, &y_of);
+    ticks_of(ui, state, told.unit, rail, &y_of);
     let painter = ui.painter();
     painter.rect_filled(rail, 4.0, ui.visuals().widgets.inactive.bg_fill);
     let walked = Rect::from_min_max(
@@ -152,13 +152,12 @@ fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
     );
 }
 
-fn u0_ticks(ui: &Ui, state: &ViewState, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
-    let rho = state.rho();
-    let (low, high) = (state.limits.0 / rho, state.limits.1 / rho);
+fn ticks_of(ui: &Ui, state: &ViewState, unit: f64, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
+    let (low, high) = (state.limits.0 / unit, state.limits.1 / unit);
     let (values, spacing) = ticks::within(low, high, 9.0);
     let colour = ui.visuals().weak_text_color();
     for value in values {
-        let y = y_of(value * rho);
+        let y = y_of(value * unit);
         ui.painter().hline(
             rail.left() - 9.0..=rail.left() - 4.0,
             y,
@@ -176,14 +175,22 @@ fn u0_ticks(ui: &Ui, state: &ViewState, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
 }
 
 /// The slider for a screen reader, and what it asks for.
-fn speak_u0(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>, response: &Response) {
-    let rho = state.rho();
-    let limits = (state.limits.0 / rho, state.limits.1 / rho);
-    let wanted = speak(ui, response, state.target / rho, limits, U0);
-    actions.extend(wanted.map(|value| Action::SetTarget(value * rho)));
+fn speak_driven(
+    ui: &Ui,
+    state: &ViewState,
+    told: &Told,
+    actions: &mut Vec<Action>,
+    response: &Response,
+) {
+    let unit = told.unit;
+    let limits = (state.limits.0 / unit, state.limits.1 / unit);
+    let symbol = told.symbol.replace('₀', "0");
+    let name = format!("{} {symbol}", told.name.to_lowercase());
+    let wanted = speak(ui, response, state.target / unit, limits, &name);
+    actions.extend(wanted.map(|value| Action::SetTarget(value * unit)));
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_role(Role::Slider);
-        node.set_numeric_value_step(state.scene.drive.step / rho);
+        node.set_numeric_value_step(state.scene.drive.step / unit);
         node.add_action(Ask::Increment);
         node.add_action(Ask::Decrement);
     });

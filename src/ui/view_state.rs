@@ -12,9 +12,9 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::eigenvalue_scale;
 use crate::plot::loop_panel::{flat_state, loss};
-use crate::plot::scale;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
+use crate::scene::window;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
@@ -108,10 +108,10 @@ impl ViewState {
     /// The scene's first value that is not allowed.
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let limits = scale::limits(&scene, &model);
+        let limits = window::of_control(&scene, &model);
         let drive = scene.drive;
         Ok(Self {
-            plots: Plots::new(flat_state(&model, limits.into())),
+            plots: Plots::new(flat_state(&model, window::of_u0(&scene, &model))),
             scene: Arc::new(scene),
             opened: 0,
             model,
@@ -174,7 +174,7 @@ impl ViewState {
             }
         };
         let at_start = self.target == self.limits.1;
-        self.limits = scale::limits(&scene, &model);
+        self.limits = window::of_control(&scene, &model);
         if at_start || !(self.limits.0..=self.limits.1).contains(&self.target) {
             self.target = self.limits.1;
         }
@@ -182,7 +182,7 @@ impl ViewState {
             self.plots.ghosts.clear();
         }
         self.plots.beneath.clear();
-        self.plots.flat_state = flat_state(&model, self.limits.into());
+        self.plots.flat_state = flat_state(&model, window::of_u0(&scene, &model));
         self.scene = Arc::new(scene);
         self.model = model;
         self.messages.failure = None;

@@ -1,9 +1,13 @@
 //! What panels are made of: numbers as people type them and the fields they are typed into, buttons
 //! and pictures with a name, jobs under way.
 
+use super::theme::{self, Palette};
 use crate::physics::parameter::{Parameter, Value};
 use crate::worker::job::Job;
-use egui::{Align, DragValue, Layout, ProgressBar, Response, Role, Ui, WidgetInfo, WidgetText};
+use egui::{
+    Align, Align2, DragValue, Id, Layout, Painter, ProgressBar, Rect, Response, Role, Sense,
+    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetText, pos2,
+};
 use std::ops::RangeInclusive;
 
 /// Largest seed that a number typed into a field still means exactly.
@@ -33,6 +37,41 @@ pub fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
     DragValue::new(value)
         .custom_parser(parse)
         .update_while_editing(false)
+}
+
+/// A card of one choice among several of a `group`: a sketch over its name.
+pub fn card(
+    ui: &mut Ui,
+    (group, name): (&str, &str),
+    chosen: bool,
+    size: Vec2,
+    sketch: impl FnOnce(&Painter, Rect, &Palette),
+) -> Response {
+    let (_, rect) = ui.allocate_space(size);
+    let response = ui.interact(rect, Id::unique((group, name)), Sense::click());
+    response.widget_info(|| {
+        WidgetInfo::selected(Role::RadioButton, true, chosen, format!("{group} {name}"))
+    });
+    let palette = theme::palette(ui);
+    let visuals = ui.style().interact_selectable(&response, chosen);
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let (fill, edge) = if chosen {
+        let fill = ui.visuals().selection.bg_fill.gamma_multiply(0.55);
+        (fill, palette.approach)
+    } else {
+        (ui.visuals().faint_bg_color, visuals.bg_stroke.color)
+    };
+    let edge = Stroke::new(1.0, edge);
+    painter.rect(rect.shrink(0.5), 5.0, fill, edge, StrokeKind::Inside);
+    sketch(&painter, rect, &palette);
+    painter.text(
+        pos2(rect.center().x, rect.bottom() - 2.0),
+        Align2::CENTER_BOTTOM,
+        name,
+        theme::small(),
+        ui.visuals().strong_text_color(),
+    );
+    response
 }
 
 /// A value with a name, typed or dragged; what is typed is taken exactly.

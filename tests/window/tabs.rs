@@ -38,7 +38,8 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
         bench.reach(u0, Direction::Approach);
     }
     let eigenvalue = flat::stiffness_min(&bench.model.law, bench.model.grid.length, 3.36);
-    let words = format!("now {eigenvalue:.4} E*/L; next jump at {upper:.4} going down (exact)");
+    let words =
+        format!("now {eigenvalue:.4} E*/L; next jump at u₀ = {upper:.4} ρ going down (exact)");
     assert!(
         bench.names().contains(&words),
         "{words} in {}",
@@ -50,7 +51,7 @@ fn the_stability_tab_says_the_eigenvalue_and_where_the_next_jump_is() {
     assert!(
         bench
             .names()
-            .contains(&format!("next jump at {lower:.4} going up (exact)")),
+            .contains(&format!("next jump at u₀ = {lower:.4} ρ going up (exact)")),
         "{}",
         bench.names()
     );

@@ -6,32 +6,17 @@
 
 use super::{Barrier, Cause, Observed, Progress, Walk};
 use crate::physics::control::Control;
-use crate::physics::law::Law;
-use crate::physics::theory::boundary;
 use crate::solver::Stop;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
 use crate::solver::mechanics::Mechanics;
 use std::f64::consts::PI;
-
-/// Traction at the stop over the largest: a tenth of the residual of every state.
-const TRACE: f64 = 1e-7;
-
-/// u0 of the stop (length): the highest point of the ground is at zero.
-fn stop(law: &Law) -> f64 {
-    let felt = |gap: f64| law.at(gap).traction > TRACE * law.traction_max();
-    let (near, mut width) = (law.contact_gap(), law.range);
-    while felt(near + width) {
-        width *= 2.0;
-    }
-    boundary(near, near + width, felt)
-}
 
 /// The flat body on the stop under the load `control`. Two transforms.
 pub(super) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
     let system = &mechanics.system;
     let (law, length) = (*system.law(), system.grid().length);
     let mut z = vec![0.0; system.dimension()];
-    z[0] = stop(&law);
+    z[0] = Control::stop(&law);
     let mut at = mechanics.at(z, control);
     // What is left of the load the stop bears.
     at.gradient[0] = 0.0;
@@ -50,7 +35,7 @@ pub(super) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
 impl Walk {
     /// True if a body at `u0` is on the stop, or has flown beyond it.
     pub(super) fn is_apart(&self, u0: f64) -> bool {
-        self.control() == Control::Load && u0 >= stop(&self.model.law)
+        self.control() == Control::Load && u0 >= Control::stop(&self.model.law)
     }
 
     /// One increment on the stop: it holds as long as the load does not push.

@@ -13,6 +13,7 @@ use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
 use crate::ui::action::{Action, ViewOptions};
 use crate::ui::diagram::{self, line, small};
+use crate::ui::machine::{self, Told};
 use crate::ui::theme::{self, Palette};
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
@@ -176,7 +177,8 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, grou
             .anchor(egui::Align2::LEFT_CENTER)
             .allow_hover(false),
     );
-    if let Some(ahead) = ahead {
+    // Where what is driven is not u0, words say where.
+    if let Some(ahead) = ahead.filter(|_| !state.scene.drive.control.frees_mean()) {
         bracket(plot, state, ahead, palette);
     }
     let panel = Panel {
@@ -258,7 +260,12 @@ fn present(state: &ViewState) -> String {
 
 /// The forecast in one line.
 fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
-    let rho = state.rho();
+    let Told {
+        symbol,
+        suffix,
+        unit,
+        ..
+    } = machine::told(state);
     let way = match state.run.direction {
         Direction::Approach => "down",
         Direction::Retraction => "up",
@@ -266,15 +273,20 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
     match ahead {
         None => format!("no jump foreseen going {way}"),
         Some(f) if f.nearest == f.farthest => {
-            format!("next jump at {:.4} going {way} (exact)", f.nearest / rho)
+            format!(
+                "next jump at {symbol} = {:.4}{suffix} going {way} (exact)",
+                f.nearest / unit
+            )
         }
         Some(f) => {
             let (a, b) = (
-                f.nearest.min(f.farthest) / rho,
-                f.nearest.max(f.farthest) / rho,
+                f.nearest.min(f.farthest) / unit,
+                f.nearest.max(f.farthest) / unit,
             );
             let digits = if b - a < 0.02 { 4 } else { 2 };
-            format!("next jump between {a:.digits$} and {b:.digits$} going {way}")
+            format!(
+                "next jump between {symbol} = {a:.digits$} and {b:.digits$}{suffix} going {way}"
+            )
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Series;
 use crate::plot::scale;
+use crate::scene::window;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
@@ -158,7 +159,7 @@ impl ViewState {
             return fit;
         }
         let (low, high) = scale::stress_scale(&self.scene, &self.model);
-        let (left, right) = (self.limits.0 / self.rho(), self.limits.1 / self.rho());
+        let [left, right] = window::of_u0(&self.scene, &self.model).map(|u0| u0 / self.rho());
         let margin = 0.03 * (right - left);
         ([left - margin, low], [right + margin, high])
     }
@@ -219,6 +220,7 @@ impl ViewState {
             return Vec::new();
         };
         let (rho, top) = (self.rho(), self.model.law.traction_max());
+        let [low, high] = window::of_u0(&self.scene, &self.model);
         let scaled = |points: Vec<[f64; 2]>| {
             points
                 .into_iter()
@@ -226,7 +228,7 @@ impl ViewState {
                 .collect()
         };
         theory
-            .lines(&self.model, self.limits.0, self.limits.1)
+            .lines(&self.model, low, high)
             .into_iter()
             .map(|line| (line.name, scaled(line.points)))
             .collect()
