@@ -8,6 +8,7 @@
 mod chart;
 mod diagram;
 mod figure;
+mod map;
 mod progress;
 mod report;
 mod run;
@@ -19,6 +20,7 @@ use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, files, line, presets, scene_file};
+use crate::study::map::Vary;
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -70,6 +72,11 @@ enum Command {
     /// diagram.png into the folder. What could not be followed is said, and in the picture: exit
     /// code 3.
     Diagram(DiagramArguments),
+    /// Map where every jump of a scene's loop lies as one parameter goes
+    ///
+    /// Writes map.csv (jumps and ends of patterns, with the loss), map.svg and map.png into the
+    /// folder. A value whose loop is not known is said, and in the picture: exit code 3.
+    Map(MapArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
     /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a
@@ -135,6 +142,24 @@ struct DiagramArguments {
     #[command(flatten)]
     output: Output,
     /// Points a side in place of the scene's (a line cell stays a line)
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+}
+
+/// What `tackscope map` is told.
+#[derive(Args, Clone, Debug)]
+struct MapArguments {
+    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    scene: String,
+    /// The parameter of the scene file that goes, and its ends, as in law.range=0.5..2
+    #[arg(long, value_name = "KEY=A..B")]
+    vary: Vary,
+    #[command(flatten)]
+    output: Output,
+    /// Values of the parameter; by equal factors where its ends are a factor of two or more apart
+    #[arg(long, value_name = "N", default_value_t = 97, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    rows: u32,
+    /// Points a side in place of the scene's (a line cell stays a line), where loops are walked
     #[arg(long, value_name = "N")]
     points: Option<usize>,
 }
@@ -252,6 +277,7 @@ pub fn main() -> ExitCode {
         Ok(arguments) => match arguments.command {
             Some(Command::Run(arguments)) => code(run::run(&arguments)),
             Some(Command::Diagram(arguments)) => code(diagram::diagram(&arguments)),
+            Some(Command::Map(arguments)) => code(map::map(&arguments)),
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),

@@ -7,7 +7,7 @@ use crate::follow::record::Direction;
 use crate::follow::walk::{Observed, Progress, Walk};
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter};
-use crate::plot::panel::{Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
+use crate::plot::panel::{Along, Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::plot::scale::ends;
 use crate::solver::methods::MethodKind;
 
@@ -147,6 +147,7 @@ fn panel(rows: &[[f64; 3]], mean: f64) -> Panel {
         name: String::new(),
         colour,
         spans,
+        along: Along::X,
     };
     Panel {
         x: Axis::linear("x").from_to(left, right),

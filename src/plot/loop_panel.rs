@@ -2,7 +2,7 @@
 //! tension positive.
 
 use super::curve::Curve;
-use super::panel::{Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
+use super::panel::{Along, Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
 use super::scale;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord};
 use crate::physics::indenter::Indenter;
@@ -140,6 +140,7 @@ pub fn loss(curve: &Curve) -> Vec<Area> {
                 name: name.to_owned(),
                 colour: Colour::LOSS,
                 spans: Vec::new(),
+                along: Along::X,
             });
         }
         open = apart;

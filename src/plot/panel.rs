@@ -274,15 +274,37 @@ pub enum Colour {
     Grey,
 }
 
-/// The area between two curves over the same x.
+/// Along which axis the edges of an area run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Along {
+    /// Spans are (x, lower y, upper y).
+    #[default]
+    X,
+    /// Spans are (y, left x, right x).
+    Y,
+}
+
+/// The area between two curves over the same x, or the same y.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Area {
     /// Its name in the legend; empty is not listed.
     pub name: String,
     /// Colour.
     pub colour: Colour,
-    /// (x, lower y, upper y).
+    /// (x, lower y, upper y), or as `along` says.
     pub spans: Vec<[f64; 3]>,
+    /// Which axis its edges run along.
+    pub along: Along,
+}
+
+impl Area {
+    /// The place of the edge `k`, 1 or 2, of a span.
+    pub fn edge(&self, span: &[f64; 3], k: usize) -> [f64; 2] {
+        match self.along {
+            Along::X => [span[0], span[k]],
+            Along::Y => [span[k], span[0]],
+        }
+    }
 }
 
 /// An arrow.

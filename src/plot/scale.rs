@@ -119,7 +119,7 @@ fn data(panel: &Panel) -> impl Iterator<Item = [f64; 2]> + '_ {
     let areas = panel.areas.iter().flat_map(|a| {
         a.spans
             .iter()
-            .flat_map(|[x, low, high]| [[*x, *low], [*x, *high]])
+            .flat_map(|span| [a.edge(span, 1), a.edge(span, 2)])
     });
     let arrows = panel.arrows.iter().flat_map(|a| [a.tail, a.head]);
     points
@@ -172,8 +172,7 @@ mod tests {
     use crate::physics::indenter::Hertz;
     use crate::plot::panel::Series;
     use crate::scene::tests::fig2;
-    use crate::scene::window;
-    use crate::scene::{Drive, Range};
+    use crate::scene::{Drive, Range, Turn};
 
     #[test]
     fn an_axis_shows_its_data_with_some_room_or_what_it_is_told_to() {

@@ -1,11 +1,12 @@
 //! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after
 //! mu_rho, and the drive after the law.
 
-use super::{Drive, Model, Points, Range, Scene, Turn};
+use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
+use crate::physics::parameter::{Parameter, Refusal, Value};
 use crate::physics::theory::flat;
 
 /// What follows when mu_rho is changed.
@@ -198,6 +199,86 @@ pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
     scene
 }
 
+/// Checks that the scene has a number of this `key`.
+///
+/// # Errors
+/// The keys that it has.
+pub fn check_key(scene: &Scene, key: &str) -> Result<(), Refusal> {
+    let known: Vec<&str> = scene
+        .numbers()
+        .iter()
+        .map(|(parameter, _)| parameter.key)
+        .chain([parameter::RANGE.key, parameter::MU_RHO.key])
+        .collect();
+    if known.contains(&key) {
+        return Ok(());
+    }
+    let allowed = format!("a number of this scene: {}", known.join(", "));
+    Err(Refusal::new("--vary", format!("\"{key}\""), &allowed))
+}
+
+/// The scene with another value of the number of this `key`; what follows it follows.
+///
+/// # Errors
+/// As [`check_key`], or a value that is not allowed.
+pub fn with_parameter(
+    scene: &Scene,
+    model: &Model,
+    key: &str,
+    value: f64,
+) -> Result<Scene, Refusal> {
+    check_key(scene, key)?;
+    let of = |parameter: &Parameter| parameter.key == key;
+    let whole = value.round().max(0.0);
+    // The number of this key among a law's or a ground's own.
+    let own = |parameters: &[Parameter], mut values: Vec<Value>| {
+        let i = parameters.iter().position(of)?;
+        values[i] = match values[i] {
+            Value::Number(_) => Value::Number(value),
+            Value::Whole(_) => Value::Whole(whole as u64),
+            _ => return None,
+        };
+        Some(values)
+    };
+    let (law, ground) = (scene.law.shape, scene.indenter);
+    if let Some(values) = own(law.parameters(), law.values()) {
+        return Ok(with_shape(scene, model, law.with(&values)));
+    }
+    if let Some(values) = own(ground.parameters(), ground.values()) {
+        let mut edited = scene.clone();
+        edited.indenter = ground.with(&values);
+        return Ok(edited);
+    }
+    let drive = |edit: &dyn Fn(&mut Drive)| {
+        let mut edited = scene.clone();
+        edit(&mut edited.drive);
+        edited
+    };
+    Ok(match key {
+        "cell.length" => with_length(scene, model, value),
+        "cell.points" => {
+            let even = 2 * (whole / 2.0).round() as usize;
+            with_points(scene, model, scene.cell.points.resized(even))
+        }
+        "law.surface_energy" => with_surface_energy(scene, model, value),
+        "law.range" => with_range(scene, model, value),
+        "law.mu_rho" => with_mu_rho(scene, model, value, Follows::Range),
+        "drive.stiffness" => with_control(scene, model, Control::Spring { stiffness: value }),
+        "drive.start" => drive(&|drive| drive.start = value),
+        "drive.turn" => drive(&|drive| drive.turn = Turn::At(value)),
+        "drive.step" => drive(&|drive| drive.step = value),
+        "accuracy.target" => Scene {
+            accuracy: value,
+            ..scene.clone()
+        },
+        "noise.seed" => Scene {
+            seed: whole as u64,
+            ..scene.clone()
+        },
+        _ => return Err(Refusal::new(key, value, "a number that can be varied")),
+    })
+}
+
 /// Steps of the approach of a drive under a spring or a load.
 const STEPS: f64 = 150.0;
 
@@ -279,6 +360,36 @@ mod tests {
                 "{turn} {lower} {upper} {start} of {}",
                 scene.law.shape.word()
             );
+        }
+    }
+
+    #[test]
+    fn every_number_of_a_scene_can_be_given_another_value_by_its_key() {
+        let mut scene = fig2(64);
+        scene.drive.control = Control::Spring { stiffness: 1.0 };
+        let mut grounds = Indenter::all();
+        grounds.retain(|ground| ground.check().is_ok());
+        for (shape, ground) in Shape::all().into_iter().zip(grounds.into_iter().cycle()) {
+            (scene.law.shape, scene.indenter) = (shape, ground);
+            let model = fig2(64).model().unwrap();
+            for (parameter, old) in scene.numbers() {
+                let wanted = match old {
+                    Value::Number(x) => 0.97 * x,
+                    Value::Whole(n) => n as f64 + 2.0,
+                    _ => continue,
+                };
+                let edited = with_parameter(&scene, &model, parameter.key, wanted).unwrap();
+                let numbers = edited.numbers();
+                let new = numbers.iter().find(|(known, _)| known.key == parameter.key);
+                let same = match new.map(|(_, value)| *value) {
+                    Some(Value::Number(x)) => x == wanted,
+                    Some(Value::Whole(n)) => n as f64 == wanted,
+                    _ => false,
+                };
+                assert!(same, "{}: {wanted} became {new:?}", parameter.key);
+            }
+            let refused = with_parameter(&scene, &model, "law.rnage", 1.0).unwrap_err();
+            assert!(refused.to_string().contains("law.range"), "{refused}");
         }
     }
 

@@ -7,5 +7,6 @@ pub mod chart;
 pub mod error_bar;
 pub mod forecast;
 pub mod live_loop;
+pub mod map;
 pub mod plan;
 pub mod time_step_map;

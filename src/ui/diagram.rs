@@ -2,16 +2,17 @@
 //! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
-use crate::plot::panel::{Axis, Colour, Fill, Look, Panel, Role, Series, Symbol, entries};
+use crate::plot::panel::{Along, Axis, Colour, Fill, Look, Panel, Role, Series, Symbol, entries};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
-use egui::{Align, Align2, AsIdSalt, Color32, RichText, Ui, vec2};
+use egui::{Align, Align2, AsIdSalt, Color32, RichText, Stroke, Ui, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
-    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
+    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Polygon,
+    Text,
 };
 
 /// Below this height the names of the axes give way.
@@ -186,16 +187,29 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             .filter(|piece| piece.len() > 1)
         {
             let edge = |k: usize| -> Vec<[f64; 2]> {
-                piece.iter().map(|span| at([span[0], span[k]])).collect()
+                piece.iter().map(|span| at(area.edge(span, k))).collect()
             };
             let (low, high) = (edge(1), edge(2));
             let of = |edge: &[[f64; 2]], k: usize| edge.iter().map(|p| p[k]).collect::<Vec<_>>();
             let fill = colour.gamma_multiply(ground.opacity() as f32);
-            plot.add(
-                FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1))
-                    .fill_color(fill)
-                    .allow_hover(false),
-            );
+            // The toolkit fills between two curves over x alone; other areas span by span.
+            if area.along == Along::X {
+                plot.add(
+                    FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1))
+                        .fill_color(fill)
+                        .allow_hover(false),
+                );
+            } else {
+                for (low, high) in low.windows(2).zip(high.windows(2)) {
+                    let corners = vec![low[0], high[0], high[1], low[1]];
+                    plot.polygon(
+                        Polygon::new(&area.name, corners)
+                            .fill_color(fill)
+                            .stroke(Stroke::NONE)
+                            .allow_hover(false),
+                    );
+                }
+            }
             for edge in [low, high] {
                 plot.line(line(&area.name, &edge, colour, 0.8));
             }

@@ -7,6 +7,7 @@ mod accuracy;
 mod branches;
 mod energy_well;
 mod event_list;
+mod map;
 mod paper;
 mod stability;
 
@@ -88,6 +89,7 @@ impl Default for Tabs {
             Box::<stability::Stability>::default(),
             Box::<branches::Branches>::default(),
             Box::new(energy_well::Well),
+            Box::<map::Map>::default(),
             Box::<accuracy::Accuracy>::default(),
             Box::<paper::Paper>::default(),
         ])

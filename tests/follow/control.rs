@@ -216,7 +216,11 @@ fn a_dead_weight_pulls_a_tip_off_at_the_largest_tension_of_the_driven_loop() {
     assert!((0.0..2e-3).contains(&off), "{off}");
     let ledger = run.record.ledger(law.surface_energy);
     let off = ledger.loop_integral / ledger.released_energy_sum - 1.0;
-    assert!(off.abs() < 1e-5, "{off}");
+    let stated = ledger.integral_error / ledger.released_energy_sum;
+    assert!(
+        off.abs() < stated + 1e-6 && off.abs() < 1e-4,
+        "{off} {stated}"
+    );
 }
 
 #[test]
@@ -240,8 +244,9 @@ fn the_pull_off_force_under_a_load_tends_to_that_of_jkr_as_the_range_shrinks() {
         let pull_off = run.record.jumps.last().expect("a pull-off");
         pull_off.control / stress - 1.0
     });
+    // The range is halved; what is left of it, and the cell's images, add a few per cent.
     assert!(
-        off[1].abs() < off[0].abs() && off[1].abs() < 0.05,
+        off[1] > 0.0 && off[1] < 0.8 * off[0] && off[1] < 0.1,
         "{off:?}"
     );
 }

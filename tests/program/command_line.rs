@@ -189,13 +189,13 @@ fn a_run_writes_every_file_and_one_closing_line() {
     );
     let loop_csv = fs::read_to_string(out.join("loop.csv")).expect("loop.csv");
     assert!(loop_csv.starts_with(
-        "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds\n"
+        "branch,mean_displacement,stress,stress_over_max,contact_area,pattern,residual,stiffness_min,energy,model,milliseconds,control\n"
     ));
     assert!(loop_csv.lines().count() > 400);
     let events = fs::read_to_string(out.join("events.csv")).expect("events.csv");
     assert_eq!(
         events,
-        "branch,mean_displacement,from,to,released_energy,cause\n"
+        "branch,mean_displacement,from,to,released_energy,cause,control,mean_displacement_after\n"
     );
     let summary = summary(&out);
     assert_eq!(summary["completed"], true);

@@ -668,6 +668,13 @@ fn giving(parameter: &Parameter) -> (String, String) {
                 "kind = \"cosine\"\nsmooth = false",
             );
         }
+        "drive.stiffness" => {
+            text = replaced(
+                text,
+                "[drive]",
+                "[drive]\ncontrol = \"spring\"\nstiffness = 0.1",
+            );
+        }
         "law.ratio" => {
             text = replaced(
                 text,

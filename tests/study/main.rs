@@ -6,5 +6,6 @@ mod forecast;
 mod live_loop;
 #[path = "../shared/loops.rs"]
 mod loops;
+mod map;
 mod plan;
 mod time_step_map;

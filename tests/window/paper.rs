@@ -60,6 +60,7 @@ fn made_up(number: usize) -> Figure {
             name: "loss".to_owned(),
             colour: Colour::Gold,
             spans: vec![[1.0, 0.0, 1.0], [10.0, 0.0, 1.0]],
+            ..Area::default()
         }],
         series: vec![
             series(Role::Simulation, Some(Symbol::Circle)),

@@ -282,7 +282,7 @@ impl Plot<'_> {
             let edge = |k: usize| {
                 piece
                     .iter()
-                    .filter_map(move |span| self.place([span[0], span[k]]))
+                    .filter_map(move |span| self.place(area.edge(span, k)))
             };
             let mut outline: Vec<Place> = edge(1).collect();
             let mut upper: Vec<Place> = edge(2).collect();

@@ -65,6 +65,7 @@ fn everything() -> Panel {
                 .map(|i| 1.0 + f64::from(i) / 25.0)
                 .map(|x| [x, -0.3 * x, 0.2 * x])
                 .collect(),
+            ..Area::default()
         }],
         series: vec![
             series("approach", Role::Simulation, None, Colour::Blue, |t| {

@@ -1,0 +1,247 @@
+//! The map of patterns: where every jump of a scene's loop lies while one parameter goes, and what
+//! the loop loses.
+//!
+//! On flat ground the atlas is carried from value to value: a loop that is little different from the
+//! last is read off in milliseconds. Where there is no atlas the loop is walked.
+
+use super::live_loop::{Fineness, LiveLoop, LiveLoops};
+use super::plan::plan;
+use crate::follow::record::{Direction, JumpRecord};
+use crate::follow::run::{LoopRun, run_loop};
+use crate::follow::walk::WalkOptions;
+use crate::numerics::cancel::Cancel;
+use crate::physics::law::Law;
+use crate::physics::parameter::Refusal;
+use crate::physics::pattern::Pattern;
+use crate::scene::part::Strategy;
+use crate::scene::{Model, Scene, Turn, edit};
+
+/// From this ratio of its ends on a parameter goes by equal factors.
+const DECADE: f64 = 2.0;
+/// Where the drive begins below the last jump the loop does not close: it is then begun so many
+/// ranges farther away, so often.
+const FARTHER: f64 = 4.0;
+const RAISED: usize = 3;
+
+/// A parameter of the scene file and the values between which it goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vary {
+    /// Dotted key, as in `law.range`.
+    pub key: String,
+    /// The first value.
+    pub from: f64,
+    /// The last value.
+    pub to: f64,
+}
+
+impl Vary {
+    /// True if its values are equal factors apart.
+    pub fn is_geometric(&self) -> bool {
+        let ratio = self.to / self.from;
+        self.from > 0.0 && self.to > 0.0 && ratio.max(1.0 / ratio) >= DECADE
+    }
+
+    /// So many values from end to end.
+    pub fn values(&self, count: usize) -> Vec<f64> {
+        let last = count.max(2) - 1;
+        let value = |i: usize| match i as f64 / last as f64 {
+            _ if i == last => self.to,
+            t if self.is_geometric() => self.from * (self.to / self.from).powf(t),
+            t => self.from + t * (self.to - self.from),
+        };
+        (0..=last).map(value).collect()
+    }
+}
+
+impl std::str::FromStr for Vary {
+    type Err = String;
+
+    /// As in `law.range=0.5..2`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('=').and_then(|(key, ends)| {
+            let (from, to) = ends.split_once("..")?;
+            let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+            Some((key.trim(), number(from)?, number(to)?))
+        });
+        match parts {
+            Some((key, from, to)) if from != to => Ok(Self {
+                key: key.to_owned(),
+                from,
+                to,
+            }),
+            _ => Err(format!(
+                "\"{text}\" is not KEY=A..B with two different numbers, as in law.range=0.5..2"
+            )),
+        }
+    }
+}
+
+/// The map: one row a value, in their order.
+#[derive(Clone, Debug)]
+pub struct PatternMap {
+    /// What goes.
+    pub vary: Vary,
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// True if somebody asked to stop: what was found until then stands.
+    pub cancelled: bool,
+}
+
+/// The loop of one value.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The value.
+    pub value: f64,
+    /// The law, which scales lengths and stresses.
+    pub law: Option<Law>,
+    /// What the loop does, or why it is not known.
+    pub found: Result<Found, String>,
+}
+
+/// What a loop does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Its pieces in order: direction, pattern, and u0 where it begins and ends (length).
+    pub legs: Vec<(Direction, Pattern, [f64; 2])>,
+    /// Its jumps in order.
+    pub jumps: Vec<JumpRecord>,
+    /// The patterns it visits and u0 between which each is stable (length); none of a walk.
+    pub extents: Vec<(Pattern, [f64; 2])>,
+    /// What it loses (gamma per area).
+    pub dissipated_energy: f64,
+}
+
+impl PatternMap {
+    /// The map of `scene` on so many values; `observe` is called with each row and the share that is
+    /// done, 0 to 1.
+    ///
+    /// # Errors
+    /// A key that is no number of this scene. Values that are not allowed are rows that say so.
+    pub fn of(
+        scene: &Scene,
+        vary: &Vary,
+        count: usize,
+        cancel: &Cancel,
+        observe: &mut dyn FnMut(&Row, f64),
+    ) -> Result<Self, Refusal> {
+        let mut map = Self {
+            vary: vary.clone(),
+            rows: Vec::new(),
+            cancelled: false,
+        };
+        let model = scene.model()?;
+        edit::check_key(scene, &vary.key)?;
+        let mut loops = LiveLoops::obeying(cancel);
+        let values = vary.values(count);
+        for (i, &value) in values.iter().enumerate() {
+            let row = row(scene, &model, (&vary.key, value), &mut loops, cancel);
+            if cancel.requested() {
+                map.cancelled = true;
+                break;
+            }
+            observe(&row, (i + 1) as f64 / values.len() as f64);
+            map.rows.push(row);
+        }
+        Ok(map)
+    }
+
+    /// The values whose loop is not known, with the reason.
+    pub fn missing(&self) -> impl Iterator<Item = (f64, &str)> {
+        self.rows
+            .iter()
+            .filter_map(|row| Some((row.value, row.found.as_ref().err()?.as_str())))
+    }
+}
+
+fn row(
+    scene: &Scene,
+    model: &Model,
+    (key, value): (&str, f64),
+    loops: &mut LiveLoops,
+    cancel: &Cancel,
+) -> Row {
+    let edited = edit::with_parameter(scene, model, key, value);
+    let decided = edited.and_then(|edited| Ok((edited.model()?, edited)));
+    let (law, found) = match decided {
+        Ok((model, edited)) => (Some(model.law), found(&edited, &model, loops, cancel)),
+        Err(refusal) => (None, Err(refusal.to_string())),
+    };
+    Row { value, law, found }
+}
+
+/// Read off the atlas, or walked.
+fn found(
+    scene: &Scene,
+    model: &Model,
+    loops: &mut LiveLoops,
+    cancel: &Cancel,
+) -> Result<Found, String> {
+    let mut farther = scene.clone();
+    let mut unmapped = String::new();
+    for _ in 0..RAISED {
+        match loops.next(&farther, model, Fineness::Coarse) {
+            Ok(live) => return Ok(read(&live)),
+            Err(reason) => unmapped = reason.to_string(),
+        }
+        if scene.drive.turn_of_u0().is_none() || cancel.requested() {
+            break;
+        }
+        farther.drive.start += FARTHER * model.law.range;
+    }
+    let Strategy::Walk(part) = plan(scene, model, None).strategy else {
+        return Err(unmapped);
+    };
+    let options = WalkOptions {
+        part,
+        ..WalkOptions::default()
+    };
+    let run = run_loop(scene, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
+    walked(&run, model, scene.drive.turn)
+}
+
+fn read(live: &LiveLoop) -> Found {
+    let extent = |segment: &super::live_loop::Segment| {
+        let (low, high) = segment.extent();
+        (segment.pattern, [low, high])
+    };
+    let legs = live.legs.iter().map(|leg| {
+        let pattern = live.segments[leg.segment].pattern;
+        (leg.direction, pattern, [leg.from, leg.to])
+    });
+    Found {
+        legs: legs.collect(),
+        jumps: live.jumps.clone(),
+        extents: live.segments.iter().map(extent).collect(),
+        dissipated_energy: live.dissipated_energy,
+    }
+}
+
+/// The pieces of a walk: states of one pattern and direction in a row.
+fn walked(run: &LoopRun, model: &Model, turn: Turn) -> Result<Found, String> {
+    let ledger = run.ledger(model.law.surface_energy);
+    let loss = ledger.and_then(|ledger| ledger.dissipated_energy());
+    let Some(dissipated_energy) = loss else {
+        let to = match turn {
+            Turn::At(_) => "",
+            Turn::ZeroLoad => " to zero load",
+        };
+        return Err(format!("the loop{to} was not completed, or is not closed"));
+    };
+    let mut legs: Vec<(Direction, Pattern, [f64; 2])> = Vec::new();
+    for state in &run.record.states {
+        match legs.last_mut() {
+            Some((direction, pattern, ends))
+                if *direction == state.direction && *pattern == state.pattern =>
+            {
+                ends[1] = state.mean_displacement;
+            }
+            _ => legs.push((state.direction, state.pattern, [state.mean_displacement; 2])),
+        }
+    }
+    Ok(Found {
+        legs,
+        jumps: run.record.jumps.clone(),
+        extents: Vec::new(),
+        dissipated_energy,
+    })
+}

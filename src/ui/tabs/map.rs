@@ -1,0 +1,232 @@
+//! The map of patterns: the loop of the scene while its range goes, with the present scene as a
+//! cross; a click opens the scene there.
+
+use super::{Tab, Title, Update, doing};
+use crate::plot::map_panel::map_panels;
+use crate::plot::panel::{Colour, Panel, Series, Symbol};
+use crate::scene::{Model, Scene, edit};
+use crate::study::map::{PatternMap, Vary};
+use crate::ui::action::Action;
+use crate::ui::diagram;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::{described, progress};
+use crate::worker::job::{Job, Reporter};
+use egui::{RichText, Ui};
+use std::sync::Arc;
+
+/// Values of a first, coarse map and of the fine one after it.
+const ROWS: [usize; 2] = [9, 73];
+/// How far the parameter goes to either side, as a factor.
+const REACH: f64 = 2.0;
+
+/// The tab.
+#[derive(Default)]
+pub struct Map {
+    /// Which parameter goes.
+    key: Key,
+    /// The map, of which model around which value.
+    job: Option<(Model, Key, Job<Arc<PatternMap>>)>,
+    missing: Option<String>,
+    /// The value whose scene is to be opened.
+    open: Option<f64>,
+}
+
+/// What goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Key {
+    #[default]
+    Range,
+    Length,
+    SurfaceEnergy,
+}
+
+impl Key {
+    const ALL: [(Self, &'static str); 3] = [
+        (Self::Range, "range"),
+        (Self::Length, "length"),
+        (Self::SurfaceEnergy, "surface energy"),
+    ];
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::Range => "law.range",
+            Self::Length => "cell.length",
+            Self::SurfaceEnergy => "law.surface_energy",
+        }
+    }
+
+    fn of(self, model: &Model) -> f64 {
+        match self {
+            Self::Range => model.law.range,
+            Self::Length => model.grid.length,
+            Self::SurfaceEnergy => model.law.surface_energy,
+        }
+    }
+}
+
+impl Map {
+    /// The newest map, if it holds what is shown: the same scene but for what goes.
+    fn shown(&self, state: &ViewState) -> Option<&PatternMap> {
+        let (model, key, job) = self.job.as_ref()?;
+        let map = job.so_far.as_ref()?;
+        (*key == self.key && same(model, &state.model, *key)).then_some(map)
+    }
+}
+
+/// True if two models differ in no more than what goes, and what follows it.
+fn same(a: &Model, b: &Model, key: Key) -> bool {
+    let rest = |m: &Model| {
+        let keep = |of: Key, value: f64| if of == key { 0.0 } else { value };
+        (
+            m.law.shape,
+            keep(Key::SurfaceEnergy, m.law.surface_energy),
+            keep(Key::Range, m.law.range),
+            keep(Key::Length, m.grid.length),
+            m.indenter,
+        )
+    };
+    let value = key.of(b) / key.of(a);
+    rest(a) == rest(b) && (1.0 / REACH..=REACH).contains(&value)
+}
+
+impl Tab for Map {
+    fn title(&self) -> Title {
+        Title {
+            tall: true,
+            ..Title::new(
+                "Map",
+                "which pattern stands where, while one parameter goes",
+            )
+        }
+    }
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
+        ui.horizontal_wrapped(|ui| {
+            for (key, word) in Key::ALL {
+                ui.radio_value(&mut self.key, key, word);
+            }
+            match (&self.job, &self.missing) {
+                (Some((.., job)), _) if job.is_running() => {
+                    progress(ui, job);
+                    doing(ui, job);
+                }
+                (_, Some(why)) => {
+                    ui.label(RichText::new(why).small());
+                }
+                _ => {}
+            }
+        });
+        let Some(map) = self.shown(state) else {
+            let words = "The loop of this scene while one parameter goes.";
+            ui.label(RichText::new(words).weak());
+            return;
+        };
+        let [mut approach, mut retraction, loss] = map_panels(map);
+        let value = self.key.of(&state.model);
+        let at = state.run.actual / state.rho();
+        for panel in [&mut approach, &mut retraction] {
+            let here = Series::symbols("", Symbol::Plus, Colour::Ink, vec![[at, value]]);
+            panel.series.push(here);
+        }
+        let size = ui.available_size();
+        let mut clicked = None;
+        ui.horizontal_top(|ui| {
+            let one = |ui: &mut Ui, mut panel: Panel, name: &str, share: f32| {
+                panel.x.label = if name == "loss" {
+                    "loss / γ"
+                } else {
+                    "u₀ / ρ"
+                }
+                .to_owned();
+                if name != "approach" {
+                    panel.y.label.clear();
+                }
+                let size = egui::vec2(share * size.x - 6.0, size.y - 4.0);
+                ui.allocate_ui(size, |ui| {
+                    ui.vertical(|ui| {
+                        ui.small(name);
+                        let height = ui.available_height().max(60.0);
+                        let drawn = diagram::show(ui, &panel, name, height, |_, _| None);
+                        let place = drawn.response.hover_pos();
+                        let place = place.map(|p| drawn.transform.value_from_position(p).y);
+                        if drawn.response.clicked() {
+                            let geometric = panel.y.logarithmic;
+                            return place.map(|y| if geometric { 10f64.powf(y) } else { y });
+                        }
+                        described(&drawn.response, &format!("Map of patterns: {name}"));
+                        None
+                    })
+                    .inner
+                })
+                .inner
+            };
+            for (panel, name, share) in [
+                (approach, "approach", 0.4),
+                (retraction, "retraction", 0.36),
+                (loss, "loss", 0.24),
+            ] {
+                clicked = one(ui, panel, name, share).or(clicked);
+            }
+        });
+        self.open = clicked;
+    }
+
+    fn update(
+        &mut self,
+        Update {
+            state,
+            solver,
+            seen,
+        }: Update<'_>,
+    ) {
+        if let Some(value) = self.open.take() {
+            let edited = edit::with_parameter(&state.scene, &state.model, self.key.key(), value);
+            if let Ok(scene) = edited {
+                state.edit_scene(scene);
+            }
+        }
+        let stale = |(model, key, _): &(Model, Key, _)| {
+            *key != self.key || !same(model, &state.model, *key)
+        };
+        if self.job.as_ref().is_none_or(stale) {
+            (self.job, self.missing) = (None, None);
+            if seen {
+                let job = solver.job((state.scene.clone(), self.key), compute);
+                self.job = Some((state.model.clone(), self.key, job));
+            }
+        }
+        if let Some((.., job)) = &mut self.job
+            && let Some(Err(why)) = job.poll()
+        {
+            self.missing = Some(why);
+        }
+    }
+}
+
+/// A coarse map first, then a fine one.
+fn compute(
+    (scene, key): &(Arc<Scene>, Key),
+    report: &Reporter<Arc<PatternMap>>,
+) -> Result<(), String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    let value = key.of(&model);
+    let vary = Vary {
+        key: key.key().to_owned(),
+        from: value / REACH,
+        to: value * REACH,
+    };
+    for count in ROWS {
+        let mut tell = |row: &crate::study::map::Row, done: f64| {
+            if report.is_due() {
+                report.progress(done, &format!("{} = {:.4}", vary.key, row.value));
+            }
+        };
+        let map = PatternMap::of(scene, &vary, count, &report.cancel, &mut tell);
+        let map = map.map_err(|error| error.to_string())?;
+        if map.cancelled {
+            return Ok(());
+        }
+        report.result(Arc::new(map));
+    }
+    Ok(())
+}

@@ -1,0 +1,136 @@
+//! The map of patterns: against closed forms, against loops made afresh, and where none is known.
+
+use crate::loops::{preset, walked};
+use tackscope::follow::record::{Cause, Direction};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::theory::flat;
+use tackscope::scene::Points;
+use tackscope::scene::part::Part;
+use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::study::map::{PatternMap, Vary};
+
+fn map(key: &str, from: f64, to: f64, count: usize) -> PatternMap {
+    let vary = Vary {
+        key: key.to_owned(),
+        from,
+        to,
+    };
+    PatternMap::of(
+        &preset("fig2"),
+        &vary,
+        count,
+        &Cancel::default(),
+        &mut |_, _| {},
+    )
+    .unwrap()
+}
+
+#[test]
+fn the_flat_limits_of_every_row_are_those_of_eq_8_and_the_loss_is_the_sum_of_the_releases() {
+    let map = map("law.range", 0.8, 1.25, 8);
+    assert_eq!(map.rows.len(), 8);
+    for row in &map.rows {
+        let (law, found) = (row.law.unwrap(), row.found.as_ref().unwrap());
+        assert_eq!(law.range, row.value);
+        let (lower, upper) = flat::limits(&law, 256.0).unwrap();
+        for (direction, limit) in [(Direction::Approach, upper), (Direction::Retraction, lower)] {
+            let jump = found
+                .jumps
+                .iter()
+                .find(|j| j.direction == direction)
+                .unwrap();
+            assert_eq!(jump.cause, Cause::FlatLimit);
+            assert!(
+                (jump.mean_displacement - limit).abs() < 1e-8,
+                "{jump:?} {limit}"
+            );
+        }
+        let sum: f64 = found.jumps.iter().map(|j| j.released_energy).sum();
+        assert!((sum - found.dissipated_energy).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_row_that_was_carried_to_is_the_loop_made_afresh() {
+    let map = map("law.range", 0.97, 1.03, 9);
+    let mut scene = preset("fig2");
+    for row in &map.rows {
+        scene.law.range = tackscope::scene::Range::Length(row.value);
+        let fresh = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).unwrap();
+        let found = row.found.as_ref().unwrap();
+        assert_eq!(found.jumps.len(), fresh.jumps.len());
+        for (a, b) in found.jumps.iter().zip(&fresh.jumps) {
+            assert_eq!((a.from, a.to), (b.from, b.to));
+            assert!(
+                (a.mean_displacement - b.mean_displacement).abs() < 1e-4,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
+    let critical = flat::critical_length(&preset("fig2").model().unwrap().law);
+    let map = map("cell.length", 0.8 * critical, 1.3 * critical, 6);
+    for row in &map.rows {
+        let found = row.found.as_ref().unwrap();
+        assert_eq!(found.jumps.is_empty(), row.value < critical, "{row:?}");
+        assert_eq!(found.dissipated_energy == 0.0, row.value < critical);
+    }
+}
+
+/// Where there is no atlas loops are walked.
+#[test]
+fn a_map_over_the_spring_walks_each_loop() {
+    let mut scene = preset("soft-machine");
+    scene.cell.points = Points::Square(32);
+    let vary = "drive.stiffness=0.02..0.2".parse::<Vary>().unwrap();
+    let map = PatternMap::of(&scene, &vary, 2, &Cancel::default(), &mut |_, _| {}).unwrap();
+    let [soft, stiff] = [0, 1].map(|i| map.rows[i].found.as_ref().unwrap());
+    assert!(soft.jumps.len() < stiff.jumps.len());
+    assert!(soft.dissipated_energy > stiff.dissipated_energy);
+    let model = scene.model().unwrap();
+    let control = tackscope::physics::control::Control::Spring { stiffness: 0.2 };
+    let alone = walked(
+        &tackscope::scene::edit::with_control(&scene, &model, control),
+        Part::Whole,
+    );
+    let loss = alone.record.released_energy_sum();
+    assert!((stiff.dissipated_energy - loss).abs() < 1e-9, "{loss}");
+}
+
+#[test]
+fn a_key_that_the_scene_has_not_is_refused_with_those_it_has_and_values_that_are_none_are_said() {
+    let vary = "law.rage=1..2".parse::<Vary>().unwrap();
+    let cancel = Cancel::default();
+    let refused = PatternMap::of(&preset("fig2"), &vary, 3, &cancel, &mut |_, _| {}).unwrap_err();
+    assert!(refused.to_string().contains("law.range"), "{refused}");
+    let map = map("law.range", -1.0, 1.0, 3);
+    let missing: Vec<_> = map.missing().collect();
+    assert_eq!(missing.len(), 2, "{missing:?}");
+    assert!(missing[0].1.contains("law.range"), "{missing:?}");
+    for wrong in [
+        "law.range",
+        "law.range=1",
+        "law.range=1..1",
+        "law.range=a..2",
+        "=1..2..3",
+    ] {
+        assert!(wrong.parse::<Vary>().is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn a_request_to_stop_leaves_the_rows_that_were_found() {
+    let (cancel, mut seen) = (Cancel::default(), 0);
+    let vary = "law.range=0.9..1.1".parse::<Vary>().unwrap();
+    let map = PatternMap::of(&preset("fig2"), &vary, 50, &cancel, &mut |_, _| {
+        seen += 1;
+        if seen == 3 {
+            cancel.request();
+        }
+    });
+    let map = map.unwrap();
+    assert!(map.cancelled && map.rows.len() == 3);
+}
