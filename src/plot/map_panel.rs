@@ -4,6 +4,7 @@
 use super::panel::{Along, Area, Axis, Colour, Label, Page, Panel, Role, Series};
 use super::scale::ends;
 use crate::follow::record::Direction;
+use crate::physics::parameter::Parameter;
 use crate::physics::pattern::Pattern;
 use crate::scene::parameter;
 use crate::study::map::{Found, PatternMap, Row};
@@ -49,7 +50,7 @@ pub fn map_panels(map: &PatternMap) -> [Panel; 3] {
     let parameter = parameter::all()
         .into_iter()
         .find(|parameter| parameter.key == map.vary.key);
-    let label = parameter.map_or_else(|| map.vary.key.clone(), |parameter| parameter.title());
+    let label = parameter.map_or_else(|| map.vary.key.clone(), Parameter::title);
     let (low, high) = (
         map.vary.from.min(map.vary.to),
         map.vary.from.max(map.vary.to),
@@ -158,16 +159,15 @@ fn regions(map: &PatternMap, direction: Direction) -> Vec<Area> {
     areas
 }
 
-/// The name of each region where it is widest.
+/// The name of each region in its middle, if it is wide enough there.
 fn names(areas: &[Area], width: f64) -> Vec<Label> {
     let named = areas.iter().filter(|area| area.colour != Colour::FLAT);
     named
         .filter_map(|area| {
-            let wide = |span: &&[f64; 3]| span[2] - span[1];
-            let finite = area.spans.iter().filter(|span| span[0].is_finite());
-            let widest = finite.max_by(|a, b| wide(a).total_cmp(&wide(b)))?;
-            (wide(&widest) > NAMED * width).then(|| Label {
-                at: [0.5 * (widest[1] + widest[2]), widest[0]],
+            let spans: Vec<&[f64; 3]> = area.spans.iter().filter(|s| s[0].is_finite()).collect();
+            let [value, low, high] = *spans.get(spans.len() / 2)?;
+            (high - low > NAMED * width).then(|| Label {
+                at: [0.5 * (low + high), *value],
                 text: area.name.clone(),
                 colour: area.colour,
                 side: [0, 0],

@@ -4,6 +4,10 @@
 //! Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
+mod map;
+
+pub use map::{MAP_COLUMNS, write_map_csv};
+
 use super::{Failure, files};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -11,7 +15,6 @@ use crate::paper::figure::{Figure, Finding, Table};
 use crate::physics::system::State;
 use crate::plot::panel::{Axis, Content, Panel, Role, letter};
 use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
-use crate::study::map::PatternMap;
 use ndarray::Array2;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -31,10 +34,6 @@ pub const BRANCH_COLUMNS: &str =
 /// First line of `points.csv`.
 pub const POINT_COLUMNS: &str =
     "kind,branch,mean_displacement,stress,energy,index_before,index_after";
-
-/// First line of `map.csv`.
-pub const MAP_COLUMNS: &str =
-    "value,kind,branch,mean_displacement,from,to,released_energy,cause,dissipated_energy";
 
 /// First line of `chart.csv`.
 pub const CHART_COLUMNS: &str = "method,model,points,precision,step,dissipated_energy,\
@@ -124,67 +123,6 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
         })
     });
     write_rows(path, BRANCH_COLUMNS, rows)
-}
-
-/// Writes a map, row by row: its jumps in order, then u0 between which each visited pattern is stable
-/// (kind `end`, the lower one from nothing, the upper one to nothing); a value without a loop has one
-/// line that says why (kind `missing`), one whose loop has no jump a line of kind `none`. u0 in the
-/// scene's length, energies per area in units of gamma.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_map_csv(path: &Path, map: &PatternMap) -> Result<(), Failure> {
-    let empty = || String::new();
-    let lines = map.rows.iter().flat_map(|row| {
-        let value = number(row.value);
-        let found = match &row.found {
-            Ok(found) => found,
-            Err(why) => {
-                let blank = std::iter::repeat_n(empty(), 5);
-                let head = [value, "missing".to_owned()].into_iter().chain(blank);
-                return vec![head.chain([quoted(why), empty()]).collect()];
-            }
-        };
-        let loss = number(found.dissipated_energy);
-        let jumps = found.jumps.iter().map(|jump| {
-            vec![
-                value.clone(),
-                "jump".to_owned(),
-                jump.direction.to_string(),
-                number(jump.mean_displacement),
-                jump.from.to_string(),
-                jump.to.to_string(),
-                number(jump.released_energy),
-                quoted(&jump.cause_words()),
-                loss.clone(),
-            ]
-        });
-        let end = |u0: f64, [from, to]: [String; 2]| {
-            let head = [
-                value.clone(),
-                "end".to_owned(),
-                empty(),
-                number(u0),
-                from,
-                to,
-            ];
-            head.into_iter()
-                .chain([empty(), empty(), loss.clone()])
-                .collect()
-        };
-        let ends = found.extents.iter().flat_map(|(pattern, [low, high])| {
-            let word = || pattern.to_string();
-            [end(*low, [empty(), word()]), end(*high, [word(), empty()])]
-        });
-        let mut lines: Vec<Vec<String>> = jumps.chain(ends).collect();
-        if found.jumps.is_empty() {
-            let blank = std::iter::repeat_n(empty(), 6);
-            let head = [value, "none".to_owned()].into_iter().chain(blank);
-            lines.push(head.chain([loss]).collect());
-        }
-        lines
-    });
-    write_rows(path, MAP_COLUMNS, lines)
 }
 
 /// Writes folds and bifurcations in order along their branches, then equal energies: `branch` is

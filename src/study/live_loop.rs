@@ -172,8 +172,11 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
+    if scene.drive.control.frees_mean() {
+        return Err(unmapped("it is of a driven u0"));
+    }
     let Some(turn) = scene.drive.turn_of_u0() else {
-        return Err(unmapped("the drive is not of u0 to a fixed turning point"));
+        return Err(unmapped("the drive has no fixed turning point"));
     };
     if model.indenter != Indenter::Flat || model.grid.is_line() {
         return Err(unmapped("the atlas holds square cells on flat ground"));

@@ -13,15 +13,19 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
-use crate::scene::part::Strategy;
-use crate::scene::{Model, Scene, Turn, edit};
+use crate::scene::part::{Part, Strategy};
+use crate::scene::{Drive, Model, Scene, Turn, edit};
 
 /// From this ratio of its ends on a parameter goes by equal factors.
 const DECADE: f64 = 2.0;
+/// Rows that are made afresh in any case lie so far apart.
+const APART: usize = 8;
 /// Where the drive begins below the last jump the loop does not close: it is then begun so many
 /// ranges farther away, so often.
 const FARTHER: f64 = 4.0;
 const RAISED: usize = 3;
+/// Where a pattern is still there at the turn, the drive goes so many ranges deeper.
+const DEEPER: f64 = 0.5;
 
 /// A parameter of the scene file and the values between which it goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,25 +128,24 @@ impl PatternMap {
         cancel: &Cancel,
         observe: &mut dyn FnMut(&Row, f64),
     ) -> Result<Self, Refusal> {
-        let mut map = Self {
-            vary: vary.clone(),
-            rows: Vec::new(),
-            cancelled: false,
-        };
         let model = scene.model()?;
         edit::check_key(scene, &vary.key)?;
-        let mut loops = LiveLoops::obeying(cancel);
         let values = vary.values(count);
-        for (i, &value) in values.iter().enumerate() {
-            let row = row(scene, &model, (&vary.key, value), &mut loops, cancel);
-            if cancel.requested() {
-                map.cancelled = true;
-                break;
-            }
-            observe(&row, (i + 1) as f64 / values.len() as f64);
-            map.rows.push(row);
-        }
-        Ok(map)
+        let mut survey = Survey {
+            scene,
+            model,
+            key: &vary.key,
+            rows: vec![None; values.len()],
+            values,
+            cancel,
+            observe,
+        };
+        survey.all();
+        Ok(Self {
+            vary: vary.clone(),
+            rows: survey.rows.into_iter().flatten().collect(),
+            cancelled: cancel.requested(),
+        })
     }
 
     /// The values whose loop is not known, with the reason.
@@ -153,20 +156,81 @@ impl PatternMap {
     }
 }
 
-fn row(
-    scene: &Scene,
-    model: &Model,
-    (key, value): (&str, f64),
-    loops: &mut LiveLoops,
-    cancel: &Cancel,
-) -> Row {
-    let edited = edit::with_parameter(scene, model, key, value);
-    let decided = edited.and_then(|edited| Ok((edited.model()?, edited)));
-    let (law, found) = match decided {
-        Ok((model, edited)) => (Some(model.law), found(&edited, &model, loops, cancel)),
-        Err(refusal) => (None, Err(refusal.to_string())),
-    };
-    Row { value, law, found }
+/// A map under way.
+struct Survey<'a> {
+    scene: &'a Scene,
+    model: Model,
+    key: &'a str,
+    values: Vec<f64>,
+    rows: Vec<Option<Row>>,
+    cancel: &'a Cancel,
+    observe: &'a mut dyn FnMut(&Row, f64),
+}
+
+impl Survey<'_> {
+    /// Every so many rows afresh. Between two whose loops do the same in the same order the atlas is
+    /// carried; where the order changes on the way, the row in the middle is made afresh too: a
+    /// landing that is carried is not asked for again, and would be passed on for ever.
+    fn all(&mut self) {
+        let last = self.values.len() - 1;
+        let mut left = (0, self.afresh(0));
+        for right in (APART..last).step_by(APART).chain([last]) {
+            let at_right = self.afresh(right);
+            self.between(left, right);
+            left = (right, at_right);
+        }
+    }
+
+    fn between(&mut self, (left, mut loops): (usize, LiveLoops), right: usize) {
+        if right - left < 2 || self.cancel.requested() {
+            return;
+        }
+        if self.order(left) != self.order(right) {
+            let middle = (left + right) / 2;
+            let at_middle = self.afresh(middle);
+            self.between((left, loops), middle);
+            return self.between((middle, at_middle), right);
+        }
+        for i in left + 1..right {
+            self.row(i, &mut loops);
+            if self.order(i) != self.order(left) {
+                loops = self.afresh(i);
+            }
+        }
+    }
+
+    /// The loop of a row, of which nothing is known before; with its atlas.
+    fn afresh(&mut self, i: usize) -> LiveLoops {
+        let mut loops = LiveLoops::obeying(self.cancel);
+        self.row(i, &mut loops);
+        loops
+    }
+
+    fn row(&mut self, i: usize, loops: &mut LiveLoops) {
+        let value = self.values[i];
+        let edited = edit::with_parameter(self.scene, &self.model, self.key, value);
+        let decided = edited.and_then(|edited| Ok((edited.model()?, edited)));
+        let (law, found) = match decided {
+            Ok((model, edited)) => {
+                let found = found(&edited, &model, loops, self.cancel);
+                (Some(model.law), found)
+            }
+            Err(refusal) => (None, Err(refusal.to_string())),
+        };
+        if self.cancel.requested() {
+            return;
+        }
+        let row = Row { value, law, found };
+        let known = self.rows.iter().flatten().count();
+        (self.observe)(&row, (known + 1) as f64 / self.rows.len() as f64);
+        self.rows[i] = Some(row);
+    }
+
+    /// What the loop of a row does, one after the other; `None` where it is not known.
+    fn order(&self, i: usize) -> Option<Vec<(Direction, Pattern)>> {
+        let found = self.rows[i].as_ref()?.found.as_ref().ok()?;
+        Some(found.legs.iter().map(|leg| (leg.0, leg.1)).collect())
+    }
 }
 
 /// Read off the atlas, or walked.
@@ -177,19 +241,36 @@ fn found(
     cancel: &Cancel,
 ) -> Result<Found, String> {
     let mut farther = scene.clone();
-    let mut unmapped = String::new();
     for _ in 0..RAISED {
-        match loops.next(&farther, model, Fineness::Coarse) {
-            Ok(live) => return Ok(read(&live)),
-            Err(reason) => unmapped = reason.to_string(),
+        match (
+            loops.next(&farther, model, Fineness::Coarse),
+            &mut farther.drive,
+        ) {
+            (
+                Ok(live),
+                Drive {
+                    turn: Turn::At(turn),
+                    ..
+                },
+            ) if is_held(&live) => {
+                // Down to where the flat state holds too.
+                *turn -= DEEPER * model.law.range;
+                match loops.next(&farther, model, Fineness::Coarse) {
+                    Ok(deep) => return Ok(read(&deep)),
+                    Err(_) => return Ok(read(&live)),
+                }
+            }
+            (Ok(live), _) => return Ok(read(&live)),
+            (Err(_), drive) => drive.start += FARTHER * model.law.range,
         }
         if scene.drive.turn_of_u0().is_none() || cancel.requested() {
             break;
         }
-        farther.drive.start += FARTHER * model.law.range;
     }
-    let Strategy::Walk(part) = plan(scene, model, None).strategy else {
-        return Err(unmapped);
+    // What an atlas finds that it does not hold is walked as the plan would have it then.
+    let part = match plan(scene, model, None).strategy {
+        Strategy::Walk(part) => part,
+        Strategy::Atlas => Part::Quarter,
     };
     let options = WalkOptions {
         part,
@@ -197,6 +278,16 @@ fn found(
     };
     let run = run_loop(scene, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
     walked(&run, model, scene.drive.turn)
+}
+
+/// True if a pattern is still there where the drive turns.
+fn is_held(live: &LiveLoop) -> bool {
+    let mut approach = live
+        .legs
+        .iter()
+        .filter(|leg| leg.direction == Direction::Approach);
+    let last = approach.next_back();
+    last.is_some_and(|leg| live.segments[leg.segment].pattern != Pattern::Flat)
 }
 
 fn read(live: &LiveLoop) -> Found {

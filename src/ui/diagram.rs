@@ -96,13 +96,16 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn new(scale: Scale) -> Self {
+    /// At most so many of them, evenly left out.
+    fn new(scale: Scale, most: f32) -> Self {
         let (list, factor) = ticks(&scale);
         let span = scale.high - scale.low;
-        let list = list
+        let list: Vec<(f64, String)> = list
             .into_iter()
             .filter_map(|tick| Some((scale.low + tick.at * span, plain(&tick.label?))))
             .collect();
+        let every = (list.len() as f32 / most.max(1.0)).ceil() as usize;
+        let list = list.into_iter().step_by(every.max(1)).collect();
         Self { list, factor, span }
     }
 
@@ -132,6 +135,10 @@ impl Numbers {
     }
 }
 
+/// Room of a number along each axis, in screen points.
+const ACROSS: f32 = 36.0;
+const UP: f32 = 20.0;
+
 /// Shows a diagram of this height; `hover` says in words where the pointer is (x, y).
 pub fn show(
     ui: &mut Ui,
@@ -143,7 +150,10 @@ pub fn show(
     let text = ui.visuals().text_color();
     let ground = theme::ground(ui);
     let [x, y] = scales(panel);
-    let (across, up) = (Numbers::new(x), Numbers::new(y));
+    let (across, up) = (
+        Numbers::new(x, ui.available_width() / ACROSS),
+        Numbers::new(y, height / UP),
+    );
     let (across_grid, up_grid) = (across.grid(), up.grid());
     let value = |scale: Scale, shown: f64| {
         if scale.logarithmic {

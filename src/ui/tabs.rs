@@ -129,6 +129,9 @@ impl Tabs {
         let narrow = ui.available_width() < 480.0;
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
+            if narrow {
+                ui.spacing_mut().button_padding.x = 4.0;
+            }
             for (index, title) in self.titles().enumerate() {
                 let chosen = state.view.tab == index;
                 let face = if narrow { title.short } else { title.name };

@@ -40,7 +40,7 @@ fn sequence(run: &LoopRun, direction: Direction) -> Vec<Pattern> {
     std::iter::once(Flat).chain(jumps.map(|j| j.to)).collect()
 }
 
-fn find<'r>(run: &'r LoopRun, from: Pattern, direction: Direction) -> &'r JumpRecord {
+fn find(run: &LoopRun, from: Pattern, direction: Direction) -> &JumpRecord {
     let found = |j: &&JumpRecord| j.from == from && j.direction == direction;
     run.record.jumps.iter().find(found).expect("such a jump")
 }

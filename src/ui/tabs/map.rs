@@ -2,10 +2,11 @@
 //! cross; a click opens the scene there.
 
 use super::{Tab, Title, Update, doing};
+use crate::physics::control::Control;
 use crate::plot::map_panel::map_panels;
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
 use crate::scene::{Model, Scene, edit};
-use crate::study::map::{PatternMap, Vary};
+use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
@@ -24,11 +25,19 @@ const REACH: f64 = 2.0;
 pub struct Map {
     /// Which parameter goes.
     key: Key,
-    /// The map, of which model around which value.
-    job: Option<(Model, Key, Job<Arc<PatternMap>>)>,
+    /// The map, around which model and under which machine.
+    job: Option<(Around, Job<Arc<PatternMap>>)>,
     missing: Option<String>,
     /// The value whose scene is to be opened.
     open: Option<f64>,
+}
+
+/// Around what a map is made.
+#[derive(Debug)]
+struct Around {
+    model: Model,
+    control: Control,
+    key: Key,
 }
 
 /// What goes.
@@ -65,28 +74,33 @@ impl Key {
 }
 
 impl Map {
-    /// The newest map, if it holds what is shown: the same scene but for what goes.
+    /// The newest map, if it holds what is shown.
     fn shown(&self, state: &ViewState) -> Option<&PatternMap> {
-        let (model, key, job) = self.job.as_ref()?;
+        let (around, job) = self.job.as_ref()?;
         let map = job.so_far.as_ref()?;
-        (*key == self.key && same(model, &state.model, *key)).then_some(map)
+        around.holds(state, self.key).then_some(map)
     }
 }
 
-/// True if two models differ in no more than what goes, and what follows it.
-fn same(a: &Model, b: &Model, key: Key) -> bool {
-    let rest = |m: &Model| {
-        let keep = |of: Key, value: f64| if of == key { 0.0 } else { value };
-        (
-            m.law.shape,
-            keep(Key::SurfaceEnergy, m.law.surface_energy),
-            keep(Key::Range, m.law.range),
-            keep(Key::Length, m.grid.length),
-            m.indenter,
-        )
-    };
-    let value = key.of(b) / key.of(a);
-    rest(a) == rest(b) && (1.0 / REACH..=REACH).contains(&value)
+impl Around {
+    /// True if the scene differs in no more than what goes, and what follows it.
+    fn holds(&self, state: &ViewState, key: Key) -> bool {
+        let rest = |m: &Model| {
+            let keep = |of: Key, value: f64| if of == key { 0.0 } else { value };
+            (
+                m.law.shape,
+                keep(Key::SurfaceEnergy, m.law.surface_energy),
+                keep(Key::Range, m.law.range),
+                keep(Key::Length, m.grid.length),
+                m.indenter,
+            )
+        };
+        let value = key.of(&state.model) / key.of(&self.model);
+        key == self.key
+            && state.scene.drive.control == self.control
+            && rest(&self.model) == rest(&state.model)
+            && (1.0 / REACH..=REACH).contains(&value)
+    }
 }
 
 impl Tab for Map {
@@ -106,7 +120,7 @@ impl Tab for Map {
                 ui.radio_value(&mut self.key, key, word);
             }
             match (&self.job, &self.missing) {
-                (Some((.., job)), _) if job.is_running() => {
+                (Some((_, job)), _) if job.is_running() => {
                     progress(ui, job);
                     doing(ui, job);
                 }
@@ -127,6 +141,11 @@ impl Tab for Map {
         for panel in [&mut approach, &mut retraction] {
             let here = Series::symbols("", Symbol::Plus, Colour::Ink, vec![[at, value]]);
             panel.series.push(here);
+        }
+        // Names would lie over each other in so little room.
+        diagram::legend(ui, &approach);
+        for panel in [&mut approach, &mut retraction] {
+            panel.labels.clear();
         }
         let size = ui.available_size();
         let mut clicked = None;
@@ -161,9 +180,9 @@ impl Tab for Map {
                 .inner
             };
             for (panel, name, share) in [
-                (approach, "approach", 0.4),
-                (retraction, "retraction", 0.36),
-                (loss, "loss", 0.24),
+                (approach, "approach", 0.38),
+                (retraction, "retraction", 0.35),
+                (loss, "loss", 0.27),
             ] {
                 clicked = one(ui, panel, name, share).or(clicked);
             }
@@ -185,17 +204,20 @@ impl Tab for Map {
                 state.edit_scene(scene);
             }
         }
-        let stale = |(model, key, _): &(Model, Key, _)| {
-            *key != self.key || !same(model, &state.model, *key)
-        };
-        if self.job.as_ref().is_none_or(stale) {
+        let holds = |(around, _): &(Around, _)| around.holds(state, self.key);
+        if !self.job.as_ref().is_some_and(holds) {
             (self.job, self.missing) = (None, None);
             if seen {
+                let around = Around {
+                    model: state.model.clone(),
+                    control: state.scene.drive.control,
+                    key: self.key,
+                };
                 let job = solver.job((state.scene.clone(), self.key), compute);
-                self.job = Some((state.model.clone(), self.key, job));
+                self.job = Some((around, job));
             }
         }
-        if let Some((.., job)) = &mut self.job
+        if let Some((_, job)) = &mut self.job
             && let Some(Err(why)) = job.poll()
         {
             self.missing = Some(why);
@@ -216,7 +238,7 @@ fn compute(
         to: value * REACH,
     };
     for count in ROWS {
-        let mut tell = |row: &crate::study::map::Row, done: f64| {
+        let mut tell = |row: &Row, done: f64| {
             if report.is_due() {
                 report.progress(done, &format!("{} = {:.4}", vary.key, row.value));
             }

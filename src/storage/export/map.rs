@@ -1,0 +1,71 @@
+//! The map of patterns as a table.
+
+use super::{number, quoted, write_rows};
+use crate::storage::Failure;
+use crate::study::map::PatternMap;
+use std::path::Path;
+
+/// First line of `map.csv`.
+pub const MAP_COLUMNS: &str =
+    "value,kind,branch,mean_displacement,from,to,released_energy,cause,dissipated_energy";
+
+/// Writes a map, row by row: its jumps in order, then u0 between which each visited pattern is stable
+/// (kind `end`, the lower one from nothing, the upper one to nothing); a value without a loop has one
+/// line that says why (kind `missing`), one whose loop has no jump a line of kind `none`. u0 in the
+/// scene's length, energies per area in units of gamma.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_map_csv(path: &Path, map: &PatternMap) -> Result<(), Failure> {
+    let empty = || String::new();
+    let lines = map.rows.iter().flat_map(|row| {
+        let value = number(row.value);
+        let found = match &row.found {
+            Ok(found) => found,
+            Err(why) => {
+                let blank = std::iter::repeat_n(empty(), 5);
+                let head = [value, "missing".to_owned()].into_iter().chain(blank);
+                return vec![head.chain([quoted(why), empty()]).collect()];
+            }
+        };
+        let loss = number(found.dissipated_energy);
+        let jumps = found.jumps.iter().map(|jump| {
+            vec![
+                value.clone(),
+                "jump".to_owned(),
+                jump.direction.to_string(),
+                number(jump.mean_displacement),
+                jump.from.to_string(),
+                jump.to.to_string(),
+                number(jump.released_energy),
+                quoted(&jump.cause_words()),
+                loss.clone(),
+            ]
+        });
+        let end = |u0: f64, [from, to]: [String; 2]| {
+            let head = [
+                value.clone(),
+                "end".to_owned(),
+                empty(),
+                number(u0),
+                from,
+                to,
+            ];
+            head.into_iter()
+                .chain([empty(), empty(), loss.clone()])
+                .collect()
+        };
+        let ends = found.extents.iter().flat_map(|(pattern, [low, high])| {
+            let word = || pattern.to_string();
+            [end(*low, [empty(), word()]), end(*high, [word(), empty()])]
+        });
+        let mut lines: Vec<Vec<String>> = jumps.chain(ends).collect();
+        if found.jumps.is_empty() {
+            let blank = std::iter::repeat_n(empty(), 6);
+            let head = [value, "none".to_owned()].into_iter().chain(blank);
+            lines.push(head.chain([loss]).collect());
+        }
+        lines
+    });
+    write_rows(path, MAP_COLUMNS, lines)
+}
