@@ -12,19 +12,28 @@ mod meeting;
 mod trace;
 mod uneven;
 
+use crate::follow::walk::symmetry::slides_on;
 use crate::numerics::cancel::Cancel;
+use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::Class;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{State, System};
-use crate::scene::Scene;
 use crate::scene::part::Part;
+use crate::scene::{Model, Scene};
 use crate::solver::Lost;
+use crate::solver::mechanics::Mechanics;
+use crate::solver::stability::Tracker;
 use ndarray::Array2;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 use std::fmt;
 
 pub use equal_energy::EqualEnergy;
+
+/// Relative error of the eigenvalue of a mode that is shown.
+const GOOD: f64 = 0.02;
 
 /// All that is known of the equilibria of a scene.
 #[derive(Clone, Debug, Default)]
@@ -140,6 +149,60 @@ impl Branch {
         }
         self.system
             .unfolded(&self.system.gap_field(amplitudes, *u0))
+    }
+
+    /// The same over the cell of the scene: ridges, and the flat state, are known on a line, and lie
+    /// in a square where `grid` is one.
+    pub fn picture(&self, point: &Point, grid: &Grid) -> Array2<f64> {
+        let gap = self.gap(point);
+        let (rows, columns) = gap.dim();
+        if rows > 1 || grid.is_line() {
+            return gap;
+        }
+        let square = gap.broadcast((columns, columns)).map(|gap| gap.to_owned());
+        square.unwrap_or(gap)
+    }
+
+    /// The modes along which the state at one of its points is unstable, the softest first, as
+    /// fields of the whole cell with mean square 1; of the flat state none, whose modes are waves.
+    ///
+    /// # Errors
+    /// They were not all found, or somebody asked to stop.
+    pub fn negative_modes(
+        &self,
+        point: &Point,
+        model: &Model,
+        cancel: &Cancel,
+    ) -> Result<Vec<Array2<f64>>, Lost> {
+        if point.state.amplitudes.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut displacement = self.picture(point, &model.grid);
+        let own = self.system.grid();
+        let whole = if own.is_line() && !model.grid.is_line() {
+            let square = Grid::square(own.length, own.nx);
+            System::new(square, *self.system.law(), &Indenter::Flat)
+        } else if self.system.is_even() {
+            System::whole(&self.system)
+        } else {
+            self.system.clone()
+        };
+        if let Some(height) = whole.height() {
+            displacement += height;
+        }
+        let mut mechanics = Mechanics::new(whole, slides_on(model));
+        mechanics.cancel = cancel.clone();
+        let z = mechanics.amplitudes(&displacement);
+        let at = mechanics.at(z, point.state.mean_displacement);
+        mechanics.refresh(&at.fields);
+        let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
+        let (z, fields) = (&at.state.amplitudes, &at.fields);
+        let found = tracker.negative(&mut mechanics, z, fields, GOOD)?;
+        let negative = found.values.iter().zip(&found.vectors);
+        let negative = negative.filter(|(value, _)| **value < 0.0);
+        Ok(negative
+            .map(|(_, mode)| mechanics.field(mode).clone())
+            .collect())
     }
 
     /// Names the pattern of every point.

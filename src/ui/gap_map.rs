@@ -80,7 +80,7 @@ impl MapCache {
         self.mode = frame
             .soft_mode
             .as_ref()
-            .filter(|_| view.soft_mode)
+            .filter(|_| view.soft_mode || frame.is_of_a_branch())
             .map(|mode| picture.mode_lines(mode));
         self.picture = Some(picture);
         self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
@@ -193,7 +193,8 @@ fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
 /// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
 /// they mean in the corner.
 fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
-    if !state.view.soft_mode {
+    let of_a_branch = state.frame.as_ref().is_some_and(|f| f.is_of_a_branch());
+    if !(state.view.soft_mode || of_a_branch && cache.mode.is_some()) {
         return;
     }
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
@@ -226,7 +227,9 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
         Some(_) if picture.min == picture.max => {
             "soft mode (one of the equal first waves): — up  ┈ down"
         }
+        Some(_) if of_a_branch => "unstable mode: — up  ┈ down",
         Some(_) => "soft mode: — up  ┈ down",
+        None if of_a_branch => "stable: no mode gives way",
         None => "no soft mode while jumping",
     };
     let galley = painter.layout_no_wrap(words.to_owned(), theme::small(), colour);

@@ -10,6 +10,7 @@ use super::widgets::{described, named};
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
+use crate::study::forecast::{Forecast, forecast};
 use crate::study::plan::promise;
 use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
 use std::iter::once;
@@ -205,6 +206,7 @@ fn panel(state: &ViewState) -> Panel {
         .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
     panel.series.extend(machine::line(state, [left, right]));
+    next_jump(state, &mut panel);
     ahead(state, &mut panel);
     let rho = state.rho();
     if let Some(selection) = &state.run.selection {
@@ -296,6 +298,29 @@ fn ahead(state: &ViewState, panel: &mut Panel) {
         colour: Colour::LIVE,
         side: [1, 1],
     });
+}
+
+/// Where the next jump is to be expected: a band, or a line where it is known exactly. Under a
+/// spring it is known of the stage, and the plot is of u0.
+fn next_jump(state: &ViewState, panel: &mut Panel) {
+    if state.scene.drive.control.frees_mean() {
+        return;
+    }
+    let Some(Forecast { nearest, farthest }) = forecast(&state.run.record, &state.model) else {
+        return;
+    };
+    let [low, high] = panel.y.range.unwrap_or_default();
+    let ends = [nearest, farthest].map(|u0| u0 / state.rho());
+    let edges = ends.map(|x| vec![[x, low], [x, high]]);
+    if nearest != farthest {
+        panel.areas.push(crate::plot::panel::Area {
+            colour: Colour::JUMP,
+            spans: vec![[ends[0], low, high], [ends[1], low, high]],
+            ..Default::default()
+        });
+    }
+    let edge = |points| Series::line("next jump", Role::Unstable, Colour::JUMP, points);
+    panel.series.extend(edges.map(edge));
 }
 
 /// What theory says of this scene, thin, with names on the parts of the curves that are seen.

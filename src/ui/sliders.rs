@@ -54,7 +54,7 @@ fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
 /// The slider of what is driven: up is away, so dragging down lowers the body. Two marks:
 /// where it should go, and where it is.
 pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
-    let tall = ui.ctx().content_rect().height() > 740.0;
+    let tall = ui.ctx().content_rect().height() > 860.0;
     let height = if tall { 236.0 } else { 180.0 };
     let (_, rect) = ui.allocate_space(vec2(122.0, height));
     let response = ui.interact(rect, driven_id(), Sense::click_and_drag());

@@ -156,6 +156,13 @@ pub struct Frame {
     pub state: Option<StateRecord>,
 }
 
+impl Frame {
+    /// True of a state that somebody chose on a branch: the walk does not stand on it.
+    pub fn is_of_a_branch(&self) -> bool {
+        self.state.is_none() && !self.relaxing
+    }
+}
+
 /// What a scene turned out to be, sent once per run.
 #[derive(Clone, Debug)]
 pub struct Ready {

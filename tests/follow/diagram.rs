@@ -12,9 +12,10 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::law::{Mie, Morse, Shape};
 use tackscope::physics::pattern::Pattern;
-use tackscope::physics::theory::flat;
+use tackscope::physics::system::System;
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
+use tackscope::physics::theory::{flat, ridge};
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene, Turn};
 
@@ -291,6 +292,95 @@ fn a_line_cell_has_the_flat_state_and_the_ridge() {
     assert_eq!(names, ["flat", "ridge"]);
     holds_jumps_of(&found, &planned(&scene), 1.0);
     assert_eq!(found.equal_energies.len(), 2);
+}
+
+#[test]
+fn the_modes_of_an_unstable_state_are_as_many_as_its_index_and_lower_the_energy() {
+    let scene = fig2(32);
+    let model = scene.model().unwrap();
+    let found = diagram(&scene, Part::Whole);
+    let mut seen = [0; 3];
+    for branch in found.branches.iter().skip(1) {
+        let inner = branch.points.iter().step_by(7);
+        for point in inner.filter(|p| p.kind == Kind::Regular && p.index[0] < 3) {
+            let none = Cancel::default();
+            let modes = branch.negative_modes(point, &model, &none).unwrap();
+            assert_eq!(modes.len(), point.index[0], "{} {point:?}", branch.name);
+            let u0 = point.state.mean_displacement;
+            let gap = branch.picture(point, &model.grid);
+            let system = System::new(Grid::square(256.0, gap.ncols()), model.law, &model.indenter);
+            let mut ws = system.workspace();
+            let z = system.amplitudes(&gap, &mut ws);
+            for mode in &modes {
+                let v = system.amplitudes(mode, &mut ws);
+                let mut energy = |t: f64| {
+                    let moved = z.iter().zip(&v).map(|(z, v)| z + t * v).collect();
+                    system.at(moved, u0, &mut ws).state.energy
+                };
+                let bend = energy(1e-3) + energy(-1e-3) - 2.0 * energy(0.0);
+                assert!(bend < 0.0, "{} {u0}: {bend:e}", branch.name);
+            }
+            seen[modes.len()] += 1;
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
+}
+
+/// The upper fold of the ridge of a line cell against the exact flattening, and its unstable part
+/// just beyond against the exact unstable ridge (shares out of contact above alpha_c).
+fn away_from_the_exact_ridge(length: f64, points: usize) -> [f64; 2] {
+    let mut scene = preset("ridge-line");
+    scene.cell.length = length;
+    scene.cell.points = Points::Line(points);
+    let unit = (0.15 * length).sqrt();
+    scene.drive.start = 0.9 * unit;
+    scene.drive.turn = Turn::At(0.2);
+    let found = diagram(&scene, Part::Line);
+    let points = &branch(&found, "ridge").points;
+    let u = |p: &Point| p.state.mean_displacement / unit;
+    let folds = points.iter().filter(|p| p.kind == Kind::Fold);
+    let fold = folds.max_by(|a, b| u(a).total_cmp(&u(b))).unwrap();
+    let end = ridge::critical();
+    // Where the exact unstable ridge has 97 % of that displacement: by bisection in its share.
+    let wanted = 0.97 * end.displacement;
+    let at = |alpha: f64| (-1.0 / ridge::elastic_energy(alpha)[1]).sqrt();
+    let (mut low, mut high) = (end.alpha, 0.999);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        (low, high) = if at(middle) > wanted {
+            (middle, high)
+        } else {
+            (low, middle)
+        };
+    }
+    let exact = 2.0 * wanted * wanted * ridge::elastic_energy(low)[0];
+    // At the same share of its own fold: the range moves that.
+    let share = |p: &Point| u(p) / u(fold);
+    let unstable = points
+        .iter()
+        .filter(|p| p.index == [1, 1] && share(p) > 0.9);
+    let nearest =
+        unstable.min_by(|a, b| (share(a) - 0.97).abs().total_cmp(&(share(b) - 0.97).abs()));
+    let p = nearest.unwrap();
+    // Along the branch to that share by its own slope.
+    let du = 0.97 * fold.state.mean_displacement - p.state.mean_displacement;
+    let stress = p.state.stress + p.rates[1] / p.rates[0] * du;
+    let tension = stress * 0.97 * fold.state.mean_displacement / 0.15;
+    [u(fold) / end.displacement - 1.0, tension / exact - 1.0].map(f64::abs)
+}
+
+#[test]
+fn the_ridge_of_a_line_cell_tends_to_the_exact_one_through_its_fold_as_the_range_shrinks() {
+    // The range halves against sqrt(gamma L/E*) each time, at equal mu_rho.
+    let d = [(256.0, 64), (1024.0, 256), (4096.0, 1024)]
+        .map(|(length, points)| away_from_the_exact_ridge(length, points));
+    for k in 0..2 {
+        assert!(
+            d[1][k] < 0.75 * d[0][k] && d[2][k] < 0.75 * d[1][k],
+            "{d:?}"
+        );
+        assert!(d[2][k] < 0.1, "{d:?}");
+    }
 }
 
 #[test]

@@ -50,7 +50,8 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             "ridge-line",
             "hertz",
             "wavy",
-            "rough"
+            "rough",
+            "soft-machine"
         ]
     );
     for preset in presets::all() {

@@ -82,7 +82,7 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
 #[test]
 fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
     let critical = flat::critical_length(&preset("fig2").model().unwrap().law);
-    let map = map("cell.length", 0.8 * critical, 1.3 * critical, 6);
+    let map = map("cell.length", 0.8 * critical, 1.27 * critical, 6);
     for row in &map.rows {
         let found = row.found.as_ref().unwrap();
         assert_eq!(found.jumps.is_empty(), row.value < critical, "{row:?}");

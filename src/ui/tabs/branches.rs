@@ -6,15 +6,17 @@ use crate::follow::diagram::{Branch, Diagram, Kind, Point};
 use crate::physics::law::Law;
 use crate::plot::diagram_panel::{counts, diagram_panel, place};
 use crate::plot::panel::{Colour, Panel, Role, Series, Symbol};
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
+use crate::worker::SolverHandle;
 use crate::worker::background;
-use crate::worker::job::Job;
+use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::Frame;
 use egui::{RichText, Ui};
+use ndarray::Array2;
 use std::sync::Arc;
 
 /// A click this near to a point means it, in screen points.
@@ -31,14 +33,26 @@ pub struct Branches {
     job: Option<Job<Arc<Diagram>>>,
     /// Why there is none.
     missing: Option<String>,
-    /// The point whose state map and profile show, and that picture.
-    at: Option<(At, Arc<Frame>)>,
+    /// The point whose state map and profile show.
+    at: Option<Seen>,
     /// The point that is to be pictured next.
     asked: Option<At>,
 }
 
 /// A point: its branch, and its place on it.
 type At = [usize; 2];
+
+/// Fields of the modes along which a state is unstable, the softest first.
+type Modes = Arc<Vec<Arc<Array2<f64>>>>;
+
+/// The state at a point, as it is pictured.
+struct Seen {
+    at: At,
+    frame: Arc<Frame>,
+    modes: Job<Modes>,
+    /// Which of them is on the map; each click on the point shows the next.
+    mode: usize,
+}
 
 /// A diagram with the law that scales it.
 struct Shown {
@@ -56,7 +70,7 @@ impl Tab for Branches {
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         self.words(ui);
-        let at = self.at.as_ref().map(|(at, _)| *at);
+        let at = self.at.as_ref().map(|seen| seen.at);
         if let Some(shown) = &self.shown {
             self.asked = clicked(ui, state, shown, at);
         } else {
@@ -80,9 +94,16 @@ impl Tab for Branches {
         // The words of a point end with what they speak of.
         let now = state.frame.as_ref();
         self.at
-            .take_if(|(_, frame)| now.is_none_or(|now| !Arc::ptr_eq(now, frame)));
-        if let Some(at) = asked {
-            self.picture(at, state);
+            .take_if(|seen| now.is_none_or(|now| !Arc::ptr_eq(now, &seen.frame)));
+        match (asked, &mut self.at) {
+            (Some(at), Some(seen)) if seen.at == at => seen.next(state),
+            (Some(at), _) => self.picture(at, state, with.solver),
+            _ => {}
+        }
+        if let Some(seen) = &mut self.at
+            && seen.modes.poll().is_some()
+        {
+            seen.show_mode(state);
         }
         self.take_in(state);
         if with.seen && self.job.is_none() {
@@ -119,7 +140,7 @@ impl Branches {
     }
 
     /// Shows the state at a point in map and profile, until the surface moves.
-    fn picture(&mut self, at: At, state: &mut ViewState) {
+    fn picture(&mut self, at: At, state: &mut ViewState, solver: &dyn SolverHandle) {
         let shown = self.shown.as_ref();
         let Some((branch, point)) = shown.and_then(|shown| shown.point(at)) else {
             return;
@@ -128,13 +149,25 @@ impl Branches {
             control: state.run.actual,
             mean_displacement: point.state.mean_displacement,
             stress: point.state.stress,
-            gap: Arc::new(branch.gap(point)),
+            gap: Arc::new(branch.picture(point, &state.model.grid)),
             soft_mode: None,
             relaxing: false,
             state: None,
         });
         state.frame = Some(frame.clone());
-        self.at = Some((at, frame));
+        let input = (self.diagram(), at, state.model.clone());
+        let modes = solver.job(input, modes);
+        self.at = Some(Seen {
+            at,
+            frame,
+            modes,
+            mode: 0,
+        });
+    }
+
+    fn diagram(&self) -> Arc<Diagram> {
+        let shown = self.shown.as_ref();
+        shown.map_or_else(Arc::default, |shown| shown.diagram.clone())
     }
 
     /// How far the job is, or why there is nothing, or what is seen.
@@ -150,7 +183,8 @@ impl Branches {
                     ui.label(why);
                 }
                 (_, _, Some(shown)) => {
-                    let at = self.at.as_ref().and_then(|(at, _)| shown.words(*at));
+                    let at = self.at.as_ref();
+                    let at = at.and_then(|seen| Some(shown.words(seen.at)? + &seen.words()));
                     let mut words = at.unwrap_or_else(|| counts(&shown.diagram));
                     for missing in &shown.diagram.missing {
                         words.push_str(&format!("; missing: {missing}"));
@@ -161,6 +195,55 @@ impl Branches {
             }
         });
     }
+}
+
+impl Seen {
+    /// The next mode on the map.
+    fn next(&mut self, state: &mut ViewState) {
+        self.mode += 1;
+        self.show_mode(state);
+    }
+
+    fn count(&self) -> usize {
+        self.modes.so_far.as_ref().map_or(0, |modes| modes.len())
+    }
+
+    fn show_mode(&mut self, state: &mut ViewState) {
+        let Some(modes) = self.modes.so_far.as_ref().filter(|modes| !modes.is_empty()) else {
+            return;
+        };
+        let soft_mode = Some(modes[self.mode % modes.len()].clone());
+        self.frame = Arc::new(Frame {
+            soft_mode,
+            ..(*self.frame).clone()
+        });
+        state.frame = Some(self.frame.clone());
+    }
+
+    /// Which mode is shown.
+    fn words(&self) -> String {
+        match self.count() {
+            0 | 1 => String::new(),
+            count => format!(
+                " (on the map {} of {count}; click for the next)",
+                self.mode % count + 1
+            ),
+        }
+    }
+}
+
+/// The modes along which the state at a point is unstable.
+fn modes(
+    (diagram, [branch, point], model): &(Arc<Diagram>, At, Model),
+    report: &Reporter<Modes>,
+) -> Result<(), String> {
+    let Some(branch) = diagram.branches.get(*branch) else {
+        return Ok(());
+    };
+    let found = branch.negative_modes(&branch.points[*point], model, &report.cancel);
+    let found = found.map_err(|lost| format!("{lost:?}"))?;
+    report.result(Arc::new(found.into_iter().map(Arc::new).collect()));
+    Ok(())
 }
 
 impl Shown {
