@@ -299,6 +299,11 @@ impl Bench {
         let field = self
             .window
             .get_by_role_and_label(egui::Role::SpinButton, label);
+        field.scroll_to_me();
+        self.settle();
+        let field = self
+            .window
+            .get_by_role_and_label(egui::Role::SpinButton, label);
         field.click();
         self.window.run();
         self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
