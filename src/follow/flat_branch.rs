@@ -40,6 +40,15 @@ impl FlatBranch {
         }
     }
 
+    /// True if this smallest eigenvalue holds the body. Under a load a law that has ended holds
+    /// nothing.
+    fn holds(&self, stiffness: f64) -> bool {
+        match self.control {
+            Control::Load => stiffness > 0.0,
+            _ => stiffness >= 0.0,
+        }
+    }
+
     /// The smallest eigenvalue at gap `u0` (E* per length).
     fn stiffness(&self, u0: f64) -> f64 {
         match self.control {
@@ -93,6 +102,9 @@ impl FlatBranch {
         while side * ahead(far) > 0.0 {
             (near, far) = (far, far + side * width);
             width *= 2.0;
+            if !far.is_finite() {
+                return Err((near, far));
+            }
             if let Some((stable, unstable)) = self.limit_between(near, far) {
                 if side * ahead(stable) > 0.0 {
                     return Err((stable, unstable));
@@ -119,7 +131,7 @@ impl FlatBranch {
     /// True if the flat state at gap `u0` is stable.
     pub fn is_stable(&self, u0: f64) -> bool {
         let value = self.stiffness(u0);
-        value >= 0.0 && self.is_finite(u0, value)
+        self.holds(value) && self.is_finite(u0, value)
     }
 
     /// False so deep in the wall that the law overflows.
@@ -130,7 +142,7 @@ impl FlatBranch {
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
     /// the first unstable double found by bisection; `None` if it is not lost.
     pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
-        let stable = |u: f64| self.stiffness(u) >= 0.0;
+        let stable = |u: f64| self.holds(self.stiffness(u));
         let (lower, upper) = self.unstable?;
         // The unstable gaps are one interval: the gap of the way that lies nearest to its middle
         // tells whether it is met.
@@ -200,6 +212,31 @@ mod tests {
                     prop_assert!(met <= step * (1.0 + 1e-9) || scanned.is_none(), "{first} {scanned:?}");
                 }
                 (None, Some(u)) => prop_assert!(false, "unstable at {u}"),
+            }
+        }
+    }
+
+    proptest! {
+        /// Whatever law, spring or load: a state of that control, or the end of what is stable before it.
+        #[test]
+        fn the_flat_state_of_any_control_is_found_or_its_end_is(
+            law in any_law(), stiffness in -6.0..6.0_f64, from in 0.01..0.99_f64, value in -2.0..9.0_f64, kind in 1..3_usize,
+        ) {
+            let control = Control::all(10f64.powf(stiffness) / law.range)[kind];
+            let branch = FlatBranch::new(law, 3.0 * crate::physics::theory::flat::critical_length(&law), control);
+            let (rest, edge) = (law.equilibrium_gap(), law.contact_gap());
+            let from = rest + from * (edge - rest) * 0.5;
+            prop_assume!(branch.is_stable(from));
+            let value = value * control.unit(&law);
+            match branch.at_control(from, value) {
+                Ok(gap) => {
+                    prop_assert!(branch.is_stable(gap), "{gap}");
+                    let [there, _] = control.balanced(gap, law.at(gap).traction);
+                    prop_assert!((there - value).abs() <= 1e-9 * control.unit(&law).max(value.abs()), "{there} {value}");
+                }
+                Err((stable, unstable)) => {
+                    prop_assert!(branch.is_stable(stable) && !branch.is_stable(unstable), "{stable} {unstable}");
+                }
             }
         }
     }

@@ -196,7 +196,7 @@ impl Work<'_> {
                 point,
                 points::REFERENCE * self.effort.seconds() - self.spent,
                 self.cancel,
-                &mut |f| observe(News::Fraction((done + f * expected) / total)),
+                &mut |f| observe(News::Fraction(share(done + f * expected, total))),
             )?;
             self.finish(expected, &loop_);
             loops.push(loop_);
@@ -223,9 +223,8 @@ impl Work<'_> {
         });
         let (done, total) = (self.done, self.total);
         let expected = self.predictor.seconds(point);
-        let share = |f: f64| ((done + f * expected) / total).min(1.0);
         let measured = measure(self.scene, point, allowed_seconds, self.cancel, &mut |f| {
-            observe(News::Fraction(share(f)));
+            observe(News::Fraction(share(done + f * expected, total)));
         })?;
         self.finish(expected, &measured);
         Ok(measured)
@@ -349,6 +348,14 @@ pub fn measure(
         processor_seconds: processor.elapsed().as_secs_f64(),
     })
 }
+
+/// The share of all work that is done: short of all of it until it is, however long it takes.
+fn share(done: f64, total: f64) -> f64 {
+    (done / total).min(ALMOST)
+}
+
+/// As near to all as is told before the end.
+const ALMOST: f64 = 0.99;
 
 /// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged,
 /// and says why.

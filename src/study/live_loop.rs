@@ -30,6 +30,12 @@ pub enum Fineness {
 }
 
 impl Fineness {
+    /// Points along a side of a cell of this `length`.
+    pub(super) fn points(self, law: &Law, length: f64) -> usize {
+        let points = mesh_rule::points_for_mu_rho(law, length, self.mu_rho()).ceil();
+        mesh::next_fast((points as usize).max(32))
+    }
+
     /// The mesh number mu_rho that its mesh keeps.
     fn mu_rho(self) -> f64 {
         match self {
@@ -182,9 +188,7 @@ fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes
         return Err(unmapped("the atlas holds square cells on flat ground"));
     }
     let (length, law) = (model.grid.length, model.law);
-    let points = mesh::next_fast(
-        (mesh_rule::points_for_mu_rho(&law, length, fineness.mu_rho()).ceil() as usize).max(32),
-    );
+    let points = fineness.points(&law, length);
     if points > POINTS_MAX {
         return Err(unmapped(&format!(
             "a live loop would need {points} points a side"

@@ -10,22 +10,26 @@ use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
+use crate::physics::theory::flat;
 use crate::scene::part::{Part, Strategy};
-use crate::scene::{Drive, Model, Scene, Turn, edit};
+use crate::scene::{Model, Scene, Turn, edit};
 
 /// From this ratio of its ends on a parameter goes by equal factors.
 const DECADE: f64 = 2.0;
+/// Step of a walk in place of an atlas, in ranges, at least.
+const STEP: f64 = 0.1;
 /// Rows that are made afresh in any case lie so far apart.
 const APART: usize = 8;
-/// Where the drive begins below the last jump the loop does not close: it is then begun so many
-/// ranges farther away, so often.
-const FARTHER: f64 = 4.0;
-const RAISED: usize = 3;
-/// Where a pattern is still there at the turn, the drive goes so many ranges deeper.
+/// On flat ground the drive goes at least so many ranges beyond the limits of the flat state, so that
+/// the loop closes and holds every pattern; and no deeper than this share of the lower limit. The
+/// flat state beyond costs nothing.
+const FARTHER: f64 = 8.0;
 const DEEPER: f64 = 0.5;
+const DEEPEST: f64 = 0.2;
 
 /// A parameter of the scene file and the values between which it goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,54 +244,39 @@ fn found(
     loops: &mut LiveLoops,
     cancel: &Cancel,
 ) -> Result<Found, String> {
-    let mut farther = scene.clone();
-    for _ in 0..RAISED {
-        match (
-            loops.next(&farther, model, Fineness::Coarse),
-            &mut farther.drive,
-        ) {
-            (
-                Ok(live),
-                Drive {
-                    turn: Turn::At(turn),
-                    ..
-                },
-            ) if is_held(&live) => {
-                // Down to where the flat state holds too.
-                *turn -= DEEPER * model.law.range;
-                match loops.next(&farther, model, Fineness::Coarse) {
-                    Ok(deep) => return Ok(read(&deep)),
-                    Err(_) => return Ok(read(&live)),
-                }
-            }
-            (Ok(live), _) => return Ok(read(&live)),
-            (Err(_), drive) => drive.start += FARTHER * model.law.range,
-        }
-        if scene.drive.turn_of_u0().is_none() || cancel.requested() {
-            break;
-        }
+    let mut wider = scene.clone();
+    let limits = flat::limits(&model.law, model.grid.length);
+    let on_flat_ground = model.indenter == Indenter::Flat;
+    if let (Some(turn), Some((lower, upper)), true) =
+        (scene.drive.turn_of_u0(), limits, on_flat_ground)
+    {
+        // A Mie law has no gap at or below zero.
+        let deep = (lower - DEEPER * model.law.range).max(DEEPEST * lower);
+        wider.drive.turn = Turn::At(turn.min(deep));
+        let far = upper + FARTHER * model.law.range;
+        wider.drive.start = wider.drive.start.max(far);
+    }
+    if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
+        return Ok(read(&live));
     }
     // What an atlas finds that it does not hold is walked as the plan would have it then.
+    let mut walk = wider;
     let part = match plan(scene, model, None).strategy {
         Strategy::Walk(part) => part,
-        Strategy::Atlas => Part::Quarter,
+        Strategy::Atlas => {
+            // On the mesh of its neighbours.
+            let points = Fineness::Coarse.points(&model.law, model.grid.length);
+            walk.cell.points = scene.cell.points.resized(points.next_multiple_of(4));
+            walk.drive.step = scene.drive.step.max(STEP * model.law.range);
+            Part::Quarter
+        }
     };
     let options = WalkOptions {
         part,
         ..WalkOptions::default()
     };
-    let run = run_loop(scene, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
+    let run = run_loop(&walk, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
     walked(&run, model, scene.drive.turn)
-}
-
-/// True if a pattern is still there where the drive turns.
-fn is_held(live: &LiveLoop) -> bool {
-    let mut approach = live
-        .legs
-        .iter()
-        .filter(|leg| leg.direction == Direction::Approach);
-    let last = approach.next_back();
-    last.is_some_and(|leg| live.segments[leg.segment].pattern != Pattern::Flat)
 }
 
 fn read(live: &LiveLoop) -> Found {

@@ -33,7 +33,7 @@ use tackscope::worker::protocol::{Command, Envelope, Event, Frame, ModelChoice, 
 struct Wire {
     commands: Vec<Envelope<Command>>,
     events: Vec<Envelope<Event>>,
-    begun: Vec<Box<dyn Any>>,
+    begun: Vec<Box<dyn Work>>,
 }
 
 /// A solver without a thread: it keeps what it is told and says what the test puts on the wire.
@@ -127,9 +127,10 @@ impl Bench {
     /// The jobs of this kind that were begun since the last call, for the test to answer.
     fn begun<I: 'static, T: 'static>(&self) -> Vec<(I, Reporter<T>)> {
         let all = &mut self.solver.0.borrow_mut().begun;
-        let these = all.extract_if(.., |work| work.is::<Computation<I, T>>());
+        let is = |work: &mut Box<dyn Work>| (&**work as &dyn Any).is::<Computation<I, T>>();
+        let these = all.extract_if(.., is);
         these
-            .filter_map(|work| work.downcast::<Computation<I, T>>().ok())
+            .filter_map(|work| (work as Box<dyn Any>).downcast::<Computation<I, T>>().ok())
             .map(|work| (work.input, work.report))
             .collect()
     }
@@ -149,6 +150,13 @@ impl Bench {
     /// The diagrams of branches that were asked for since the last call.
     pub fn diagrams(&self) -> Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)> {
         self.begun()
+    }
+
+    /// Does what was begun and waits, to its end.
+    pub fn run_jobs(&mut self) {
+        let begun = std::mem::take(&mut self.solver.0.borrow_mut().begun);
+        begun.into_iter().for_each(Work::run);
+        self.settle();
     }
 
     /// The pages that were asked for since the last call.

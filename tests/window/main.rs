@@ -9,6 +9,7 @@ mod commands;
 mod dialogs;
 mod limits;
 mod live;
+mod machine;
 mod model;
 mod paper;
 mod select;
