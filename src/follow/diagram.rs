@@ -151,8 +151,8 @@ impl Branch {
             .unfolded(&self.system.gap_field(amplitudes, *u0))
     }
 
-    /// The same over the cell of the scene: ridges, and the flat state, are known on a line, and lie
-    /// in a square where `grid` is one.
+    /// The same over the cell of the scene: ridges, and the flat state, are known on a line, and
+    /// lie in a square where `grid` is one.
     pub fn picture(&self, point: &Point, grid: &Grid) -> Array2<f64> {
         let gap = self.gap(point);
         let (rows, columns) = gap.dim();

@@ -217,7 +217,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever law, spring or load: a state of that control, or the end of what is stable before it.
+        /// Whatever law, spring or load: a state of that control, or the end of what is stable
+        /// before it.
         #[test]
         fn the_flat_state_of_any_control_is_found_or_its_end_is(
             law in any_law(), stiffness in -6.0..6.0_f64, from in 0.01..0.99_f64, value in -2.0..9.0_f64, kind in 1..3_usize,

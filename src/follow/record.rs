@@ -194,7 +194,8 @@ impl JumpRecord {
 pub struct LoopRecord {
     /// What was driven.
     pub control: Control,
-    /// The states in the order they were reached. A jump stands between two states of equal control.
+    /// The states in the order they were reached. A jump stands between two states of equal
+    /// control.
     pub states: Vec<StateRecord>,
     /// The jumps and transitions in the order they happened.
     pub jumps: Vec<JumpRecord>,

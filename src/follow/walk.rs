@@ -1,5 +1,5 @@
-//! The walk along what is driven: follow the branch in bounded steps, locate where it ends, release, land on
-//! what is stable.
+//! The walk along what is driven: follow the branch in bounded steps, locate where it ends,
+//! release, land on what is stable.
 //!
 //! A state machine stepped by hand: [`Walk::step`] does one bounded piece of work (one increment,
 //! or a slice of a release) and hands out what happened. It works on any scene and is the reference
@@ -359,9 +359,10 @@ impl Walk {
         self.target
     }
 
-    /// Sets the value of the control to go to; the path already gone is kept, and a jump under way is completed first.
-    pub fn set_target(&mut self, u0: f64) {
-        self.target = u0;
+    /// Sets the value of the control to go to; the path already gone is kept, and a jump under way
+    /// is completed first.
+    pub fn set_target(&mut self, control: f64) {
+        self.target = control;
     }
 
     /// Does one bounded piece of work.
@@ -415,8 +416,8 @@ impl Walk {
     }
 }
 
-/// The equilibrium at this control that Newton's method finds from the amplitudes `z`, measured, or as far
-/// as it came.
+/// The equilibrium at this control that Newton's method finds from the amplitudes `z`, measured, or
+/// as far as it came.
 fn solved(
     mechanics: &mut Mechanics,
     tracker: &mut Tracker,

@@ -154,8 +154,8 @@ impl Transforms {
         }
     }
 
-    /// Amplitudes `out` of `factor` times the field of amplitudes `v` and a mean; `field` is working
-    /// memory. Returns the mean of the product. Two transforms.
+    /// Amplitudes `out` of `factor` times the field of amplitudes `v` and a mean; `field` is
+    /// working memory. Returns the mean of the product. Two transforms.
     pub fn multiply(
         &self,
         v: (&[f64], f64),

@@ -82,8 +82,8 @@ pub fn add(y: &mut [f64], s: f64, x: &[f64]) {
     }
 }
 
-/// Cubic Hermite between two ends a distance `h` apart, at a share `t` of the way (beyond them too):
-/// of value and derivative at the first, and value and derivative at the second.
+/// Cubic Hermite between two ends a distance `h` apart, at a share `t` of the way (beyond them
+/// too): of value and derivative at the first, and value and derivative at the second.
 pub fn hermite(ends: [&[f64]; 4], h: f64, t: f64) -> Vec<f64> {
     let (t2, t3) = (t * t, t * t * t);
     let weights = [

@@ -59,8 +59,8 @@ impl Control {
         }
     }
 
-    /// u0 of the stop on which a load holds the body apart (length), the highest point of the ground
-    /// at zero: where the ground is not felt any more.
+    /// u0 of the stop on which a load holds the body apart (length), the highest point of the
+    /// ground at zero: where the ground is not felt any more.
     pub fn stop(law: &Law) -> f64 {
         let felt = |gap: f64| law.at(gap).traction > TRACE * law.traction_max();
         let (near, mut width) = (law.contact_gap(), law.range);
@@ -93,8 +93,8 @@ impl Control {
         }
     }
 
-    /// The value of the control where u0 and the amplitude of q = 0 are these; a load, of which they
-    /// say nothing, is zero.
+    /// The value of the control where u0 and the amplitude of q = 0 are these; a load, of which
+    /// they say nothing, is zero.
     pub fn value(&self, u0: f64, mean: f64) -> f64 {
         match self {
             Self::Displacement => u0,

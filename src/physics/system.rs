@@ -273,7 +273,8 @@ impl System {
         }
     }
 
-    /// q E*/2 of every amplitude entry (E* per length); for q = 0 the stiffness of a spring, or zero.
+    /// q E*/2 of every amplitude entry (E* per length); for q = 0 the stiffness of a spring, or
+    /// zero.
     pub fn elastic(&self) -> &[f64] {
         &self.elastic
     }

@@ -106,8 +106,8 @@ impl Curve {
     }
 }
 
-/// True if the surface jumped between two neighbours: they share one value of the control, or a recorded jump changed
-/// the pattern between them.
+/// True if the surface jumped between two neighbours: they share one value of the control, or a
+/// recorded jump changed the pattern between them.
 fn jumped(a: &StateRecord, b: &StateRecord, record: &LoopRecord) -> bool {
     let (low, high) = (a.control.min(b.control), a.control.max(b.control));
     let between = |control: f64| (low..=high).contains(&control);

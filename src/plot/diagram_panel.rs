@@ -125,8 +125,8 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     }
 }
 
-/// Where a mean displacement (length) and a stress (E*) stand: in ranges, and in units of the largest
-/// traction.
+/// Where a mean displacement (length) and a stress (E*) stand: in ranges, and in units of the
+/// largest traction.
 pub fn place(u0: f64, stress: f64, law: &Law) -> [f64; 2] {
     [u0 / law.range, stress / law.traction_max()]
 }

@@ -4,11 +4,12 @@
 use super::curve::Curve;
 use super::panel::{Along, Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
 use super::scale;
+use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord};
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::flat;
 use crate::scene::Model;
 use crate::study::plan::promise;
 
@@ -34,7 +35,7 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
         [low - room, high + room]
     };
     let x = ends(0, &[], [0.0, 5.0]);
-    let flat = flat_state(model, x.map(|u| u * model.law.range));
+    let flat = flat_state(model, record.control, x.map(|u| u * model.law.range));
     let peak = if flat.is_empty() { 0.0 } else { 1.0 };
     let y = ends(1, &[0.0, peak], [-0.2, 1.0]);
     let closed = record.ledger(model.law.surface_energy).open.is_none();
@@ -89,19 +90,20 @@ pub fn branches(curve: &Curve) -> [Series; 2] {
     })
 }
 
-/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable;
-/// none on uneven ground.
-pub fn flat_state(model: &Model, [from, to]: [f64; 2]) -> Vec<Series> {
+/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable under
+/// its control; none on uneven ground.
+pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<Series> {
     let mut pieces: Vec<Series> = Vec::new();
     if model.indenter != Indenter::Flat {
         return pieces;
     }
+    let flat = FlatBranch::new(model.law, model.grid.length, control);
     for u0 in scale::steps(from, to, POINTS) {
         let point = [
             u0 / model.law.range,
             model.law.at(u0).traction / model.law.traction_max(),
         ];
-        let stable = flat::stiffness_min(&model.law, model.grid.length, u0) >= 0.0;
+        let stable = flat.is_stable(u0);
         let (name, role) = if stable {
             ("flat state", Role::Guide)
         } else {
@@ -267,6 +269,7 @@ pub(crate) mod tests {
     use crate::follow::record::{Cause, StateRecord};
     use crate::physics::law::{Morse, Shape};
     use crate::scene::part::Part;
+    use crate::scene::tests::fig2;
     use crate::solver::Stop;
 
     pub(crate) fn law() -> Law {
@@ -303,6 +306,24 @@ pub(crate) mod tests {
             transforms: 2,
             milliseconds: 0.0,
         }
+    }
+
+    #[test]
+    fn under_a_load_the_flat_state_is_drawn_stable_in_contact_alone() {
+        let model = fig2(64).model().unwrap();
+        let law = model.law;
+        let ends = |control: Control| -> Vec<f64> {
+            let pieces = flat_state(&model, control, [0.0, 6.0 * law.range]);
+            let stable = pieces.iter().filter(|piece| piece.role != Role::Unstable);
+            stable
+                .map(|piece| piece.points[piece.points.len() - 1][0])
+                .collect()
+        };
+        assert_eq!(ends(Control::Displacement).len(), 2);
+        let [end] = ends(Control::Load)[..] else {
+            panic!("one stable piece")
+        };
+        assert!((end - law.contact_gap() / law.range).abs() < 0.02, "{end}");
     }
 
     /// A loop like that of Fig. 2, with invented stresses.

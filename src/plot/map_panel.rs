@@ -1,5 +1,5 @@
-//! The map of patterns: which pattern stands where on the way down and on the way up, x = u0/rho and
-//! y a parameter of the scene; and beside it what the loop loses.
+//! The map of patterns: which pattern stands where on the way down and on the way up, x = u0/rho
+//! and y a parameter of the scene; and beside it what the loop loses.
 
 use super::panel::{Along, Area, Axis, Colour, Label, Page, Panel, Role, Series};
 use super::scale::ends;

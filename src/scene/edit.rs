@@ -214,7 +214,7 @@ pub fn check_key(scene: &Scene, key: &str) -> Result<(), Refusal> {
         return Ok(());
     }
     let allowed = format!("a number of this scene: {}", known.join(", "));
-    Err(Refusal::new("--vary", format!("\"{key}\""), &allowed))
+    Err(Refusal::new("key", format!("\"{key}\""), &allowed))
 }
 
 /// The scene with another value of the number of this `key`; what follows it follows.

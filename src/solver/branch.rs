@@ -37,8 +37,9 @@ impl History {
         self.states.push((*control, amplitudes.clone()));
     }
 
-    /// Lagrange extrapolation of the newest states to the value `at` of the control, of the highest order that does not
-    /// amplify noise; `None` where not even a straight line through the last two may be trusted.
+    /// Lagrange extrapolation of the newest states to the value `at` of the control, of the highest
+    /// order that does not amplify noise; `None` where not even a straight line through the last
+    /// two may be trusted.
     pub fn predict(&self, at: f64) -> Option<Vec<f64>> {
         (2..=self.states.len()).rev().find_map(|count| {
             let points = &self.states[self.states.len() - count..];

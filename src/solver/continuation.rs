@@ -25,7 +25,8 @@ const STEPS: usize = 8;
 /// Products of one bordered solve.
 const PRODUCTS: usize = 100;
 /// Relative residual of the solve for a tangent. A distance s from where another branch is left the
-/// system is singular but for some hundredths of s: the tangent is then good to 1e-4 at 0.05 ranges.
+/// system is singular but for some hundredths of s: the tangent is then good to 1e-4 at 0.05
+/// ranges.
 const TANGENT: f64 = 1e-6;
 
 /// A point of a branch.
@@ -189,8 +190,8 @@ impl Mechanics {
         let scale_of_force = self.system.law().traction_max();
         // Below the floor of the precision there is nothing but rounding to follow.
         let goal = scale_of_force * TOLERANCE.max(self.system.precision().floor());
-        // Amplitudes that belong to no real field are seen by no force: extrapolation would let them
-        // grow out of the rounding.
+        // Amplitudes that belong to no real field are seen by no force: extrapolation would let
+        // them grow out of the rounding.
         self.system.make_real(&mut z);
         let mut at = self.at(z, u0);
         let mut before = f64::INFINITY;

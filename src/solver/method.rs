@@ -17,7 +17,8 @@ pub trait Method: Send {
     /// false for a method with a fixed budget per increment, which simply goes where it goes.
     fn locates(&self) -> bool;
 
-    /// From the newest state of `branch` to where the control is `control`. The stability of the result is not measured yet.
+    /// From the newest state of `branch` to where the control is `control`. The stability of the
+    /// result is not measured yet.
     ///
     /// `Ok` is a state within tolerance, or (for a method that does not locate) whatever its budget
     /// gave. `Err` says that the branch was lost.
@@ -107,7 +108,8 @@ fn limits(system: &System, from: &Equilibrium) -> NewtonLimits {
     }
 }
 
-/// The branch's extrapolation to where the control is `control`; where it has none, the state it stands on.
+/// The branch's extrapolation to where the control is `control`; where it has none, the state it
+/// stands on.
 pub(crate) fn predicted(
     mechanics: &mut Mechanics,
     branch: &History,
@@ -155,8 +157,8 @@ pub(super) fn reach(system: &System, from: &State, guess: &[f64], control: f64) 
 /// it and .03 over half. A jump may hide behind what is allowed.
 const SMOOTH: f64 = 0.05;
 
-/// The energy audit: along a smooth branch dV = stress du0, and so for other controls. A step across
-/// a jump pays with energy and is found out.
+/// The energy audit: along a smooth branch dV = stress du0, and so for other controls. A step
+/// across a jump pays with energy and is found out.
 pub(crate) fn audit(system: &System, from: &State, to: &State) -> bool {
     let (control, law) = (system.control(), system.law());
     let conjugate = |of: &State| control.conjugate(of.mean_displacement, of.stress);

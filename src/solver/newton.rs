@@ -184,10 +184,10 @@ pub fn solve(
     unreachable!("the last step returns")
 }
 
-/// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region: where the
-/// curvature is negative it goes to the region's edge along that direction (T. Steihaug, SIAM J.
-/// Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer than `radius` (root mean
-/// square, length).
+/// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region:
+/// where the curvature is negative it goes to the region's edge along that direction (T. Steihaug,
+/// SIAM J. Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer than `radius`
+/// (root mean square, length).
 pub fn descend(
     mechanics: &mut Mechanics,
     z: Vec<f64>,

@@ -1,5 +1,5 @@
-//! The release after an instability: down the steepest way at fixed control, until Newton can take over
-//! nearby.
+//! The release after an instability: down the steepest way at fixed control, until Newton can take
+//! over nearby.
 //!
 //! Inertia would carry a surface through a narrow basin, and Newton's method from afar leaps over
 //! it; where it then comes to rest is a matter of luck. Here the velocity always points along the

@@ -36,8 +36,8 @@ const DESCENTS: usize = 12;
 const STEPS: usize = 9;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
-/// Longest reach of the blocks: at most 180 waves of one class, whose factorisation costs as much as
-/// a dozen transforms.
+/// Longest reach of the blocks: at most 180 waves of one class, whose factorisation costs as much
+/// as a dozen transforms.
 const MOST_REACH: f64 = 20.0;
 
 /// An end of a branch along u0, and the way towards it.

@@ -1,5 +1,5 @@
-//! Every table as CSV: what a walk went through, every branch, the chart of speed against accuracy, the paper's
-//! figures, tables and findings.
+//! Every table as CSV: what a walk went through, every branch, the chart of speed against accuracy,
+//! the paper's figures, tables and findings.
 //!
 //! Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
@@ -79,18 +79,22 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
 /// A file that cannot be written.
 pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure> {
     let row = |jump: &JumpRecord| {
-        vec![
-            jump.direction.to_string(),
-            number(jump.mean_displacement),
-            jump.from.to_string(),
-            jump.to.to_string(),
-            number(jump.released_energy),
-            quoted(&jump.cause_words()),
-            number(jump.control),
-            number(jump.mean_displacement_after),
-        ]
+        let more = [jump.control, jump.mean_displacement_after].map(number);
+        cells_of(jump).into_iter().chain(more).collect()
     };
     write_rows(path, EVENT_COLUMNS, jumps.iter().map(row))
+}
+
+/// Direction, u0 before, both patterns, released energy and cause.
+fn cells_of(jump: &JumpRecord) -> [String; 6] {
+    [
+        jump.direction.to_string(),
+        number(jump.mean_displacement),
+        jump.from.to_string(),
+        jump.to.to_string(),
+        number(jump.released_energy),
+        quoted(&jump.cause_words()),
+    ]
 }
 
 /// Writes every point of every branch in order along it: u0 in the scene's length, stress in E*,

@@ -1,10 +1,10 @@
 //! Where the next jump is to be expected, from the smallest eigenvalue along the branch so far.
 //!
 //! Near a fold the eigenvalue falls like the square root of the distance, so that its square is
-//! linear in the control; near a symmetry breaking the eigenvalue itself is linear. Which of them lies ahead
-//! is not known, so both are drawn on to zero, with the curvature of the last three states where
-//! there are as many, and the bracket spans them all. It is wide far away and closes as the jump
-//! comes nearer.
+//! linear in the control; near a symmetry breaking the eigenvalue itself is linear. Which of them
+//! lies ahead is not known, so both are drawn on to zero, with the curvature of the last three
+//! states where there are as many, and the bracket spans them all. It is wide far away and closes
+//! as the jump comes nearer.
 
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
@@ -16,10 +16,11 @@ use crate::scene::Model;
 /// differences are not known.
 const NEARER: f64 = 0.75;
 const FARTHER: f64 = 1.25;
-/// States closer together than this, in units of the control, say nothing new about the slope; nor is an end
-/// located better.
+/// States closer together than this, in units of the control, say nothing new about the slope; nor
+/// is an end located better.
 const SPACING: f64 = 2e-4;
-/// How far, in units of the control, the located end of a branch may lie behind the zero of the eigenvalue.
+/// How far, in units of the control, the located end of a branch may lie behind the zero of the
+/// eigenvalue.
 const BEHIND: f64 = 5e-4;
 /// No extrapolation farther than this, in units of the control.
 const FARTHEST: f64 = 0.5;

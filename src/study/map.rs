@@ -1,8 +1,8 @@
 //! The map of patterns: where every jump of a scene's loop lies while one parameter goes, and what
 //! the loop loses.
 //!
-//! On flat ground the atlas is carried from value to value: a loop that is little different from the
-//! last is read off in milliseconds. Where there is no atlas the loop is walked.
+//! On flat ground the atlas is carried from value to value: a loop that is little different from
+//! the last is read off in milliseconds. Where there is no atlas the loop is walked.
 
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
@@ -24,9 +24,9 @@ const DECADE: f64 = 2.0;
 const STEP: f64 = 0.1;
 /// Rows that are made afresh in any case lie so far apart.
 const APART: usize = 8;
-/// On flat ground the drive goes at least so many ranges beyond the limits of the flat state, so that
-/// the loop closes and holds every pattern; and no deeper than this share of the lower limit. The
-/// flat state beyond costs nothing.
+/// On flat ground the drive goes at least so many ranges beyond the limits of the flat state, so
+/// that the loop closes and holds every pattern; and no deeper than this share of the lower limit.
+/// The flat state beyond costs nothing.
 const FARTHER: f64 = 8.0;
 const DEEPER: f64 = 0.5;
 const DEEPEST: f64 = 0.2;
@@ -120,8 +120,8 @@ pub struct Found {
 }
 
 impl PatternMap {
-    /// The map of `scene` on so many values; `observe` is called with each row and the share that is
-    /// done, 0 to 1.
+    /// The map of `scene` on so many values; `observe` is called with each row and the share that
+    /// is done, 0 to 1.
     ///
     /// # Errors
     /// A key that is no number of this scene. Values that are not allowed are rows that say so.
@@ -172,8 +172,8 @@ struct Survey<'a> {
 }
 
 impl Survey<'_> {
-    /// Every so many rows afresh. Between two whose loops do the same in the same order the atlas is
-    /// carried; where the order changes on the way, the row in the middle is made afresh too: a
+    /// Every so many rows afresh. Between two whose loops do the same in the same order the atlas
+    /// is carried; where the order changes on the way, the row in the middle is made afresh too: a
     /// landing that is carried is not asked for again, and would be passed on for ever.
     fn all(&mut self) {
         let last = self.values.len() - 1;

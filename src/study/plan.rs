@@ -108,7 +108,8 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
     }
 }
 
-/// Every branch of the scene at fixed u0, whatever drives it, on the part of the cell on which its loop would be walked.
+/// Every branch of the scene at fixed u0, whatever drives it, on the part of the cell on which its
+/// loop would be walked.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.

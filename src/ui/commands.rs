@@ -217,7 +217,8 @@ fn choices(state: &ViewState) -> Vec<Command> {
     list
 }
 
-/// What these words find: every word somewhere in the name. A number alone is a value of what is driven.
+/// What these words find: every word somewhere in the name. A number alone is a value of what is
+/// driven.
 pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
     let Told {
         symbol,

@@ -300,6 +300,9 @@ fn ahead(state: &ViewState, panel: &mut Panel) {
     });
 }
 
+/// A band for the next jump wider than this share of the axis says nothing, and hides the rest.
+const WIDEST: f64 = 0.1;
+
 /// Where the next jump is to be expected: a band, or a line where it is known exactly. Under a
 /// spring it is known of the stage, and the plot is of u0.
 fn next_jump(state: &ViewState, panel: &mut Panel) {
@@ -311,6 +314,10 @@ fn next_jump(state: &ViewState, panel: &mut Panel) {
     };
     let [low, high] = panel.y.range.unwrap_or_default();
     let ends = [nearest, farthest].map(|u0| u0 / state.rho());
+    let [left, right] = panel.x.range.unwrap_or_default();
+    if (ends[1] - ends[0]).abs() > WIDEST * (right - left) {
+        return;
+    }
     let edges = ends.map(|x| vec![[x, low], [x, high]]);
     if nearest != farthest {
         panel.areas.push(crate::plot::panel::Area {

@@ -111,7 +111,11 @@ impl ViewState {
         let limits = window::of_control(&scene, &model);
         let drive = scene.drive;
         Ok(Self {
-            plots: Plots::new(flat_state(&model, window::of_u0(&scene, &model))),
+            plots: Plots::new(flat_state(
+                &model,
+                drive.control,
+                window::of_u0(&scene, &model),
+            )),
             scene: Arc::new(scene),
             opened: 0,
             model,
@@ -182,7 +186,8 @@ impl ViewState {
             self.plots.ghosts.clear();
         }
         self.plots.beneath.clear();
-        self.plots.flat_state = flat_state(&model, window::of_u0(&scene, &model));
+        let ends = window::of_u0(&scene, &model);
+        self.plots.flat_state = flat_state(&model, scene.drive.control, ends);
         self.scene = Arc::new(scene);
         self.model = model;
         self.messages.failure = None;

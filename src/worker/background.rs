@@ -1,6 +1,7 @@
 //! What is computed in the background, with partial results as they come: for the window, beside
-//! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria, and
-//! a page of the paper; for the command line the paper's figures, several at once, one on each core.
+//! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria,
+//! and a page of the paper; for the command line the paper's figures, several at once, one on each
+//! core.
 
 use super::job::{FAULT, Pace, Reporter};
 use super::system::{self, Instant};

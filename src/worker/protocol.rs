@@ -170,9 +170,6 @@ pub struct Ready {
     pub model: Model,
     /// Height of the indenter, `None` if flat; shape (ny, nx).
     pub height: Option<Arc<Array2<f64>>>,
-    /// Lower and upper limit of stability of the flat state (length); `None` if always stable or
-    /// not on flat ground.
-    pub flat_limits: Option<(f64, f64)>,
     /// The model in use.
     pub choice: ModelChoice,
 }

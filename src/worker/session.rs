@@ -11,7 +11,6 @@ use crate::follow::run::Itinerary;
 use crate::follow::walk::{EnergyWell, Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::physics::theory::flat;
 use crate::solver::equilibrium::Equilibrium;
 use std::sync::Arc;
 use std::time::Duration;
@@ -248,16 +247,10 @@ impl Session {
         match setup.walk(cancel) {
             Ok(mut walk) => {
                 let system = walk.system();
-                let flat_limits = if system.is_flat() {
-                    flat::limits(system.law(), system.grid().length)
-                } else {
-                    None
-                };
                 let height = system.height().map(|h| Arc::new(system.unfolded(h)));
                 let ready = Arc::new(Ready {
                     model: walk.model().clone(),
                     height,
-                    flat_limits,
                     choice: setup.choice.clone(),
                 });
                 sink(Event::Ready(ready));

@@ -8,7 +8,7 @@ use tackscope::follow::walk::{Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
-use tackscope::physics::pattern::Pattern::{self, Dimple, Flat, Ridge};
+use tackscope::physics::pattern::Pattern::{self, Bulge, Dimple, Flat, Ridge};
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene, Turn};
@@ -54,20 +54,22 @@ fn a_spring_of_a_million_is_a_driven_displacement_to_1e_6() {
     assert_eq!(stiff.record.jumps.len(), fixed.record.jumps.len());
     for (a, b) in stiff.record.jumps.iter().zip(&fixed.record.jumps) {
         assert_eq!((a.from, a.to, a.cause), (b.from, b.to, b.cause));
-        // Ends are located to 1e-5 of the range.
-        assert!((a.control - b.control).abs() < 1e-5, "{a:?} {b:?}");
+        assert!((a.control - b.control).abs() < 2e-7, "{a:?} {b:?}");
         assert!(
-            (a.released_energy - b.released_energy).abs() < 2e-6,
+            (a.released_energy - b.released_energy).abs() < 5e-9,
             "{a:?} {b:?}"
         );
     }
+    let mut compared = 0;
     for a in &stiff.record.states {
         let same = |b: &&StateRecord| b.control == a.control && b.direction == a.direction;
         let Some(b) = fixed.record.states.iter().find(same) else {
             continue;
         };
-        assert!((a.stress - b.stress).abs() < 1e-6, "{a:?} {b:?}");
+        compared += 1;
+        assert!((a.stress - b.stress).abs() < 3e-8, "{a:?} {b:?}");
     }
+    assert!(compared > 60, "{compared}");
 }
 
 #[test]
@@ -86,6 +88,23 @@ fn broken_symmetries_stay_at_their_u0_and_patterns_are_skipped_under_a_soft_spri
         &driven(sprung(1.0, drive), Control::Displacement, drive),
         Part::Quarter,
     );
+    // The bulge is skipped because no state of it has the stage at which the surface jumps: on the way
+    // down all break up before, on the way up all fold before.
+    for (from, direction, side) in [
+        (Flat, Direction::Approach, 1.0),
+        (Ridge, Direction::Retraction, -1.0),
+    ] {
+        let jump = find(run, from, direction);
+        let states = fixed.record.states.iter();
+        let bulges = states.filter(|s| s.pattern == Bulge && s.direction == direction);
+        let beyond =
+            |s: &StateRecord| side * (s.mean_displacement + s.stress / 0.03 - jump.control);
+        let all: Vec<f64> = bulges.map(beyond).collect();
+        assert!(
+            all.len() > 2 && all.iter().all(|w| *w > 0.0),
+            "{direction} {all:?}"
+        );
+    }
     for (from, direction) in [
         (Ridge, Direction::Approach),
         (Dimple, Direction::Retraction),
@@ -94,13 +113,14 @@ fn broken_symmetries_stay_at_their_u0_and_patterns_are_skipped_under_a_soft_spri
         let [here, there] = [run, &fixed].map(|run| find(run, from, direction));
         assert_eq!(here.cause, Cause::SymmetryBreaking);
         assert!(
-            (here.mean_displacement - there.mean_displacement).abs() < 2e-5,
+            (here.mean_displacement - there.mean_displacement).abs() < 3e-7,
             "{here:?} {there:?}"
         );
     }
 }
 
-/// By a second method: along the branch at fixed u0 the stage w = u0 + stress/k has its least value.
+/// By a second method: along the branch at fixed u0 the stage w = u0 + stress/k has its least
+/// value.
 #[test]
 fn a_fold_under_a_spring_is_where_the_stage_turns_back_along_the_branch() {
     let (stiffness, drive) = (0.03, [4.2, 0.2, 0.1]);

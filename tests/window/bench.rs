@@ -212,7 +212,6 @@ impl Bench {
         let ready = Ready {
             model: self.model.clone(),
             height: None,
-            flat_limits: Some((0.787, 3.102)),
             choice,
         };
         self.say(Event::Ready(Arc::new(ready)));

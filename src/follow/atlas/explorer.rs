@@ -65,8 +65,8 @@ impl Explorer {
         &self.mechanics.system
     }
 
-    /// Where the flat state of gap `u0` comes to rest from each mixture of its soft modes, the first
-    /// waves along x and y.
+    /// Where the flat state of gap `u0` comes to rest from each mixture of its soft modes, the
+    /// first waves along x and y.
     pub fn off_flat(&mut self, u0: f64) -> Vec<Rest> {
         let flat = self.system().uniform(u0).state;
         let ny = self.system().shape().0;
@@ -118,7 +118,8 @@ impl Explorer {
         })
     }
 
-    /// Down to the next minimum at fixed control by the walk's own release; `None` if there is no way.
+    /// Down to the next minimum at fixed control by the walk's own release; `None` if there is no
+    /// way.
     fn fall(&mut self, start: Evaluation) -> Option<NewtonState> {
         let mut release = Release::new(start).with_tolerance(TOLERANCE);
         loop {

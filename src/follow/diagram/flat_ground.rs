@@ -27,12 +27,12 @@ const FLAT_POINTS: usize = 800;
 /// Longest reach of the exact block of a preconditioner: more costs more to factorise than it saves
 /// in products.
 const MOST_REACH: f64 = 14.0;
-/// A branch that is lost so near to where another is left (ranges) has met it: a ridge is known on a
-/// finer mesh than what joins it, and its break-up lies a little beside the one of that.
+/// A branch that is lost so near to where another is left (ranges) has met it: a ridge is known on
+/// a finer mesh than what joins it, and its break-up lies a little beside the one of that.
 const ABOUT: f64 = 0.5;
 
-/// Most mixed branches that are followed: the paper's scenes have two, a mesh that traps edges breaks
-/// symmetries at every spacing.
+/// Most mixed branches that are followed: the paper's scenes have two, a mesh that traps edges
+/// breaks symmetries at every spacing.
 const MIXED: usize = 6;
 
 /// Of branches of one symmetry on one mesh.

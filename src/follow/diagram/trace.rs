@@ -34,8 +34,8 @@ const TRIALS: usize = 40;
 const APART: f64 = 0.02;
 /// Steps shorter than this (ranges) are no progress.
 const SHORT: f64 = 1e-3;
-/// Most steps in a row so short that they count as no progress: as at the edge of a cosine law, where
-/// the stiffness jumps.
+/// Most steps in a row so short that they count as no progress: as at the edge of a cosine law,
+/// where the stiffness jumps.
 const CREEPING: usize = 40;
 /// Most points of one branch: a mesh that traps edges has hundreds of folds, which say nothing of
 /// the body.

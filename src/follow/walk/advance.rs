@@ -31,8 +31,8 @@ const LONGEST_UNEVEN: f64 = 0.1;
 /// release begins: as far as the end is uncertain.
 const BEYOND: f64 = 1e-9;
 /// Towards the end of the flat branch under a spring a small step of the stage is a long one of u0,
-/// and the work done is the integral over the states: where u0 goes so many times faster, it goes no
-/// farther than so many ranges.
+/// and the work done is the integral over the states: where u0 goes so many times faster, it goes
+/// no farther than so many ranges.
 const SWIFT: f64 = 1.5;
 const FLAT_STEP: f64 = 0.02;
 /// The first step, in ranges, on a branch just landed on: there is no prediction yet from which
@@ -224,8 +224,8 @@ impl Walk {
         self.release_because(Cause::FlatLimit, barrier, contested)
     }
 
-    /// How far the flat state goes at once on the way from a `gap` to another while the control goes
-    /// to `next`.
+    /// How far the flat state goes at once on the way from a `gap` to another while the control
+    /// goes to `next`.
     fn swift_step(&self, gap: f64, there: f64, next: f64) -> f64 {
         let (way, longest) = (there - gap, FLAT_STEP * self.model.law.range);
         let asked = (next - self.here.state.control).abs();

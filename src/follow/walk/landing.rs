@@ -26,12 +26,12 @@ const LEAST_KICK: f64 = 1e-4;
 pub(super) const EVENT: f64 = 1e-6;
 /// Time steps of a release between two pictures.
 const SLICE: usize = 6;
-/// Share of a soft mode in what the control pushes below which that is no push: of 60 ends on even and
-/// uneven ground folds have 0.01 and more, and broken symmetries, which mesh and tolerance leave
-/// inexact, up to 4e-5.
+/// Share of a soft mode in what the control pushes below which that is no push: of 60 ends on even
+/// and uneven ground folds have 0.01 and more, and broken symmetries, which mesh and tolerance
+/// leave inexact, up to 4e-5.
 const UNPUSHED: f64 = 1e-3;
-/// Stiffness of what the control pushes, in units of q1, below which it gives way: at those folds it is 0.02
-/// at most, elsewhere 0.18 and more.
+/// Stiffness of what the control pushes, in units of q1, below which it gives way: at those folds
+/// it is 0.02 at most, elsewhere 0.18 and more.
 const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
@@ -93,9 +93,9 @@ impl Walk {
         Progress::Working
     }
 
-    /// What ends the present branch, of which `mode` goes soft. Where the control pushes the surface
-    /// along a mode without stiffness the branch turns back; where it does not, by symmetry, the
-    /// branch goes on and is unstable.
+    /// What ends the present branch, of which `mode` goes soft. Where the control pushes the
+    /// surface along a mode without stiffness the branch turns back; where it does not, by
+    /// symmetry, the branch goes on and is unstable.
     fn cause(&mut self, mode: &[f64]) -> Cause {
         if mode.is_empty() {
             return Cause::Fold;
@@ -125,8 +125,8 @@ impl Walk {
         }
     }
 
-    /// Where the control is `control`, a hair beyond the present state, the energy of the branch and
-    /// its derivative with the control: to second order, with the slope from the state before.
+    /// Where the control is `control`, a hair beyond the present state, the energy of the branch
+    /// and its derivative with the control: to second order, with the slope from the state before.
     pub(super) fn carried_to(&self, control: f64) -> (f64, f64) {
         let here = &self.here.state;
         let (conjugate, step) = (self.conjugate(here), control - here.control);

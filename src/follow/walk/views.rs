@@ -14,6 +14,8 @@ const SAMPLES: usize = 41;
 pub struct EnergyWell {
     /// u0 of the state (length).
     pub mean_displacement: f64,
+    /// What holds it there: u0, the position of the stage (length), or the load per area (E*).
+    control: f64,
     /// Offsets a (length), ascending.
     pub offsets: Vec<f64>,
     /// Energies per area at the offsets (E* times length), as many as are computed yet.
@@ -58,7 +60,8 @@ impl Walk {
         let (mode, stiffness) = (self.soft_amplitudes()?, self.here.stiffness_min?);
         let step = 2.0 * OFFSET * self.model.law.range / (SAMPLES - 1) as f64;
         Some(EnergyWell {
-            mean_displacement: self.here.state.control,
+            mean_displacement: self.here.state.mean_displacement,
+            control: self.here.state.control,
             offsets: (0..SAMPLES)
                 .map(|i| (i as f64 - (SAMPLES / 2) as f64) * step)
                 .collect(),
@@ -76,7 +79,7 @@ impl Walk {
             add(&mut z, well.offsets[well.energies.len()], &well.mode);
             let there = self
                 .mechanics
-                .uncounted(|mechanics| mechanics.at(z, well.mean_displacement));
+                .uncounted(|mechanics| mechanics.at(z, well.control));
             well.energies.push(there.state.energy - well.energy);
         }
     }

@@ -1,6 +1,6 @@
 //! The map of patterns as a table.
 
-use super::{number, quoted, write_rows};
+use super::{cells_of, number, quoted, write_rows};
 use crate::storage::Failure;
 use crate::study::map::PatternMap;
 use std::path::Path;
@@ -9,10 +9,10 @@ use std::path::Path;
 pub const MAP_COLUMNS: &str =
     "value,kind,branch,mean_displacement,from,to,released_energy,cause,dissipated_energy";
 
-/// Writes a map, row by row: its jumps in order, then u0 between which each visited pattern is stable
-/// (kind `end`, the lower one from nothing, the upper one to nothing); a value without a loop has one
-/// line that says why (kind `missing`), one whose loop has no jump a line of kind `none`. u0 in the
-/// scene's length, energies per area in units of gamma.
+/// Writes a map, row by row: its jumps in order, then u0 between which each visited pattern is
+/// stable (kind `end`, the lower one from nothing, the upper one to nothing); a value without a
+/// loop has one line that says why (kind `missing`), one whose loop has no jump a line of kind
+/// `none`. u0 in the scene's length, energies per area in units of gamma.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -30,17 +30,8 @@ pub fn write_map_csv(path: &Path, map: &PatternMap) -> Result<(), Failure> {
         };
         let loss = number(found.dissipated_energy);
         let jumps = found.jumps.iter().map(|jump| {
-            vec![
-                value.clone(),
-                "jump".to_owned(),
-                jump.direction.to_string(),
-                number(jump.mean_displacement),
-                jump.from.to_string(),
-                jump.to.to_string(),
-                number(jump.released_energy),
-                quoted(&jump.cause_words()),
-                loss.clone(),
-            ]
+            let head = [value.clone(), "jump".to_owned()].into_iter();
+            head.chain(cells_of(jump)).chain([loss.clone()]).collect()
         });
         let end = |u0: f64, [from, to]: [String; 2]| {
             let head = [

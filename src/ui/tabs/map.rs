@@ -3,9 +3,10 @@
 
 use super::{Tab, Title, Update, doing};
 use crate::physics::control::Control;
+use crate::physics::parameter::Parameter;
 use crate::plot::map_panel::map_panels;
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
-use crate::scene::{Model, Scene, edit};
+use crate::scene::{Model, Scene, edit, parameter};
 use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;
 use crate::ui::diagram;
@@ -20,11 +21,24 @@ const ROWS: [usize; 2] = [9, 73];
 /// How far the parameter goes to either side, as a factor.
 const REACH: f64 = 2.0;
 
+/// What may go.
+static KEYS: [&Parameter; 3] = [
+    &parameter::RANGE,
+    &parameter::LENGTH,
+    &parameter::SURFACE_ENERGY,
+];
+
+/// Their values in a model.
+fn values(model: &Model) -> [f64; 3] {
+    let law = &model.law;
+    [law.range, model.grid.length, law.surface_energy]
+}
+
 /// The tab.
 #[derive(Default)]
 pub struct Map {
-    /// Which parameter goes.
-    key: Key,
+    /// Which of the parameters goes.
+    key: usize,
     /// The map, around which model and under which machine.
     job: Option<(Around, Job<Arc<PatternMap>>)>,
     missing: Option<String>,
@@ -33,44 +47,10 @@ pub struct Map {
 }
 
 /// Around what a map is made.
-#[derive(Debug)]
 struct Around {
     model: Model,
     control: Control,
-    key: Key,
-}
-
-/// What goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Key {
-    #[default]
-    Range,
-    Length,
-    SurfaceEnergy,
-}
-
-impl Key {
-    const ALL: [(Self, &'static str); 3] = [
-        (Self::Range, "range"),
-        (Self::Length, "length"),
-        (Self::SurfaceEnergy, "surface energy"),
-    ];
-
-    fn key(self) -> &'static str {
-        match self {
-            Self::Range => "law.range",
-            Self::Length => "cell.length",
-            Self::SurfaceEnergy => "law.surface_energy",
-        }
-    }
-
-    fn of(self, model: &Model) -> f64 {
-        match self {
-            Self::Range => model.law.range,
-            Self::Length => model.grid.length,
-            Self::SurfaceEnergy => model.law.surface_energy,
-        }
-    }
+    key: usize,
 }
 
 impl Map {
@@ -84,22 +64,15 @@ impl Map {
 
 impl Around {
     /// True if the scene differs in no more than what goes, and what follows it.
-    fn holds(&self, state: &ViewState, key: Key) -> bool {
-        let rest = |m: &Model| {
-            let keep = |of: Key, value: f64| if of == key { 0.0 } else { value };
-            (
-                m.law.shape,
-                keep(Key::SurfaceEnergy, m.law.surface_energy),
-                keep(Key::Range, m.law.range),
-                keep(Key::Length, m.grid.length),
-                m.indenter,
-            )
-        };
-        let value = key.of(&state.model) / key.of(&self.model);
+    fn holds(&self, state: &ViewState, key: usize) -> bool {
+        let (here, there) = (&self.model, &state.model);
+        let (own, other) = (values(here), values(there));
+        let same = |i: usize| i == key || own[i] == other[i];
         key == self.key
             && state.scene.drive.control == self.control
-            && rest(&self.model) == rest(&state.model)
-            && (1.0 / REACH..=REACH).contains(&value)
+            && (here.law.shape, here.indenter) == (there.law.shape, there.indenter)
+            && (0..KEYS.len()).all(same)
+            && (1.0 / REACH..=REACH).contains(&(other[key] / own[key]))
     }
 }
 
@@ -116,8 +89,8 @@ impl Tab for Map {
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
-            for (key, word) in Key::ALL {
-                ui.radio_value(&mut self.key, key, word);
+            for (key, parameter) in KEYS.iter().enumerate() {
+                ui.radio_value(&mut self.key, key, parameter.label.to_lowercase());
             }
             match (&self.job, &self.missing) {
                 (Some((_, job)), _) if job.is_running() => {
@@ -136,10 +109,12 @@ impl Tab for Map {
             return;
         };
         let [mut approach, mut retraction, loss] = map_panels(map);
-        let value = self.key.of(&state.model);
-        let at = state.run.actual / state.rho();
+        let value = values(&state.model)[self.key];
+        let now = state.run.state.as_ref();
+        let here = now.map(|now| [now.mean_displacement / state.rho(), value]);
         for panel in [&mut approach, &mut retraction] {
-            let here = Series::symbols("", Symbol::Plus, Colour::Ink, vec![[at, value]]);
+            let at = here.into_iter().collect();
+            let here = Series::symbols("", Symbol::Plus, Colour::Ink, at);
             panel.series.push(here);
         }
         // Names would lie over each other in so little room.
@@ -199,7 +174,8 @@ impl Tab for Map {
         }: Update<'_>,
     ) {
         if let Some(value) = self.open.take() {
-            let edited = edit::with_parameter(&state.scene, &state.model, self.key.key(), value);
+            let edited =
+                edit::with_parameter(&state.scene, &state.model, KEYS[self.key].key, value);
             if let Ok(scene) = edited {
                 state.edit_scene(scene);
             }
@@ -227,13 +203,13 @@ impl Tab for Map {
 
 /// A coarse map first, then a fine one.
 fn compute(
-    (scene, key): &(Arc<Scene>, Key),
+    (scene, key): &(Arc<Scene>, usize),
     report: &Reporter<Arc<PatternMap>>,
 ) -> Result<(), String> {
     let model = scene.model().map_err(|error| error.to_string())?;
-    let value = key.of(&model);
+    let (key, value) = (KEYS[*key].key, values(&model)[*key]);
     let vary = Vary {
-        key: key.key().to_owned(),
+        key: key.to_owned(),
         from: value / REACH,
         to: value * REACH,
     };
