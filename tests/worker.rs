@@ -308,49 +308,6 @@ fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
 }
 
 #[test]
-fn the_energy_well_is_told_at_rest_and_on_the_move_while_it_is_watched() {
-    let mut session = Session::default();
-    let wells = |out: &[Event]| -> Vec<f64> {
-        let well = |e: &Event| {
-            if let Event::Well(well) = e {
-                Some(well.mean_displacement)
-            } else {
-                None
-            }
-        };
-        out.iter().filter_map(well).collect()
-    };
-    let to = |motion, mean_displacement| target(1, motion, mean_displacement);
-    assert!(
-        wells(&drain(
-            &mut session,
-            vec![set_scene(1, fig2(32)), to(1, 4.1)]
-        ))
-        .is_empty()
-    );
-    assert_eq!(
-        wells(&drain(
-            &mut session,
-            vec![of(1, Command::Watch { energy_well: true })]
-        )),
-        [4.1]
-    );
-    // The clock of this test stands still, so that one well on the move is all there may be.
-    let told = wells(&drain(&mut session, vec![to(2, 3.8)]));
-    assert!(
-        told.len() == 2 && told[0] > 3.8 && told[1] == 3.8,
-        "{told:?}"
-    );
-    assert!(
-        wells(&drain(
-            &mut session,
-            vec![of(1, Command::Watch { energy_well: false }), to(3, 3.6)]
-        ))
-        .is_empty()
-    );
-}
-
-#[test]
 fn a_picture_at_rest_carries_the_soft_mode_and_a_moving_one_does_not() {
     let mut session = Session::default();
     let out = drain(

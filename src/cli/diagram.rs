@@ -8,12 +8,16 @@ use super::{
 use crate::follow::diagram::Diagram;
 use crate::plot::diagram_panel::{counts, page};
 use crate::plot::ticks::digits;
-use crate::storage::export::{write_branches_csv, write_points_csv};
+use crate::scene::window;
+use crate::storage::export::{write_barriers_csv, write_branches_csv, write_points_csv};
 use crate::storage::{Failure, drawing, scene_file};
+use crate::study::landscape::{Ground, Saddle};
 use crate::study::plan;
 
 /// What is written.
 const FILES: [&str; 4] = ["branches.csv", "points.csv", "diagram.svg", "diagram.png"];
+/// What is written if it is asked for.
+const BARRIERS: &str = "barriers.csv";
 /// Room that the files need, in bytes.
 const ROOM: u64 = 4_000_000;
 
@@ -27,7 +31,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     let model = scene.model().map_err(refused)?;
     let cancel = cancel_on_signal();
     let output = &arguments.output;
-    let folder = output.claim(&[], ROOM, |name| FILES.contains(&name))?;
+    let folder = output.claim(&[], ROOM, |name| name == BARRIERS || FILES.contains(&name))?;
     let monitor = Monitor::new(
         output.quiet,
         &format!("{}: every branch of equilibria", scene.title),
@@ -41,22 +45,60 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         let u0 = digits(u0, 0.01 * scene.drive.step);
         monitor.now(&format!("{branch}: {points} points, u0 = {u0}"));
     };
-    let found = plan::diagram(&scene, &cancel, &mut report).map_err(refused)?;
+    let mut found = plan::diagram(&scene, &cancel, &mut report).map_err(refused)?;
+    let ground = Ground {
+        scene: &scene,
+        model: &model,
+        diagram: &found,
+        cancel: &cancel,
+    };
+    let barriers = arguments.barriers.map(|count| {
+        let (saddles, missing) = saddles(ground, count, &monitor);
+        let written = write_barriers_csv(&folder.join(BARRIERS), ground, &saddles);
+        (written, missing)
+    });
     monitor.finish();
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
     let mut title = scene.title.clone();
     if scene.drive.control.frees_mean() {
         title.push_str(" (at fixed u0)");
     }
+    let mut written = Vec::new();
+    if let Some((barriers, missing)) = barriers {
+        written.push(barriers);
+        found.missing.extend(missing);
+        found.cancelled |= cancel.requested();
+    }
     let page = page(&found, &model.law, &title);
-    let written = [
+    written.extend([
         write_branches_csv(&branches, &found),
         write_points_csv(&points, &found),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page),
-    ];
+    ]);
     let code = exit_code(&found, &output.out);
     output.close(&failures(written), code, &counts(&found))
+}
+
+/// The saddles at `count` places of the drive, each with its value of the control, and which are
+/// missing, in words.
+fn saddles(ground: Ground<'_>, count: u16, monitor: &Monitor) -> (Vec<(f64, Saddle)>, Vec<String>) {
+    let (low, high) = window::of_control(ground.scene, ground.model);
+    let (mut found, mut missing) = (Vec::new(), Vec::new());
+    for i in 0..count {
+        let share = (f64::from(i) + 0.5) / f64::from(count);
+        let control = high - share * (high - low);
+        monitor.now(&format!("saddles: {} of {count} places", i + 1));
+        monitor.fraction(share);
+        let Ok(here) = ground.saddles(control) else {
+            break;
+        };
+        let at = |words: String| format!("{words} at {control:.5}");
+        missing.extend(here.missing.into_iter().map(at));
+        let saddles = here.found.into_iter();
+        found.extend(saddles.map(|(saddle, _)| (control, saddle)));
+    }
+    (found, missing)
 }
 
 fn exit_code(found: &Diagram, out: &std::path::Path) -> u8 {

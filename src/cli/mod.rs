@@ -144,6 +144,9 @@ struct DiagramArguments {
     /// Points a side in place of the scene's (a line cell stays a line)
     #[arg(long, value_name = "N")]
     points: Option<usize>,
+    /// Also writes barriers.csv: every saddle at N places of the drive, and what it separates
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    barriers: Option<u16>,
 }
 
 /// What `tackscope map` is told.

@@ -9,17 +9,19 @@
 mod equal_energy;
 mod flat_ground;
 mod meeting;
+mod piece;
 mod trace;
 mod uneven;
 
 use crate::follow::walk::symmetry::slides_on;
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::Class;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::{Pattern, classify};
-use crate::physics::system::{State, System};
+use crate::physics::system::{Evaluation, State, System};
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
 use crate::solver::Lost;
@@ -31,6 +33,7 @@ use rand_pcg::Pcg64;
 use std::fmt;
 
 pub use equal_energy::EqualEnergy;
+pub use piece::Piece;
 
 /// Relative error of the eigenvalue of a mode that is shown.
 const GOOD: f64 = 0.02;
@@ -177,7 +180,17 @@ impl Branch {
         if point.state.amplitudes.is_empty() {
             return Ok(Vec::new());
         }
-        let mut displacement = self.picture(point, &model.grid);
+        let mut mechanics = self.on_whole_cell(model, Control::Displacement, cancel);
+        let at = self.surface(point, &mut mechanics);
+        let found = negative_modes(&mut mechanics, &at)?;
+        Ok(found
+            .iter()
+            .map(|mode| mechanics.field(mode).clone())
+            .collect())
+    }
+
+    /// The mechanics of the whole cell on the mesh of its states, driven by `control`.
+    pub fn on_whole_cell(&self, model: &Model, control: Control, cancel: &Cancel) -> Mechanics {
         let own = self.system.grid();
         let whole = if own.is_line() && !model.grid.is_line() {
             let square = Grid::square(own.length, own.nx);
@@ -187,22 +200,28 @@ impl Branch {
         } else {
             self.system.clone()
         };
-        if let Some(height) = whole.height() {
+        let mut mechanics = Mechanics::new(whole.with_control(control), slides_on(model));
+        mechanics.cancel = cancel.clone();
+        mechanics
+    }
+
+    /// The surface at one of its points, or next to it, in the mechanics of
+    /// [`Branch::on_whole_cell`].
+    pub fn surface(&self, point: &Point, mechanics: &mut Mechanics) -> Evaluation {
+        let system = &mechanics.system;
+        let mut displacement = self.picture(point, system.grid());
+        if let Some(height) = system.height() {
             displacement += height;
         }
-        let mut mechanics = Mechanics::new(whole, slides_on(model));
-        mechanics.cancel = cancel.clone();
-        let z = mechanics.amplitudes(&displacement);
-        let at = mechanics.at(z, point.state.mean_displacement);
-        mechanics.refresh(&at.fields);
-        let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
-        let (z, fields) = (&at.state.amplitudes, &at.fields);
-        let found = tracker.negative(&mut mechanics, z, fields, GOOD)?;
-        let negative = found.values.iter().zip(&found.vectors);
-        let negative = negative.filter(|(value, _)| **value < 0.0);
-        Ok(negative
-            .map(|(_, mode)| mechanics.field(mode).clone())
-            .collect())
+        let State {
+            mean_displacement,
+            stress,
+            ..
+        } = point.state;
+        let [control, mean] = system.control().balanced(mean_displacement, stress);
+        let mut z = mechanics.amplitudes(&displacement);
+        z[0] = mean;
+        mechanics.at(z, control)
     }
 
     /// Names the pattern of every point.
@@ -220,6 +239,19 @@ impl Branch {
         }
         self
     }
+}
+
+/// The modes along which a surface is unstable, the softest first, with norm 1.
+///
+/// # Errors
+/// They were not all found, or somebody asked to stop.
+pub fn negative_modes(mechanics: &mut Mechanics, at: &Evaluation) -> Result<Vec<Vec<f64>>, Lost> {
+    mechanics.refresh(&at.fields);
+    let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
+    let found = tracker.negative(mechanics, &at.state.amplitudes, &at.fields, GOOD)?;
+    let negative = found.values.iter().zip(found.vectors);
+    let negative = negative.filter(|(value, _)| **value < 0.0);
+    Ok(negative.map(|(_, mode)| mode).collect())
 }
 
 /// What is told while a diagram is computed: the name of the branch under way, its points so far,
@@ -245,7 +277,7 @@ impl Diagram {
         } else {
             uneven::fill(&mut diagram, scene, part, cancel, observe)?;
         }
-        diagram.equal_energies = equal_energy::all(&diagram.branches);
+        diagram.equal_energies = equal_energy::all(&diagram);
         diagram.cancelled = cancel.requested();
         Ok(diagram)
     }

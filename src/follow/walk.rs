@@ -16,7 +16,6 @@ mod views;
 
 pub use progress::{Counts, Observed, Progress, Stuck};
 pub use symmetry::Widened;
-pub use views::EnergyWell;
 
 use super::contest::Share;
 use super::flat_branch::FlatBranch;

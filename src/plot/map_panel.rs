@@ -63,8 +63,8 @@ pub fn map_panels(map: &PatternMap) -> [Panel; 3] {
         let legs = row.found.iter().flat_map(|found| found.legs.clone());
         let rho = row.law.map_or(f64::NAN, |law| law.range);
         // What is beyond every jump is flat, and bears no interest.
-        legs.filter(|(_, pattern, _)| *pattern != Pattern::Flat)
-            .flat_map(move |(_, _, ends)| ends.map(|u0| u0 / rho))
+        legs.filter(|leg| leg.pattern != Pattern::Flat)
+            .flat_map(move |leg| leg.ends().map(|u0| u0 / rho))
     });
     let (left, right) = ends(reach);
     let room = 0.15 * (right - left).max(1.0);
@@ -99,6 +99,25 @@ pub fn map_panels(map: &PatternMap) -> [Panel; 3] {
     [of(Direction::Approach), of(Direction::Retraction), loss]
 }
 
+/// The loop of a row as one line, broken at its jumps, under this name: u0/rho and
+/// stress/sigma_max, by its own law.
+pub fn loop_of(row: &Row, name: &str) -> Option<Series> {
+    let (Ok(Found { legs, .. }), Some(law)) = (&row.found, row.law) else {
+        return None;
+    };
+    let place = |[u0, stress]: &[f64; 2]| [u0 / law.range, stress / law.traction_max()];
+    let points = legs.iter().flat_map(|leg| {
+        let points = leg.points.iter().map(place);
+        points.chain([[f64::NAN; 2]])
+    });
+    Some(Series::line(
+        name,
+        Role::Forecast,
+        Colour::Ink,
+        points.collect(),
+    ))
+}
+
 /// u0/rho between which the piece `number` of a pattern stands in a row.
 fn stretch(row: &Row, direction: Direction, pattern: Pattern, number: usize) -> Option<[f64; 2]> {
     let (Ok(Found { legs, .. }), Some(law)) = (&row.found, row.law) else {
@@ -106,8 +125,8 @@ fn stretch(row: &Row, direction: Direction, pattern: Pattern, number: usize) -> 
     };
     let mut of = legs
         .iter()
-        .filter(|leg| (leg.0, leg.1) == (direction, pattern));
-    let [a, b] = of.nth(number)?.2.map(|u0| u0 / law.range);
+        .filter(|leg| (leg.direction, leg.pattern) == (direction, pattern));
+    let [a, b] = of.nth(number)?.ends().map(|u0| u0 / law.range);
     Some([a.min(b), a.max(b)])
 }
 

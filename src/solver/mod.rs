@@ -18,5 +18,6 @@ pub mod newton;
 pub mod release;
 pub mod sector;
 pub mod stability;
+pub mod steepest;
 
 pub use equilibrium::{Lost, Stop};

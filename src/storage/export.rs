@@ -4,8 +4,10 @@
 //! Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
+mod barriers;
 mod map;
 
+pub use barriers::{BARRIER_COLUMNS, write_barriers_csv};
 pub use map::{MAP_COLUMNS, write_map_csv};
 
 use super::{Failure, files};

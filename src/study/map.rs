@@ -109,14 +109,33 @@ pub struct Row {
 /// What a loop does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// Its pieces in order: direction, pattern, and u0 where it begins and ends (length).
-    pub legs: Vec<(Direction, Pattern, [f64; 2])>,
+    /// Its pieces in order.
+    pub legs: Vec<Leg>,
     /// Its jumps in order.
     pub jumps: Vec<JumpRecord>,
     /// The patterns it visits and u0 between which each is stable (length); none of a walk.
     pub extents: Vec<(Pattern, [f64; 2])>,
     /// What it loses (gamma per area).
     pub dissipated_energy: f64,
+}
+
+/// A piece of a loop in one direction, along which the pattern stays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// Direction of the drive.
+    pub direction: Direction,
+    /// The pattern.
+    pub pattern: Pattern,
+    /// u0 (length) and mean stress (E*) in the order in which they are passed.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl Leg {
+    /// u0 where it begins and ends (length).
+    pub fn ends(&self) -> [f64; 2] {
+        let u0 = |point: Option<&[f64; 2]>| point.map_or(f64::NAN, |[u0, _]| *u0);
+        [u0(self.points.first()), u0(self.points.last())]
+    }
 }
 
 impl PatternMap {
@@ -150,6 +169,12 @@ impl PatternMap {
             rows: survey.rows.into_iter().flatten().collect(),
             cancelled: cancel.requested(),
         })
+    }
+
+    /// The row whose value is nearest to this one.
+    pub fn nearest(&self, value: f64) -> Option<&Row> {
+        let far = |row: &&Row| (row.value - value).abs();
+        self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
     /// The values whose loop is not known, with the reason.
@@ -233,7 +258,13 @@ impl Survey<'_> {
     /// What the loop of a row does, one after the other; `None` where it is not known.
     fn order(&self, i: usize) -> Option<Vec<(Direction, Pattern)>> {
         let found = self.rows[i].as_ref()?.found.as_ref().ok()?;
-        Some(found.legs.iter().map(|leg| (leg.0, leg.1)).collect())
+        Some(
+            found
+                .legs
+                .iter()
+                .map(|leg| (leg.direction, leg.pattern))
+                .collect(),
+        )
     }
 }
 
@@ -284,9 +315,10 @@ fn read(live: &LiveLoop) -> Found {
         let (low, high) = segment.extent();
         (segment.pattern, [low, high])
     };
-    let legs = live.legs.iter().map(|leg| {
-        let pattern = live.segments[leg.segment].pattern;
-        (leg.direction, pattern, [leg.from, leg.to])
+    let legs = live.legs.iter().map(|leg| Leg {
+        direction: leg.direction,
+        pattern: live.segments[leg.segment].pattern,
+        points: live.points_of(leg),
     });
     Found {
         legs: legs.collect(),
@@ -307,15 +339,18 @@ fn walked(run: &LoopRun, model: &Model, turn: Turn) -> Result<Found, String> {
         };
         return Err(format!("the loop{to} was not completed, or is not closed"));
     };
-    let mut legs: Vec<(Direction, Pattern, [f64; 2])> = Vec::new();
+    let mut legs: Vec<Leg> = Vec::new();
     for state in &run.record.states {
+        let point = [state.mean_displacement, state.stress];
         match legs.last_mut() {
-            Some((direction, pattern, ends))
-                if *direction == state.direction && *pattern == state.pattern =>
-            {
-                ends[1] = state.mean_displacement;
+            Some(leg) if (leg.direction, leg.pattern) == (state.direction, state.pattern) => {
+                leg.points.push(point);
             }
-            _ => legs.push((state.direction, state.pattern, [state.mean_displacement; 2])),
+            _ => legs.push(Leg {
+                direction: state.direction,
+                pattern: state.pattern,
+                points: vec![point],
+            }),
         }
     }
     Ok(Found {

@@ -6,6 +6,7 @@
 pub mod chart;
 pub mod error_bar;
 pub mod forecast;
+pub mod landscape;
 pub mod live_loop;
 pub mod map;
 pub mod plan;

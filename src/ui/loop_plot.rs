@@ -198,6 +198,7 @@ fn panel(state: &ViewState) -> Panel {
     panel.series.extend(state.plots.beneath.iter().cloned());
     panel.series.extend(state.plots.flat_state.iter().cloned());
     panel.series.extend(live(state));
+    panel.series.extend(state.plots.preview.clone());
     panel
         .series
         .extend(theory.iter().map(|(line, _)| line.clone()));

@@ -5,8 +5,8 @@
 
 mod accuracy;
 mod branches;
-mod energy_well;
 mod event_list;
+mod landscape;
 mod map;
 mod paper;
 mod stability;
@@ -88,7 +88,7 @@ impl Default for Tabs {
             Box::new(event_list::EventList),
             Box::<stability::Stability>::default(),
             Box::<branches::Branches>::default(),
-            Box::new(energy_well::Well),
+            Box::<landscape::Valleys>::default(),
             Box::<map::Map>::default(),
             Box::<accuracy::Accuracy>::default(),
             Box::<paper::Paper>::default(),

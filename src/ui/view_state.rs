@@ -55,8 +55,8 @@ pub struct ViewState {
     pub frame: Option<Arc<Frame>>,
     /// What the diagrams show beside the run.
     pub plots: Plots,
-    /// Somebody looks at the energy well.
-    pub watched: bool,
+    /// Somebody looks at what is made of the branches.
+    pub wants_branches: bool,
     /// What is said in words.
     pub messages: Messages,
     /// How things are drawn.
@@ -97,7 +97,6 @@ struct Told {
     run: RunId,
     motion: Motion,
     paused: bool,
-    energy_well: bool,
     speed: Speed,
 }
 
@@ -127,7 +126,7 @@ impl ViewState {
             last_sweep: Sweep::Loop,
             run: RunView::new(1, &drive, limits.1),
             frame: None,
-            watched: false,
+            wants_branches: false,
             messages: Messages {
                 failure: None,
                 notice: None,
@@ -186,6 +185,7 @@ impl ViewState {
             self.plots.ghosts.clear();
         }
         self.plots.beneath.clear();
+        self.plots.branches = None;
         let ends = window::of_u0(&scene, &model);
         self.plots.flat_state = flat_state(&model, scene.drive.control, ends);
         self.scene = Arc::new(scene);
@@ -301,10 +301,6 @@ impl ViewState {
         if std::mem::replace(&mut told.paused, run.paused) != run.paused {
             commands.push(Command::Pause { paused: run.paused });
         }
-        let energy_well = self.watched;
-        if std::mem::replace(&mut told.energy_well, energy_well) != energy_well {
-            commands.push(Command::Watch { energy_well });
-        }
         let speed = self.view.speed;
         if std::mem::replace(&mut told.speed, speed) != speed {
             commands.push(Command::SetSpeed { speed });
@@ -350,7 +346,6 @@ impl ViewState {
                 self.moved_to(control);
                 self.run.play = Play::Rest;
             }
-            Event::Well(well) => self.take_well(well),
             Event::Live(live) => self.take_live(run, live),
             Event::Remodelled(choice) => {
                 let why = choice.because.as_deref().unwrap_or("asked for");

@@ -3,7 +3,6 @@
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
-use crate::follow::walk::EnergyWell;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
@@ -127,11 +126,6 @@ pub enum Command {
         /// How fast.
         speed: Speed,
     },
-    /// Say (or stop saying) what the energy well of each state looks like.
-    Watch {
-        /// True while somebody looks at it.
-        energy_well: bool,
-    },
     /// End the thread.
     Quit,
 }
@@ -229,8 +223,6 @@ pub enum Event {
         /// The value of the control where it rests.
         control: f64,
     },
-    /// The energy around a state along its soft mode.
-    Well(Arc<EnergyWell>),
     /// The whole loop of the scene, read off the atlas. While a parameter is dragged it comes late:
     /// newer than the last one shown is good enough.
     Live(Arc<LiveState>),

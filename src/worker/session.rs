@@ -8,7 +8,7 @@ use super::setup::Setup;
 use super::system::Instant;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::follow::run::Itinerary;
-use crate::follow::walk::{EnergyWell, Observed, Progress, Walk, Widened};
+use crate::follow::walk::{Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::solver::equilibrium::Equilibrium;
@@ -20,14 +20,6 @@ const PACE_STATE: Duration = Duration::from_millis(12);
 /// Shortest time between two pictures of a jump at normal speed, so that it is seen as a short
 /// film.
 const PACE_FILM: Duration = Duration::from_millis(16);
-
-/// Shortest time between two energy wells on the move, and the largest share of the time they may
-/// take.
-const PACE_WELL: Duration = Duration::from_millis(100);
-const WELL_SHARE: f64 = 0.1;
-/// Energies of a well computed in one piece of work at rest, so that a command never waits for
-/// long.
-const WELL_PIECE: usize = 8;
 
 /// A scene being played.
 #[derive(Default)]
@@ -52,12 +44,6 @@ pub struct Session {
     paused: bool,
     not_before: Option<Instant>,
     speed: Speed,
-    /// Somebody looks at the energy well.
-    watched: bool,
-    /// The well at rest as far as it is computed.
-    well: Option<EnergyWell>,
-    /// When the last well on the move may be followed by another.
-    well_after: Option<Instant>,
 }
 
 impl Session {
@@ -74,7 +60,7 @@ impl Session {
     /// How long the thread may sleep: `None` until a command comes, zero if there is work now.
     pub fn wait(&self, now: Instant) -> Option<Duration> {
         if !self.is_walking() || self.walk.is_none() {
-            return self.well.as_ref().map(|_| Duration::ZERO);
+            return None;
         }
         Some(
             self.not_before
@@ -113,15 +99,8 @@ impl Session {
             },
             Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
             Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
-            Command::Pause { paused } => {
-                self.paused = paused;
-                self.look_into_the_well();
-            }
+            Command::Pause { paused } => self.paused = paused,
             Command::Stop { .. } => self.rest(sink),
-            Command::Watch { energy_well } => {
-                self.watched = energy_well;
-                self.look_into_the_well();
-            }
             Command::SetSpeed { speed } => self.speed = speed,
             Command::Quit => {}
         }
@@ -130,7 +109,7 @@ impl Session {
     /// Does one bounded piece of work.
     pub fn step(&mut self, now: Instant, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
         if !self.is_walking() {
-            return self.deepen_the_well(WELL_PIECE, sink);
+            return;
         }
         let Some(walk) = &mut self.walk else { return };
         let mut seen = Vec::new();
@@ -140,16 +119,12 @@ impl Session {
             match observed {
                 Observed::Moving { stress } => {
                     pace = self.speed.pause(PACE_FILM);
-                    let (control, mean_displacement) = {
-                        let surface = walk.surface();
-                        (surface.control, surface.mean_displacement)
-                    };
-                    let gap = Arc::new(walk.gap());
+                    let surface = walk.surface();
                     let frame = Frame {
-                        control,
-                        mean_displacement,
+                        control: surface.control,
+                        mean_displacement: surface.mean_displacement,
                         stress,
-                        gap,
+                        gap: Arc::new(walk.gap()),
                         soft_mode: None,
                         relaxing: true,
                         state: None,
@@ -173,34 +148,6 @@ impl Session {
         }
         self.not_before = Some(now + pace);
         self.follow_up(progress, now, cancel, sink);
-        if self.play != Play::Rest && self.watched && self.well_after.is_none_or(|t| now >= t) {
-            let began = Instant::now();
-            self.well = self.walk.as_mut().and_then(Walk::energy_well);
-            while self.well.is_some() && !cancel.requested() {
-                self.deepen_the_well(WELL_PIECE, sink);
-            }
-            self.well_after = Some(now + PACE_WELL.max(began.elapsed().div_f64(WELL_SHARE)));
-        }
-    }
-
-    /// At rest: begins to compute the well if somebody looks.
-    fn look_into_the_well(&mut self) {
-        self.well = None;
-        if self.watched && !self.is_walking() {
-            self.well = self.walk.as_mut().and_then(Walk::energy_well);
-        }
-    }
-
-    fn deepen_the_well(&mut self, count: usize, sink: &mut dyn FnMut(Event)) {
-        let (Some(walk), Some(mut well)) = (&mut self.walk, self.well.take()) else {
-            return;
-        };
-        walk.deepen(&mut well, count);
-        if well.is_complete() {
-            sink(Event::Well(Arc::new(well)));
-        } else {
-            self.well = Some(well);
-        }
     }
 
     /// After a panic: rests on the last good state, or at the start of the scene if there is none.
@@ -212,7 +159,6 @@ impl Session {
             good,
             record,
             speed,
-            watched,
             ..
         } = std::mem::take(self);
         *self = Self {
@@ -221,7 +167,6 @@ impl Session {
             setup,
             record,
             speed,
-            watched,
             ..Self::default()
         };
         if let Some(setup) = &self.setup {
@@ -237,7 +182,6 @@ impl Session {
         Self {
             run,
             speed: self.speed,
-            watched: self.watched,
             ..Self::default()
         }
     }
@@ -264,7 +208,6 @@ impl Session {
                 self.record.states.push(walk.record().clone());
                 self.walk = Some(walk);
                 self.setup = Some(setup);
-                self.look_into_the_well();
             }
             Err(error) => self.refuse(run, error, sink),
         }
@@ -282,7 +225,6 @@ impl Session {
     fn go(&mut self, play: Play, target: f64) {
         if let Some(walk) = &mut self.walk {
             walk.set_target(target);
-            self.well = None;
             self.play = play;
             self.not_before = None;
         }
@@ -428,7 +370,6 @@ impl Session {
                 control,
             });
         }
-        self.look_into_the_well();
     }
 }
 

@@ -1,8 +1,11 @@
 //! What is done with loops: plan, error bar, chart, live loop, forecast.
 
 mod chart;
+#[path = "../solver/dense.rs"]
+mod dense;
 mod error_bar;
 mod forecast;
+mod landscape;
 mod live_loop;
 #[path = "../shared/loops.rs"]
 mod loops;

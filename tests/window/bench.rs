@@ -18,6 +18,7 @@ use tackscope::scene::{Model, Scene};
 use tackscope::solver::Stop;
 use tackscope::storage::{presets, scene_file};
 use tackscope::study::chart::Effort;
+use tackscope::study::landscape::{Landscape, Standing};
 use tackscope::study::plan::plan;
 use tackscope::study::time_step_map::TimeStepMap;
 use tackscope::ui::App;
@@ -57,6 +58,9 @@ impl SolverHandle for FakeSolver {
         self.0.borrow_mut().begun.push(work);
     }
 }
+
+/// What a landscape is asked for: a scene, its branches, a state, the landscape before.
+pub type Asked = (Arc<Scene>, Arc<Diagram>, Standing, Option<Arc<Landscape>>);
 
 /// The window under test.
 pub struct Bench {
@@ -149,6 +153,11 @@ impl Bench {
 
     /// The diagrams of branches that were asked for since the last call.
     pub fn diagrams(&self) -> Vec<(Arc<Scene>, Reporter<Arc<Diagram>>)> {
+        self.begun()
+    }
+
+    /// The landscapes that were asked for since the last call.
+    pub fn landscapes(&self) -> Vec<(Asked, Reporter<Arc<Landscape>>)> {
         self.begun()
     }
 

@@ -1,16 +1,12 @@
-//! What stands below the plot: stability, forecast, energy well, time steps.
+//! What stands below the plot: stability, forecast, time steps.
 
 use super::bench::Bench;
 use egui::Role;
 use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
 use tackscope::follow::record::Direction;
-use tackscope::follow::walk::{Progress as Walked, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
-use tackscope::solver::methods::MethodKind;
 use tackscope::study::time_step_map::{Progress, Survey};
-use tackscope::worker::protocol::{Command, Event};
 
 fn tab(bench: &mut Bench, name: &str) {
     bench.click(&format!("{name} tab"));
@@ -81,80 +77,6 @@ fn the_curve_of_the_eigenvalue_is_cut_at_a_jump() {
         .map(|piece| piece.points.len())
         .collect();
     assert_eq!(pieces, [2, 1]);
-}
-
-#[test]
-fn the_energy_well_is_asked_for_while_it_is_looked_at_and_not_else() {
-    let mut bench = Bench::new();
-    bench.heard();
-    tab(&mut bench, "Energy well");
-    assert!(matches!(
-        bench.heard()[..],
-        [Command::Watch { energy_well: true }]
-    ));
-    tab(&mut bench, "Events");
-    assert!(matches!(
-        bench.heard()[..],
-        [Command::Watch { energy_well: false }]
-    ));
-}
-
-/// A walk of the window's scene at rest at the last of these u0.
-fn walked(bench: &Bench, path: &[f64]) -> Walk {
-    let mut walk = Walk::start(
-        &bench.state().scene,
-        MethodKind::NewtonKrylov.into(),
-        &Cancel::default(),
-    )
-    .unwrap();
-    for u0 in path {
-        walk.set_target(*u0);
-        while walk.step(&Cancel::default(), &mut |_| {}) == Walked::Working {}
-    }
-    walk
-}
-
-#[test]
-fn the_well_is_a_minimum_whose_curvature_is_the_eigenvalue_and_says_its_barrier() {
-    let mut bench = Bench::new();
-    tab(&mut bench, "Energy well");
-    let mut barriers = Vec::new();
-    // Far away, and a hair before the first jump.
-    for path in [&[4.0][..], &[3.12]] {
-        let mut walk = walked(&bench, path);
-        let mut well = walk.energy_well().unwrap();
-        walk.deepen(&mut well, usize::MAX);
-        assert!(well.is_complete());
-        let middle = well.offsets.len() / 2;
-        let (e, step) = (&well.energies, well.offsets[middle + 1]);
-        assert!(
-            e[middle].abs() < 1e-12 && e[middle - 1] > 0.0 && e[middle + 1] > 0.0,
-            "{e:?}"
-        );
-        let curvature = (e[middle - 1] + e[middle + 1]) / (step * step);
-        assert!(
-            (curvature / well.curvature - 1.0).abs() < 0.1,
-            "{curvature} {} after {path:?}",
-            well.curvature
-        );
-        bench.say(Event::Well(Arc::new(well)));
-        barriers.push(
-            bench
-                .names()
-                .lines()
-                .find(|line| line.starts_with("Energy well: At u₀"))
-                .unwrap()
-                .to_owned(),
-        );
-    }
-    assert!(
-        barriers[0].contains("no barrier within 0.5 ρ"),
-        "{barriers:?}"
-    );
-    assert!(
-        barriers[1].contains("barrier of 3.0e-5 γ at offset -0.3"),
-        "{barriers:?}"
-    );
 }
 
 #[test]

@@ -41,7 +41,7 @@ impl Tab for Accuracy {
     fn title(&self) -> Title {
         let what = "what every method costs, and how far off it is";
         Title {
-            short: "Accuracy",
+            short: "Chart",
             ..Title::new("Speed and accuracy", what)
         }
     }

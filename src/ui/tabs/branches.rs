@@ -108,7 +108,7 @@ impl Tab for Branches {
             seen.show_mode(state);
         }
         self.take_in(state);
-        if with.seen && self.job.is_none() {
+        if (with.seen || state.wants_branches) && self.job.is_none() {
             self.job = Some(with.solver.job(state.scene.clone(), background::diagram));
         }
     }
@@ -129,6 +129,7 @@ impl Branches {
                     || series.symbol.is_some_and(|symbol| marks.contains(&symbol))
             };
             state.plots.beneath = panel.series.iter().filter(beneath).cloned().collect();
+            state.plots.branches = Some(diagram.clone());
             self.at = None;
             self.shown = Some(Shown {
                 diagram,

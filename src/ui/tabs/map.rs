@@ -3,10 +3,10 @@
 
 use super::{Tab, Title, Update, doing};
 use crate::physics::control::Control;
-use crate::physics::parameter::Parameter;
-use crate::plot::map_panel::map_panels;
+use crate::physics::parameter::{Parameter, Value};
+use crate::plot::map_panel::{loop_of, map_panels};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
-use crate::scene::{Model, Scene, edit, parameter};
+use crate::scene::{Scene, edit, parameter};
 use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;
 use crate::ui::diagram;
@@ -21,36 +21,54 @@ const ROWS: [usize; 2] = [9, 73];
 /// How far the parameter goes to either side, as a factor.
 const REACH: f64 = 2.0;
 
-/// What may go.
-static KEYS: [&Parameter; 3] = [
-    &parameter::RANGE,
-    &parameter::LENGTH,
-    &parameter::SURFACE_ENERGY,
-];
-
-/// Their values in a model.
-fn values(model: &Model) -> [f64; 3] {
-    let law = &model.law;
-    [law.range, model.grid.length, law.surface_energy]
+/// What may go, with its value: the numbers of law, cell, ground and machine that are above zero.
+fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
+    let (law, control) = (&state.model.law, state.scene.drive.control);
+    let mut all = vec![
+        (&parameter::RANGE, law.range),
+        (&parameter::LENGTH, state.model.grid.length),
+        (&parameter::SURFACE_ENERGY, law.surface_energy),
+    ];
+    let (shape, ground) = (law.shape, state.model.indenter);
+    let own = shape.parameters().iter().zip(shape.values());
+    let own = own.chain(ground.parameters().iter().zip(ground.values()));
+    all.extend(own.filter_map(|(parameter, value)| match value {
+        Value::Number(value) if value > 0.0 => Some((parameter, value)),
+        _ => None,
+    }));
+    if let Control::Spring { stiffness } = control {
+        all.push((&parameter::STIFFNESS, stiffness));
+    }
+    all
 }
 
 /// The tab.
-#[derive(Default)]
 pub struct Map {
-    /// Which of the parameters goes.
-    key: usize,
+    /// The key of the number that goes.
+    key: &'static str,
     /// The map, around which model and under which machine.
     job: Option<(Around, Job<Arc<PatternMap>>)>,
     missing: Option<String>,
-    /// The value whose scene is to be opened.
-    open: Option<f64>,
+    /// The value under the pointer, and whether its scene is to be opened.
+    pointed: Option<(f64, bool)>,
+}
+
+impl Default for Map {
+    fn default() -> Self {
+        Self {
+            key: parameter::RANGE.key,
+            job: None,
+            missing: None,
+            pointed: None,
+        }
+    }
 }
 
 /// Around what a map is made.
 struct Around {
-    model: Model,
-    control: Control,
-    key: usize,
+    numbers: Vec<(&'static Parameter, f64)>,
+    machine: &'static str,
+    key: &'static str,
 }
 
 impl Map {
@@ -60,19 +78,27 @@ impl Map {
         let map = job.so_far.as_ref()?;
         around.holds(state, self.key).then_some(map)
     }
+
+    /// The present value of what goes.
+    fn value(&self, state: &ViewState) -> Option<f64> {
+        let all = numbers(state).into_iter();
+        let mut all = all.filter(|(parameter, _)| parameter.key == self.key);
+        all.next().map(|(_, value)| value)
+    }
 }
 
 impl Around {
     /// True if the scene differs in no more than what goes, and what follows it.
-    fn holds(&self, state: &ViewState, key: usize) -> bool {
-        let (here, there) = (&self.model, &state.model);
-        let (own, other) = (values(here), values(there));
-        let same = |i: usize| i == key || own[i] == other[i];
+    fn holds(&self, state: &ViewState, key: &str) -> bool {
+        let now = numbers(state);
+        let same = |((own, a), (other, b)): (&(&Parameter, f64), &(&Parameter, f64))| {
+            let goes = own.key == key && (1.0 / REACH..=REACH).contains(&(b / a));
+            own.key == other.key && (a == b || goes)
+        };
         key == self.key
-            && state.scene.drive.control == self.control
-            && (here.law.shape, here.indenter) == (there.law.shape, there.indenter)
-            && (0..KEYS.len()).all(same)
-            && (1.0 / REACH..=REACH).contains(&(other[key] / own[key]))
+            && state.scene.drive.control.word() == self.machine
+            && now.len() == self.numbers.len()
+            && self.numbers.iter().zip(&now).all(same)
     }
 }
 
@@ -89,8 +115,8 @@ impl Tab for Map {
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
-            for (key, parameter) in KEYS.iter().enumerate() {
-                ui.radio_value(&mut self.key, key, parameter.label.to_lowercase());
+            for (parameter, _) in numbers(state) {
+                ui.radio_value(&mut self.key, parameter.key, parameter.label.to_lowercase());
             }
             match (&self.job, &self.missing) {
                 (Some((_, job)), _) if job.is_running() => {
@@ -103,15 +129,16 @@ impl Tab for Map {
                 _ => {}
             }
         });
+        self.pointed = None;
         let Some(map) = self.shown(state) else {
             let words = "The loop of this scene while one parameter goes.";
             ui.label(RichText::new(words).weak());
             return;
         };
         let [mut approach, mut retraction, loss] = map_panels(map);
-        let value = values(&state.model)[self.key];
-        let now = state.run.state.as_ref();
-        let here = now.map(|now| [now.mean_displacement / state.rho(), value]);
+        let value = self.value(state);
+        let now = state.run.state.as_ref().zip(value);
+        let here = now.map(|(now, value)| [now.mean_displacement / state.rho(), value]);
         for panel in [&mut approach, &mut retraction] {
             let at = here.into_iter().collect();
             let here = Series::symbols("", Symbol::Plus, Colour::Ink, at);
@@ -123,7 +150,7 @@ impl Tab for Map {
             panel.labels.clear();
         }
         let size = ui.available_size();
-        let mut clicked = None;
+        let mut pointed = None;
         ui.horizontal_top(|ui| {
             let one = |ui: &mut Ui, mut panel: Panel, name: &str, share: f32| {
                 panel.x.label = if name == "loss" {
@@ -143,12 +170,10 @@ impl Tab for Map {
                         let drawn = diagram::show(ui, &panel, name, height, |_, _| None);
                         let place = drawn.response.hover_pos();
                         let place = place.map(|p| drawn.transform.value_from_position(p).y);
-                        if drawn.response.clicked() {
-                            let geometric = panel.y.logarithmic;
-                            return place.map(|y| if geometric { 10f64.powf(y) } else { y });
-                        }
                         described(&drawn.response, &format!("Map of patterns: {name}"));
-                        None
+                        let geometric = panel.y.logarithmic;
+                        let value = |y: f64| if geometric { 10f64.powf(y) } else { y };
+                        place.map(|y| (value(y), drawn.response.clicked()))
                     })
                     .inner
                 })
@@ -159,10 +184,10 @@ impl Tab for Map {
                 (retraction, "retraction", 0.35),
                 (loss, "loss", 0.27),
             ] {
-                clicked = one(ui, panel, name, share).or(clicked);
+                pointed = one(ui, panel, name, share).or(pointed);
             }
         });
-        self.open = clicked;
+        self.pointed = pointed;
     }
 
     fn update(
@@ -173,23 +198,35 @@ impl Tab for Map {
             seen,
         }: Update<'_>,
     ) {
-        if let Some(value) = self.open.take() {
-            let edited =
-                edit::with_parameter(&state.scene, &state.model, KEYS[self.key].key, value);
+        let pointed = self.pointed.take().filter(|_| seen);
+        state.plots.preview = pointed.and_then(|(value, _)| {
+            let row = self.shown(state)?.nearest(value)?;
+            loop_of(row, &format!("at {:.4}", row.value))
+        });
+        if let Some((value, true)) = pointed {
+            let edited = edit::with_parameter(&state.scene, &state.model, self.key, value);
             if let Ok(scene) = edited {
                 state.edit_scene(scene);
             }
+        }
+        if self.value(state).is_none() {
+            self.key = parameter::RANGE.key;
         }
         let holds = |(around, _): &(Around, _)| around.holds(state, self.key);
         if !self.job.as_ref().is_some_and(holds) {
             (self.job, self.missing) = (None, None);
             if seen {
                 let around = Around {
-                    model: state.model.clone(),
-                    control: state.scene.drive.control,
+                    numbers: numbers(state),
+                    machine: state.scene.drive.control.word(),
                     key: self.key,
                 };
-                let job = solver.job((state.scene.clone(), self.key), compute);
+                let vary = self.value(state).map(|value| Vary {
+                    key: self.key.to_owned(),
+                    from: value / REACH,
+                    to: value * REACH,
+                });
+                let job = solver.job((state.scene.clone(), vary), compute);
                 self.job = Some((around, job));
             }
         }
@@ -203,23 +240,17 @@ impl Tab for Map {
 
 /// A coarse map first, then a fine one.
 fn compute(
-    (scene, key): &(Arc<Scene>, usize),
+    (scene, vary): &(Arc<Scene>, Option<Vary>),
     report: &Reporter<Arc<PatternMap>>,
 ) -> Result<(), String> {
-    let model = scene.model().map_err(|error| error.to_string())?;
-    let (key, value) = (KEYS[*key].key, values(&model)[*key]);
-    let vary = Vary {
-        key: key.to_owned(),
-        from: value / REACH,
-        to: value * REACH,
-    };
+    let Some(vary) = vary else { return Ok(()) };
     for count in ROWS {
         let mut tell = |row: &Row, done: f64| {
             if report.is_due() {
                 report.progress(done, &format!("{} = {:.4}", vary.key, row.value));
             }
         };
-        let map = PatternMap::of(scene, &vary, count, &report.cancel, &mut tell);
+        let map = PatternMap::of(scene, vary, count, &report.cancel, &mut tell);
         let map = map.map_err(|error| error.to_string())?;
         if map.cancelled {
             return Ok(());

@@ -2,8 +2,8 @@
 //! one that is kept, theory.
 
 use super::ViewState;
+use crate::follow::diagram::Diagram;
 use crate::follow::record::{Direction, LoopRecord};
-use crate::follow::walk::EnergyWell;
 use crate::paper::overlay::ZeroRange;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
@@ -31,10 +31,12 @@ pub struct Plots {
     pub flat_state: Vec<Series>,
     /// Axes fitted to the data instead of the scene: (lower left, upper right).
     pub fit: Option<([f64; 2], [f64; 2])>,
-    /// Height of the energy well's picture (gamma).
-    pub well_scale: f64,
     /// What lies under the loop, of this very scene.
     pub beneath: Vec<Series>,
+    /// The loop of another scene, at which somebody points.
+    pub preview: Option<Series>,
+    /// The branches of this very scene.
+    pub branches: Option<Arc<Diagram>>,
     /// Theory is laid over the live plot, once it is known.
     pub overlay: bool,
     /// Theory.
@@ -50,8 +52,9 @@ impl Plots {
             kept: None,
             flat_state,
             fit: None,
-            well_scale: 0.01,
             beneath: Vec::new(),
+            preview: None,
+            branches: None,
             overlay: false,
             theory: None,
         }
@@ -261,22 +264,6 @@ impl ViewState {
             .as_ref()
             .ok()?
             .reading(self.run.state.as_ref()?, self.target)
-    }
-
-    /// Its picture is rescaled only where it leaves the frame or shrinks to a few pixels.
-    pub(super) fn take_well(&mut self, well: Arc<EnergyWell>) {
-        let gamma = self.model.law.surface_energy;
-        let lowest = well.energies.iter().fold(0.0f64, |a, e| a.min(*e));
-        let top = well
-            .energies
-            .iter()
-            .fold(0.0f64, |a, e| a.max(*e))
-            .max(-2.0 * lowest)
-            / gamma;
-        if top > 0.0 && !(top / self.plots.well_scale > 0.12 && top <= self.plots.well_scale) {
-            self.plots.well_scale = scale::nice(1.2 * top);
-        }
-        self.run.well = Some(well);
     }
 
     /// A fresh loop begins: what there was becomes a ghost.

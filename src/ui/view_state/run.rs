@@ -3,7 +3,6 @@
 
 use super::ViewState;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
-use crate::follow::walk::EnergyWell;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Drive;
@@ -43,8 +42,6 @@ pub struct RunView {
     pub closed_loop: Option<ClosedLoop>,
     /// The stored state somebody looks at.
     pub selection: Option<Selection>,
-    /// The newest energy well.
-    pub well: Option<Arc<EnergyWell>>,
 }
 
 /// A closed loop as it is drawn.
@@ -83,7 +80,6 @@ impl RunView {
             stiffness: Curve::default(),
             closed_loop: None,
             selection: None,
-            well: None,
         };
         if target != start {
             run.set(Play::ToTarget);

@@ -1,0 +1,344 @@
+//! The energy landscape: the paths from the present state over its saddles, the ball where the
+//! surface is, and how the barriers change along the control.
+
+use super::{Tab, Title, Update};
+use crate::follow::diagram::Diagram;
+use crate::follow::record::StateRecord;
+use crate::numerics::cancel::Cancel;
+use crate::physics::law::Law;
+use crate::plot::landscape_panel::{Extent, at, barrier_panel, landscape_panel};
+use crate::plot::panel::{Colour, Panel, Series, Symbol};
+use crate::scene::Scene;
+use crate::solver::Lost;
+use crate::study::landscape::{BEFORE, Ground, Landscape, Standing};
+use crate::ui::action::Action;
+use crate::ui::diagram;
+use crate::ui::machine::told;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::{described, progress};
+use crate::worker::job::{Job, Reporter};
+use crate::worker::protocol::Frame;
+use egui::{Align, Label, Layout, RichText, Ui, vec2};
+use egui_plot::{PlotPoint, PlotResponse};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The pointer this near to a path means a place of it, in screen points.
+const NEAR: f32 = 30.0;
+/// How long the ball rolls down after a jump, in seconds.
+const FALL: f64 = 1.2;
+/// The state that gave way is one of so many newest.
+const RECENT: usize = 8;
+/// Shares of the width: the paths, and the barriers.
+const SHARES: [f32; 2] = [0.62, 0.38];
+
+/// The tab.
+#[derive(Default)]
+pub struct Valleys {
+    /// The scene it speaks of.
+    scene: Option<Arc<Scene>>,
+    /// What is computed around which state.
+    job: Option<(Standing, Job<Arc<Landscape>>)>,
+    /// The job has told its passes.
+    told: bool,
+    /// The newest landscape.
+    shown: Option<Arc<Landscape>>,
+    /// How many jumps of the run are known, and the last one while the ball rolls.
+    jumps: usize,
+    fall: Option<Fall>,
+    /// What both diagrams show, of any state of the scene.
+    extent: Extent,
+    /// The pass and the place of its path under the pointer.
+    pointed: Option<[usize; 2]>,
+    /// What is pictured of it, and what was pictured before.
+    pictured: Option<[Arc<Frame>; 2]>,
+    /// Why there is nothing.
+    missing: Option<String>,
+}
+
+/// A jump that is shown: the state that gave way, and since when its landscape is seen (seconds of
+/// the window).
+struct Fall {
+    from: Standing,
+    began: Option<f64>,
+}
+
+impl Tab for Valleys {
+    fn title(&self) -> Title {
+        let what = "what holds the surface: the barriers around it, and the ways over them";
+        Title {
+            short: "Energy",
+            tall: true,
+            ..Title::new("Landscape", what)
+        }
+    }
+
+    fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
+        let words = self.words(state);
+        let down = self.roll(ui);
+        // Nothing moves when a job begins or ends.
+        let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            if let Some((_, job)) = self.job.as_ref().filter(|(_, job)| job.is_running()) {
+                progress(ui, job);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(&words).strong()).truncate());
+            });
+        });
+        let before = self.pointed.take();
+        let Some(landscape) = self.shown.clone().filter(|shown| !shown.passes.is_empty()) else {
+            return;
+        };
+        let law = &state.model.law;
+        let mut paths = landscape_panel(&landscape, law, self.extent);
+        paths.series.extend(ball(&landscape, law, down));
+        let place = before.and_then(|[pass, place]| {
+            let pass = landscape.passes.get(pass)?;
+            Some(at(pass.path.get(place)?, pass, law))
+        });
+        let frame = place.into_iter().collect();
+        let frame = Series::symbols("", Symbol::Frame, Colour::Ink, frame);
+        paths.series.push(frame);
+        let told = told(state);
+        let label = format!("{} /{}", told.symbol, told.suffix);
+        let mut barriers = barrier_panel(&landscape, law, self.extent, (&label, told.unit));
+        let (left, right) = (state.axes().0[0], state.axes().1[0]);
+        if told.unit == law.range {
+            barriers.x = barriers.x.from_to(left, right);
+        }
+        diagram::legend(ui, &paths);
+        let size = ui.available_size();
+        ui.horizontal_top(|ui| {
+            for (k, panel) in [paths, barriers].into_iter().enumerate() {
+                let drawn = side(ui, panel, vec2(SHARES[k] * size.x - 6.0, size.y - 4.0));
+                described(&drawn.response, &format!("Landscape: {words}"));
+                if k == 0 {
+                    self.pointed = pointed(&drawn, &landscape, law);
+                }
+            }
+        });
+    }
+
+    fn update(&mut self, with: Update<'_>) {
+        let state = with.state;
+        state.wants_branches = with.seen;
+        if self
+            .scene
+            .as_ref()
+            .is_none_or(|s| !Arc::ptr_eq(s, &state.scene))
+        {
+            *self = Self {
+                scene: Some(state.scene.clone()),
+                ..Self::default()
+            };
+        }
+        self.picture(state);
+        if let Some((_, job)) = &mut self.job {
+            if let Some(Err(why)) = job.poll() {
+                self.missing = Some(why);
+            }
+            if let Some(found) = job.so_far.take() {
+                self.extent = self.extent.with(&found, &state.model.law);
+                (self.shown, self.told) = (Some(found), true);
+            }
+        }
+        let Some(diagram) = state.plots.branches.clone().filter(|_| with.seen) else {
+            return;
+        };
+        self.hear_of_jumps(state);
+        let falls = self.fall.as_ref().map(|fall| fall.from);
+        let Some(here) = falls.or_else(|| state.run.state.as_ref().map(standing)) else {
+            return;
+        };
+        // While the surface is moved the passes of each state are waited for, and no more.
+        let stale = self.job.as_ref();
+        let stale = stale.is_none_or(|(of, job)| *of != here && (self.told || !job.is_running()));
+        if stale {
+            let input = (state.scene.clone(), diagram, here, self.shown.clone());
+            self.job = Some((here, with.solver.job(input, compute)));
+            (self.told, self.missing) = (false, None);
+        }
+    }
+}
+
+/// A scene with its branches, the state, and the landscape before.
+type Asked = (Arc<Scene>, Arc<Diagram>, Standing, Option<Arc<Landscape>>);
+
+/// The landscape around a state: the passes first, then their barriers along the control.
+fn compute(
+    (scene, diagram, state, before): &Asked,
+    report: &Reporter<Arc<Landscape>>,
+) -> Result<(), String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    let cancel: &Cancel = &report.cancel;
+    let ground = Ground {
+        scene,
+        model: &model,
+        diagram,
+        cancel,
+    };
+    let mut observe = |done: f64, so_far: &Landscape| {
+        report.progress(done, "barriers along the drive");
+        report.result(Arc::new(so_far.clone()));
+    };
+    match Landscape::around(ground, *state, before.as_deref(), &mut observe) {
+        Ok(found) => report.result(Arc::new(found)),
+        Err(Lost::Cancelled) => {}
+        Err(lost) => return Err(format!("{lost:?}")),
+    }
+    Ok(())
+}
+
+fn standing(state: &StateRecord) -> Standing {
+    Standing {
+        control: state.control,
+        stress: state.stress,
+        energy: state.energy,
+    }
+}
+
+impl Valleys {
+    /// Begins a fall for the newest jump, from the state that gave way.
+    fn hear_of_jumps(&mut self, state: &ViewState) {
+        let record = &state.run.record;
+        let new = record.jumps.len() > self.jumps;
+        self.jumps = record.jumps.len();
+        let Some(jump) = record.jumps.last().filter(|_| new) else {
+            return;
+        };
+        let near = BEFORE * state.scene.drive.control.unit(&state.model.law);
+        let off = |state: &&StateRecord| (state.stress - jump.stress_before).abs();
+        let before = record.states.iter().rev().take(RECENT);
+        let before = before.filter(|state| (state.control - jump.control).abs() < near);
+        let before = before.min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.fall = before.map(|before| Fall {
+            from: standing(before),
+            began: None,
+        });
+    }
+
+    /// The share of the way that the ball is down, 0 to 1, while it rolls.
+    fn roll(&mut self, ui: &Ui) -> Option<f64> {
+        let fall = self.fall.as_mut()?;
+        let known = self.job.as_ref().is_some_and(|(of, _)| *of == fall.from);
+        if !(known && self.told) {
+            return Some(0.0);
+        }
+        ui.ctx().request_repaint_after(Duration::from_millis(16));
+        let now = ui.input(|input| input.time);
+        let share = (now - *fall.began.get_or_insert(now)) / FALL;
+        if share >= 1.0 {
+            self.fall = None;
+        }
+        Some(share.min(1.0).powi(2))
+    }
+
+    /// What holds the surface, in one line.
+    fn words(&self, state: &ViewState) -> String {
+        let Some(shown) = &self.shown else {
+            let why = self.missing.clone();
+            return why
+                .unwrap_or_else(|| "The branches come first: saddles are on them.".to_owned());
+        };
+        let gamma = state.model.law.surface_energy;
+        let mut words = match shown.passes.first() {
+            _ if self.fall.is_some() => "The barrier is gone.".to_owned(),
+            Some(pass) => format!(
+                "The lowest barrier is {:.2e} γL², to {}",
+                pass.barrier / gamma,
+                pass.to
+            ),
+            None => "No saddle: no other state is within reach.".to_owned(),
+        };
+        for missing in &shown.missing {
+            words.push_str(&format!("; missing: {missing}"));
+        }
+        words
+    }
+
+    /// Pictures the place under the pointer, and what was pictured before when it is left.
+    fn picture(&mut self, state: &mut ViewState) {
+        let place = self.pointed.and_then(|[pass, place]| {
+            let pass = self.shown.as_ref()?.passes.get(pass)?;
+            pass.path.get(place)
+        });
+        // What came in the meantime stays.
+        let now = state.frame.clone();
+        self.pictured
+            .take_if(|[shown, _]| now.as_ref().is_none_or(|now| !Arc::ptr_eq(now, shown)));
+        let Some(place) = place else {
+            if let Some([_, before]) = self.pictured.take() {
+                state.frame = Some(before);
+            }
+            return;
+        };
+        let before = match &self.pictured {
+            Some([_, before]) => before.clone(),
+            None => match now {
+                Some(now) if !now.relaxing => now,
+                _ => return,
+            },
+        };
+        let shown = Arc::new(Frame {
+            control: before.control,
+            mean_displacement: place.mean_displacement,
+            stress: place.stress,
+            gap: place.gap.clone(),
+            soft_mode: None,
+            relaxing: false,
+            state: None,
+        });
+        state.frame = Some(shown.clone());
+        self.pictured = Some([shown, before]);
+    }
+}
+
+/// The surface as a ball: at the foot of the paths, or a share of the way `down` the lowest.
+fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> Vec<Series> {
+    let place = landscape.passes.first().and_then(|pass| {
+        let Some(share) = down else {
+            return pass.path.first().map(|foot| at(foot, pass, law));
+        };
+        let below = &pass.path[pass.saddle..];
+        let (top, end) = (below.first()?.arc, below.last()?.arc);
+        let further = below.partition_point(|place| place.arc < top + share * (end - top));
+        below.get(further).map(|place| at(place, pass, law))
+    });
+    let place: Vec<[f64; 2]> = place.into_iter().collect();
+    let symbols = [Symbol::Ring, Symbol::Circle];
+    let [ring, dot] = symbols.map(|symbol| Series::symbols("", symbol, Colour::Ink, place.clone()));
+    vec![ring, dot.filled()]
+}
+
+/// One of the two diagrams.
+fn side(ui: &mut Ui, panel: Panel, size: egui::Vec2) -> PlotResponse<()> {
+    let title = panel.title.clone();
+    ui.allocate_ui(size, |ui| {
+        ui.vertical(|ui| {
+            ui.small(&title);
+            let height = ui.available_height().max(60.0);
+            diagram::show(ui, &panel, &title, height, |_, _| None)
+        })
+        .inner
+    })
+    .inner
+}
+
+/// The pass and the place of its path that are nearest to the pointer.
+fn pointed(drawn: &PlotResponse<()>, landscape: &Landscape, law: &Law) -> Option<[usize; 2]> {
+    let pointer = drawn.response.hover_pos()?;
+    let passes = landscape.passes.iter().enumerate();
+    let places = passes.flat_map(|(i, pass)| {
+        let places = pass.path.iter().enumerate();
+        places.map(move |(j, place)| ([i, j], at(place, pass, law)))
+    });
+    let far = |[x, y]: [f64; 2]| {
+        let place = drawn.transform.position_from_point(&PlotPoint::new(x, y));
+        place.distance(pointer)
+    };
+    let near = places.map(|(which, at)| (which, far(at)));
+    let near = near.filter(|(_, far)| *far < NEAR);
+    near.min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(which, _)| which)
+}

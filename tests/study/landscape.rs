@@ -1,0 +1,326 @@
+//! The energy landscape: saddles, barriers and the paths over them, against how barriers must
+//! vanish, dense eigenvalues, the gradient, and the work of the stress.
+
+use crate::dense::Dense;
+use crate::loops::{flat_ground, preset};
+use ndarray::Array2;
+use tackscope::follow::diagram::{Branch, Diagram, Kind};
+use tackscope::numerics::cancel::Cancel;
+use tackscope::numerics::vector::{dot, norm};
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::law::{Morse, Shape};
+use tackscope::physics::pattern::Pattern;
+use tackscope::physics::system::System;
+use tackscope::physics::theory::flat;
+use tackscope::scene::{Model, Points, Scene};
+use tackscope::solver::Lost;
+use tackscope::solver::mechanics::{Mechanics, Slides};
+use tackscope::study::landscape::{Ground, Landscape, Pass, Place, Saddle, Standing};
+use tackscope::study::plan;
+
+/// A scene with its branches.
+struct Known {
+    scene: Scene,
+    model: Model,
+    diagram: Diagram,
+    cancel: Cancel,
+}
+
+impl Known {
+    fn of(scene: Scene) -> Self {
+        let cancel = Cancel::default();
+        let diagram = plan::diagram(&scene, &cancel, &mut |_, _, _| {}).unwrap();
+        Self {
+            model: scene.model().unwrap(),
+            scene,
+            diagram,
+            cancel,
+        }
+    }
+
+    fn fig2() -> Self {
+        let mut scene = preset("fig2");
+        scene.cell.points = Points::Square(48);
+        Self::of(scene)
+    }
+
+    fn ground(&self) -> Ground<'_> {
+        Ground {
+            scene: &self.scene,
+            model: &self.model,
+            diagram: &self.diagram,
+            cancel: &self.cancel,
+        }
+    }
+
+    /// The stable state of a branch of this name at `u0`.
+    fn state(&self, branch: &str, u0: f64) -> Standing {
+        let mut stable = self.diagram.pieces(0);
+        let piece = stable.find(|piece| piece.branch.name == branch && piece.holds(u0));
+        let at = piece.unwrap_or_else(|| panic!("{branch} at {u0}")).at(u0);
+        Standing {
+            control: u0,
+            stress: at.stress,
+            energy: at.energy,
+        }
+    }
+
+    fn around(&self, branch: &str, u0: f64) -> Landscape {
+        let state = self.state(branch, u0);
+        let found = Landscape::around(self.ground(), state, None, &mut |_, _| {}).unwrap();
+        assert!(found.missing.is_empty(), "{:?}", found.missing);
+        found
+    }
+
+    /// u0 of the events of a branch.
+    fn events(&self, branch: &str, kind: Kind) -> Vec<f64> {
+        let of = |(b, _): &(&Branch, _)| b.name == branch;
+        let events = self.diagram.events().filter(of);
+        events
+            .filter(|(_, point)| point.kind == kind)
+            .map(|(_, point)| point.state.mean_displacement)
+            .collect()
+    }
+
+    /// How a barrier falls towards the end of its state at `end`: the power of the distance,
+    /// between distances that are halved from `first` ranges on, away from the end in the direction
+    /// `side`.
+    fn powers(&self, branch: &str, end: f64, side: f64, first: f64) -> Vec<f64> {
+        let barriers: Vec<f64> = (0..4)
+            .map(|i| {
+                let far = first * 0.5f64.powi(i) * self.model.law.range;
+                let found = self.around(branch, end + side * far);
+                found.passes[0].barrier
+            })
+            .collect();
+        let powers = barriers.windows(2).map(|pair| (pair[0] / pair[1]).log2());
+        powers.collect()
+    }
+}
+
+/// True if these powers tend to `goal`: each is nearer than the one before, or as near as located
+/// ends allow, and the last is near.
+fn tends(powers: &[f64], goal: f64) -> bool {
+    let off: Vec<f64> = powers.iter().map(|power| (power - goal).abs()).collect();
+    let nearer = |pair: &[f64]| pair[1] < pair[0].max(5e-3);
+    off.windows(2).all(nearer) && off[off.len() - 1] < 0.05
+}
+
+#[test]
+fn a_barrier_vanishes_as_the_square_of_the_distance_to_a_subcritical_bifurcation() {
+    let known = Known::fig2();
+    let (low, high) = flat::limits(&known.model.law, known.model.grid.length).unwrap();
+    let bulge = known.events("square", Kind::Bifurcation)[1];
+    for (branch, end, side) in [
+        ("flat", high, 1.0),
+        ("flat", low, -1.0),
+        ("square", bulge, 1.0),
+    ] {
+        let powers = known.powers(branch, end, side, 0.02);
+        assert!(tends(&powers, 2.0), "{branch} at {end}: {powers:?}");
+    }
+}
+
+#[test]
+fn a_barrier_vanishes_as_the_distance_to_a_fold_to_the_power_of_three_halves() {
+    let known = Known::fig2();
+    let folds = known.events("square", Kind::Fold);
+    for (end, side) in [(folds[0], -1.0), (folds[3], 1.0)] {
+        let powers = known.powers("square", end, side, 0.04);
+        assert!(tends(&powers, 1.5), "at {end}: {powers:?}");
+    }
+}
+
+#[test]
+fn a_tip_is_held_by_barriers_that_vanish_at_both_its_folds() {
+    // The coarsest mesh on which this tip still jumps.
+    let mut scene = preset("hertz");
+    scene.cell.points = Points::Square(64);
+    let known = Known::of(scene);
+    let rho = known.model.law.range;
+    let folds = known.events("contact", Kind::Fold);
+    let (low, high) = (folds[1].min(folds[0]), folds[1].max(folds[0]));
+    for (end, side) in [(low, 1.0), (high, -1.0)] {
+        // Next to the end the state that ends is the first of the two stable ones.
+        let barriers: Vec<f64> = (0..3)
+            .map(|i| {
+                let u0 = end + side * 0.02 * 0.5f64.powi(i) * rho;
+                let stable = known.diagram.pieces(0).filter(|piece| piece.holds(u0));
+                let lowest = stable.map(|piece| {
+                    let at = piece.at(u0);
+                    let state = Standing {
+                        control: u0,
+                        stress: at.stress,
+                        energy: at.energy,
+                    };
+                    let found =
+                        Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
+                    assert_eq!(found.passes.len(), 1);
+                    found.passes[0].barrier
+                });
+                lowest.fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        let powers: Vec<f64> = barriers.windows(2).map(|p| (p[0] / p[1]).log2()).collect();
+        assert!(tends(&powers, 1.5), "at {end}: {barriers:?} {powers:?}");
+    }
+}
+
+/// Energy rises to the saddle and falls beyond it, along a way that never turns back.
+fn assert_is_a_pass(pass: &Pass) {
+    let arcs = pass.path.windows(2).all(|pair| pair[0].arc < pair[1].arc);
+    let (up, down) = (&pass.path[..=pass.saddle], &pass.path[pass.saddle..]);
+    let rises = up.windows(2).all(|pair| pair[0].energy <= pair[1].energy);
+    let falls = down.windows(2).all(|pair| pair[0].energy >= pair[1].energy);
+    assert!(arcs && rises && falls && pass.path[0].arc == 0.0);
+    let (first, last) = (&pass.path[0], &pass.path[pass.path.len() - 1]);
+    let top = &pass.path[pass.saddle];
+    assert_eq!(pass.barrier, top.energy - first.energy);
+    assert_eq!(pass.released, first.energy - last.energy);
+    assert!(pass.barrier > 0.0);
+}
+
+#[test]
+fn every_stable_state_of_fig_2_has_its_neighbours_and_energy_falls_on_both_sides_of_each_saddle() {
+    let known = Known::fig2();
+    let expected: [(&str, f64, &[Pattern]); 7] = [
+        ("flat", 3.99, &[]),
+        ("flat", 3.5, &[Pattern::Bulge]),
+        ("square", 3.5, &[Pattern::Ridge, Pattern::Flat]),
+        ("ridge", 3.5, &[Pattern::Bulge]),
+        ("ridge", 2.0, &[Pattern::Dimple]),
+        ("square", 0.7, &[Pattern::Flat]),
+        ("flat", 0.7, &[Pattern::Dimple]),
+    ];
+    for (branch, u0, neighbours) in expected {
+        let found = known.around(branch, u0);
+        let patterns: Vec<Pattern> = found.passes.iter().map(|pass| pass.to).collect();
+        assert_eq!(patterns, neighbours, "{branch} at {u0}");
+        let state = known.state(branch, u0);
+        for pass in &found.passes {
+            assert_is_a_pass(pass);
+            // The path begins where the state is, on whatever mesh its branch was followed.
+            let off = (pass.path[0].energy - state.energy).abs() / known.model.law.surface_energy;
+            assert!(off < 1e-5, "{branch} at {u0}: {off:e}");
+        }
+    }
+    // What is on the other side says the same.
+    let [up, down] = [known.around("flat", 3.5), known.around("square", 3.5)];
+    let back = down.passes.iter().find(|pass| pass.to == Pattern::Flat);
+    let (there, back) = (&up.passes[0], back.unwrap());
+    let gamma = known.model.law.surface_energy;
+    assert!((there.barrier + there.released - back.barrier).abs() < 1e-9 * gamma);
+    assert!((there.released + back.released).abs() < 1e-9 * gamma);
+}
+
+/// The derivative of the energy at a place of a flat square cell.
+fn gradient(mechanics: &mut Mechanics, place: &Place) -> (Vec<f64>, Vec<f64>) {
+    let z = mechanics.amplitudes(&place.gap);
+    let at = mechanics.at(z, place.mean_displacement);
+    (at.state.amplitudes, at.gradient)
+}
+
+#[test]
+fn the_path_goes_against_the_gradient() {
+    let known = Known::fig2();
+    let found = known.around("square", 3.5);
+    let pass = &found.passes[0];
+    assert_eq!(pass.branch, "mixed_1");
+    let grid = Grid::square(known.model.grid.length, 48);
+    let system = System::new(grid, known.model.law, &Indenter::Flat);
+    let mut mechanics = Mechanics::new(system, Slides::Freely);
+    let range = known.model.law.range;
+    let mut compared = 0;
+    for three in pass.path.windows(3) {
+        let way = three[2].arc - three[0].arc;
+        // Next to an equilibrium the gradient vanishes.
+        let near = |place: &Place| (three[1].arc - place.arc).abs() < 0.1 * range;
+        let top = &pass.path[pass.saddle];
+        if near(top) || near(&pass.path[0]) || near(&pass.path[pass.path.len() - 1]) {
+            continue;
+        }
+        let [before, here, after] = [0, 1, 2].map(|i| gradient(&mut mechanics, &three[i]));
+        let chord: Vec<f64> = after.0.iter().zip(&before.0).map(|(a, b)| a - b).collect();
+        let cosine = dot(&chord, &here.1) / (norm(&chord) * norm(&here.1));
+        let uphill = three[1].arc < top.arc;
+        let along = if uphill { cosine } else { -cosine };
+        assert!(along > 0.995, "{along} at {}", three[1].arc / range);
+        // And arc length is the distance of whole surfaces.
+        assert!((norm(&chord) / way - 1.0).abs() < 0.01);
+        compared += 1;
+    }
+    assert!(compared > 15, "{compared}");
+}
+
+#[test]
+fn a_saddle_has_one_negative_eigenvalue_over_all_modes_and_its_sides_have_none() {
+    let scene = flat_ground(Shape::Morse(Morse), 1.6, Points::Square(16));
+    let known = Known::of(scene);
+    let law = known.model.law;
+    let (_, high) = flat::limits(&law, known.model.grid.length).unwrap();
+    let mut looked = 0;
+    for u0 in [high + 0.05, high - 0.3, high - 0.6] {
+        for (Saddle { place, sides, .. }, piece) in known.ground().saddles(u0).unwrap().found {
+            let own = piece.branch.system.grid();
+            let grid = Grid::square(own.length, own.nx);
+            let dense = Dense::new(grid);
+            let negative = |place: &Place| {
+                let gap: &Array2<f64> = &place.gap;
+                let matrix = dense.at(gap, gap, &law, [true; 2], true);
+                let values = matrix.symmetric_eigenvalues();
+                // A flat state's own limit is not met here.
+                values.iter().filter(|value| **value < -1e-7).count()
+            };
+            assert_eq!(negative(&place), 1, "{} at {u0}", piece.branch.name);
+            for side in &sides {
+                assert_eq!(negative(&side[side.len() - 1]), 0, "beside it at {u0}");
+            }
+            looked += 1;
+        }
+    }
+    assert!(looked >= 3, "{looked}");
+}
+
+#[test]
+fn a_barrier_changes_with_u0_by_the_stress_of_the_saddle_less_that_of_the_state() {
+    let known = Known::fig2();
+    let step = 1e-3 * known.model.law.range;
+    for (branch, u0) in [("flat", 3.5), ("square", 3.2), ("ridge", 2.0)] {
+        let [below, here, above] = [-step, 0.0, step].map(|by| known.around(branch, u0 + by));
+        for (i, pass) in here.passes.iter().enumerate() {
+            let [low, high] = [&below, &above].map(|found| found.passes[i].barrier);
+            let rate = (high - low) / (2.0 * step);
+            let expected = pass.path[pass.saddle].stress - pass.path[0].stress;
+            assert!((rate / expected - 1.0).abs() < 1e-4, "{rate} {expected}");
+        }
+    }
+}
+
+#[test]
+fn the_curve_of_a_barrier_goes_through_it_and_ends_at_zero_where_the_state_gives_way() {
+    let known = Known::fig2();
+    let gamma = known.model.law.surface_energy;
+    let (_, high) = flat::limits(&known.model.law, known.model.grid.length).unwrap();
+    let found = known.around("flat", 3.5);
+    let curve = &found.passes[0].barriers;
+    let folds = known.events("square", Kind::Fold);
+    let (first, last) = (curve[0], curve[curve.len() - 1]);
+    // From the flat limit, where it is zero, to the fold where the other state ends.
+    assert!((first[0] - high).abs() < 1e-9 && (last[0] - folds[0]).abs() < 1e-9);
+    assert!(first[1].abs() < 1e-9 * gamma && last[1] > 5e-3 * gamma);
+    let next = curve.partition_point(|[u0, _]| *u0 < 3.5);
+    let [a, b] = [curve[next - 1], curve[next]];
+    let between = a[1] + (3.5 - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+    let off = (between - found.passes[0].barrier).abs() / gamma;
+    assert!(off < 2e-5, "{off:e}");
+}
+
+#[test]
+fn a_search_that_is_cancelled_ends_at_once() {
+    let known = Known::fig2();
+    let state = known.state("flat", 3.5);
+    known.cancel.request();
+    let end = Landscape::around(known.ground(), state, None, &mut |_, _| {});
+    assert_eq!(end.unwrap_err(), Lost::Cancelled);
+}
