@@ -82,18 +82,18 @@ impl Method for Descent {
         let before = mechanics.transforms();
         let guess = predicted(mechanics, branch, from, control);
         let reach = reach(&mechanics.system, &from.state, &guess, control);
-        let mut land = Landscape::at(mechanics, guess, control, reach);
+        let mut position = Position::at(mechanics, guess, control, reach);
         match &mut self.rule {
-            Rule::Fire => fire(&mut land)?,
-            Rule::Conjugate => conjugate(&mut land)?,
-            Rule::Lbfgs(memory) => lbfgs(&mut land, memory, &from.state.amplitudes)?,
+            Rule::Fire => fire(&mut position)?,
+            Rule::Conjugate => conjugate(&mut position)?,
+            Rule::Lbfgs(memory) => lbfgs(&mut position, memory, &from.state.amplitudes)?,
         }
-        let Landscape {
+        let Position {
             at,
             residual,
             iterations,
             ..
-        } = land;
+        } = position;
         if !audit(&mechanics.system, &from.state, &at.state) {
             return Err(Lost::Gone);
         }
@@ -106,7 +106,7 @@ impl Method for Descent {
 }
 
 /// The energy at one control over the scaled amplitudes y, and where on it a descent stands.
-struct Landscape<'a> {
+struct Position<'a> {
     mechanics: &'a mut Mechanics,
     /// sqrt(m), so that z = root * y.
     root: Vec<f64>,
@@ -122,7 +122,7 @@ struct Landscape<'a> {
     iterations: usize,
 }
 
-impl<'a> Landscape<'a> {
+impl<'a> Position<'a> {
     fn at(mechanics: &'a mut Mechanics, guess: Vec<f64>, control: f64, reach: f64) -> Self {
         let root: Vec<f64> = mechanics
             .preconditioner
@@ -138,7 +138,7 @@ impl<'a> Landscape<'a> {
             .collect();
         let removed = orthonormalise(scaled, 1e-9);
         let gradient = vec![0.0; guess.len()];
-        let mut land = Self {
+        let mut position = Self {
             mechanics,
             root,
             removed,
@@ -149,8 +149,8 @@ impl<'a> Landscape<'a> {
             residual: f64::NAN,
             iterations: 0,
         };
-        land.differentiate();
-        land
+        position.differentiate();
+        position
     }
 
     /// The gradient in y of what was evaluated.
@@ -269,21 +269,21 @@ pub(super) fn stiffest(mechanics: &Mechanics, fields: &Fields) -> f64 {
 /// Share of its slope that a direction may keep: most trials then need no second one.
 const CONJUGATE_SLOPE: f64 = 0.3;
 
-fn conjugate(land: &mut Landscape<'_>) -> Result<(), Lost> {
-    let mut d: Vec<f64> = land.gradient.iter().map(|g| -g).collect();
+fn conjugate(position: &mut Position<'_>) -> Result<(), Lost> {
+    let mut d: Vec<f64> = position.gradient.iter().map(|g| -g).collect();
     // Of order one in these variables.
     let mut curvature = 1.0;
     loop {
-        if let Some(end) = land.ended() {
+        if let Some(end) = position.ended() {
             return end;
         }
-        let before = land.gradient.clone();
+        let before = position.gradient.clone();
         if dot(&before, &d) >= 0.0 {
             d = before.iter().map(|g| -g).collect();
         }
         let t = -dot(&before, &d) / (curvature * dot(&d, &d));
-        curvature = land.search(&d, t, CONJUGATE_SLOPE)?;
-        let g = &land.gradient;
+        curvature = position.search(&d, t, CONJUGATE_SLOPE)?;
+        let g = &position.gradient;
         let beta = ((dot(g, g) - dot(g, &before)) / dot(&before, &before)).max(0.0);
         d.iter_mut().for_each(|d| *d *= beta);
         add(&mut d, -1.0, g);
@@ -301,15 +301,15 @@ const PATIENCE: usize = 5;
 const FIRST: f64 = 0.4;
 const LARGEST: f64 = 0.8;
 
-fn fire(land: &mut Landscape<'_>) -> Result<(), Lost> {
-    let limit = |land: &Landscape<'_>| 2.0 / land.stiffest().sqrt();
-    let mut velocity = vec![0.0; land.gradient.len()];
-    let (mut dt, mut steering, mut downhill) = (FIRST * limit(land), STEERING, 0);
+fn fire(position: &mut Position<'_>) -> Result<(), Lost> {
+    let limit = |position: &Position<'_>| 2.0 / position.stiffest().sqrt();
+    let mut velocity = vec![0.0; position.gradient.len()];
+    let (mut dt, mut steering, mut downhill) = (FIRST * limit(position), STEERING, 0);
     loop {
-        if let Some(end) = land.ended() {
+        if let Some(end) = position.ended() {
             return end;
         }
-        if dot(&velocity, &land.gradient) <= 0.0 {
+        if dot(&velocity, &position.gradient) <= 0.0 {
             downhill += 1;
             if downhill > PATIENCE {
                 dt *= GROWTH;
@@ -317,19 +317,19 @@ fn fire(land: &mut Landscape<'_>) -> Result<(), Lost> {
             }
         } else {
             // Half a step back: the bottom was passed on the way.
-            land.go(&velocity, -0.5 * dt);
+            position.go(&velocity, -0.5 * dt);
             velocity.fill(0.0);
             (dt, steering, downhill) = (CUT * dt, STEERING, 0);
         }
-        dt = dt.min(LARGEST * limit(land));
-        add(&mut velocity, -dt, &land.gradient);
-        let force = norm(&land.gradient);
+        dt = dt.min(LARGEST * limit(position));
+        add(&mut velocity, -dt, &position.gradient);
+        let force = norm(&position.gradient);
         if force > 0.0 {
             let speed = norm(&velocity);
             scale(&mut velocity, 1.0 - steering);
-            add(&mut velocity, -steering * speed / force, &land.gradient);
+            add(&mut velocity, -steering * speed / force, &position.gradient);
         }
-        land.go(&velocity, dt);
+        position.go(&velocity, dt);
     }
 }
 
@@ -355,37 +355,40 @@ struct Pair {
     sy: f64,
 }
 
-fn lbfgs(land: &mut Landscape<'_>, memory: &mut Memory, from: &[f64]) -> Result<(), Lost> {
+fn lbfgs(position: &mut Position<'_>, memory: &mut Memory, from: &[f64]) -> Result<(), Lost> {
     if memory.end != from {
         memory.pairs.clear();
     }
     memory.end.clear();
     loop {
-        if let Some(end) = land.ended() {
+        if let Some(end) = position.ended() {
             if end.is_ok() {
-                memory.end.clone_from(&land.at.state.amplitudes);
+                memory.end.clone_from(&position.at.state.amplitudes);
             }
             return end;
         }
-        let (z, g) = (land.at.state.amplitudes.clone(), land.gradient.clone());
+        let (z, g) = (
+            position.at.state.amplitudes.clone(),
+            position.gradient.clone(),
+        );
         let mut d = memory.inverse(&g);
-        project_out(&mut d, &land.removed);
+        project_out(&mut d, &position.removed);
         scale(&mut d, -1.0);
         if dot(&d, &g) >= 0.0 {
             memory.pairs.clear();
             d = g.iter().map(|g| -g).collect();
         }
-        land.search(&d, 1.0, LBFGS_SLOPE)?;
-        let s: Vec<f64> = land
+        position.search(&d, 1.0, LBFGS_SLOPE)?;
+        let s: Vec<f64> = position
             .at
             .state
             .amplitudes
             .iter()
             .zip(&z)
-            .zip(&land.root)
+            .zip(&position.root)
             .map(|((a, b), r)| if *r > 0.0 { (a - b) / r } else { 0.0 })
             .collect();
-        let mut y = land.gradient.clone();
+        let mut y = position.gradient.clone();
         add(&mut y, -1.0, &g);
         memory.learn(s, y)?;
     }
