@@ -44,11 +44,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     let found = plan::diagram(&scene, &cancel, &mut report).map_err(refused)?;
     monitor.finish();
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
-    let mut title = scene.title.clone();
-    if scene.drive.control.frees_mean() {
-        title.push_str(" (at fixed u0)");
-    }
-    let page = page(&found, &model.law, &title);
+    let page = page(&found, &model.law, &scene.title);
     let written = [
         write_branches_csv(&branches, &found),
         write_points_csv(&points, &found),

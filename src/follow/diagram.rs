@@ -14,6 +14,7 @@ mod uneven;
 
 use crate::follow::walk::symmetry::slides_on;
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::Class;
@@ -21,7 +22,7 @@ use crate::physics::parameter::Refusal;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{State, System};
 use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Scene, window};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::stability::Tracker;
@@ -44,6 +45,9 @@ pub struct Diagram {
     pub equal_energies: Vec<EqualEnergy>,
     /// What was not followed, and why; empty if the diagram is complete.
     pub missing: Vec<String>,
+    /// What drives the body: folds, index and energy are those under it, equilibria and
+    /// bifurcations those at fixed u0.
+    pub control: Control,
     /// Transforms spent, of any size.
     pub transforms: usize,
     /// True if somebody asked to stop: what was found until then stands.
@@ -75,7 +79,7 @@ pub struct Point {
     /// What it is.
     pub kind: Kind,
     /// Number of negative eigenvalues before and after it along the branch, over all modes of the
-    /// whole cell, sliding ones left out; the same at a regular point.
+    /// whole cell and u0 where it is free, sliding ones left out; the same at a regular point.
     pub index: [usize; 2],
     /// Its pattern by topology.
     pub pattern: Pattern,
@@ -92,7 +96,7 @@ pub struct Point {
 pub enum Kind {
     /// One of many.
     Regular,
-    /// The branch turns back in u0.
+    /// The branch turns back in what is driven.
     Fold,
     /// Another branch meets this one.
     Bifurcation,
@@ -133,6 +137,14 @@ impl fmt::Display for Ending {
             Ending::Lost(Lost::Cancelled) => "a request to stop",
             Ending::Lost(_) => "no equilibrium found",
         })
+    }
+}
+
+impl Point {
+    /// True if it bounds a piece that is stable at fixed u0, whatever drives the body.
+    fn bounds_stable(&self, control: Control) -> bool {
+        self.index
+            .contains(&usize::from(control.softens(self.rates)))
     }
 }
 
@@ -186,14 +198,16 @@ impl Branch {
             System::whole(&self.system)
         } else {
             self.system.clone()
-        };
+        }
+        .with_control(self.system.control());
         if let Some(height) = whole.height() {
             displacement += height;
         }
         let mut mechanics = Mechanics::new(whole, slides_on(model));
         mechanics.cancel = cancel.clone();
-        let z = mechanics.amplitudes(&displacement);
-        let at = mechanics.at(z, point.state.mean_displacement);
+        let mut z = mechanics.amplitudes(&displacement);
+        z[0] = point.state.amplitudes[0];
+        let at = mechanics.at(z, point.state.control);
         mechanics.refresh(&at.fields);
         let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
         let (z, fields) = (&at.state.amplitudes, &at.fields);
@@ -228,6 +242,7 @@ pub type Observe<'r> = &'r mut dyn FnMut(&str, usize, f64);
 
 impl Diagram {
     /// The diagram of `scene`, on uneven ground by the `part` of the cell that holds its loop.
+    /// Branches are followed at fixed u0, where equilibria are the same.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed. What could not be followed is in
@@ -238,14 +253,25 @@ impl Diagram {
         cancel: &Cancel,
         observe: Observe<'_>,
     ) -> Result<Self, Refusal> {
-        let model = scene.model()?;
-        let mut diagram = Self::default();
+        let control = scene.drive.control;
+        let fixed = window::at_fixed_u0(scene, &scene.model()?);
+        let model = fixed.model()?;
+        let mut diagram = Self {
+            control,
+            ..Self::default()
+        };
         if model.indenter == Indenter::Flat {
-            flat_ground::fill(&mut diagram, scene, &model, cancel, observe);
+            flat_ground::fill(&mut diagram, &fixed, &model, cancel, observe);
         } else {
-            uneven::fill(&mut diagram, scene, part, cancel, observe)?;
+            uneven::fill(&mut diagram, &fixed, part, cancel, observe)?;
         }
-        diagram.equal_energies = equal_energy::all(&diagram.branches);
+        for branch in &mut diagram.branches {
+            branch.system = branch.system.clone().with_control(control);
+            for point in &mut branch.points {
+                point.state.put_under(control);
+            }
+        }
+        diagram.equal_energies = equal_energy::all(&diagram.branches, control);
         diagram.cancelled = cancel.requested();
         Ok(diagram)
     }

@@ -2,17 +2,21 @@
 
 use super::{Branch, Kind, Point};
 use crate::follow::atlas::{self, Support};
+use crate::physics::control::Control;
+use crate::physics::system::State;
 
-/// Stable pieces of two branches with the same energy at the same u0.
+/// Stable pieces of two branches with the same energy at the same value of the control.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EqualEnergy {
     /// Names of both branches.
     pub branches: [String; 2],
-    /// Where (length).
-    pub mean_displacement: f64,
+    /// Where: u0 or the position of the stage (length), or the load per area (E*).
+    pub control: f64,
+    /// u0 on each (length).
+    pub mean_displacements: [f64; 2],
     /// Mean stress on each (E*).
     pub stresses: [f64; 2],
-    /// Energy per area of both (E* times length).
+    /// Energy per area of both, that of the machine with it (E* times length).
     pub energy: f64,
 }
 
@@ -20,7 +24,7 @@ pub struct EqualEnergy {
 const HALVINGS: usize = 60;
 
 /// All crossings of the energies of stable pieces.
-pub(super) fn all(branches: &[Branch]) -> Vec<EqualEnergy> {
+pub(super) fn all(branches: &[Branch], control: Control) -> Vec<EqualEnergy> {
     let pieces: Vec<(&str, Vec<&Point>)> = branches
         .iter()
         .flat_map(|branch| {
@@ -32,22 +36,24 @@ pub(super) fn all(branches: &[Branch]) -> Vec<EqualEnergy> {
     let mut found = Vec::new();
     for (i, (name, a)) in pieces.iter().enumerate() {
         for (other, b) in &pieces[i + 1..] {
-            for u0 in crossings(a, b) {
-                let (here, across) = (at(a, u0), at(b, u0));
+            for value in crossings(a, b, control) {
+                let points = [a, b].map(|piece| at(piece, value, control));
+                let places = points.map(|point| control.place(value, point.stress));
                 found.push(EqualEnergy {
                     branches: [*name, *other].map(str::to_owned),
-                    mean_displacement: u0,
-                    stresses: [here.stress, across.stress],
-                    energy: here.energy,
+                    control: value,
+                    mean_displacements: places.map(|[u0, _]| u0),
+                    stresses: places.map(|[_, stress]| stress),
+                    energy: points[0].energy,
                 });
             }
         }
     }
-    found.sort_by(|a, b| b.mean_displacement.total_cmp(&a.mean_displacement));
+    found.sort_by(|a, b| b.control.total_cmp(&a.control));
     found
 }
 
-/// The pieces of a branch without negative eigenvalues, by growing u0.
+/// The pieces of a branch without negative eigenvalues, by growing values of the control.
 fn stable(branch: &Branch) -> Vec<Vec<&Point>> {
     let mut pieces: Vec<Vec<&Point>> = Vec::new();
     let mut open = false;
@@ -73,28 +79,40 @@ fn stable(branch: &Branch) -> Vec<Vec<&Point>> {
 }
 
 fn place(point: &Point) -> f64 {
-    point.state.mean_displacement
+    point.state.control
 }
 
-/// Energy and stress of a piece at `u0`.
-fn at(piece: &[&Point], u0: f64) -> atlas::Point {
+/// Energy of a piece where the control has this `value`, and its derivative with that, which is to
+/// any control what the stress is to u0.
+fn at(piece: &[&Point], value: f64, control: Control) -> atlas::Point {
     let i = piece
-        .partition_point(|p| place(p) <= u0)
+        .partition_point(|p| place(p) <= value)
         .clamp(1, piece.len() - 1);
-    let support = |p: &Point| Support {
-        u0: place(p),
-        energy: p.state.energy,
-        stress: p.state.stress,
-        slope: match p.kind {
-            Kind::Fold => f64::INFINITY,
-            _ => p.rates[1] / p.rates[0],
-        },
+    let support = |p: &Point| {
+        let (
+            State {
+                mean_displacement,
+                stress,
+                energy,
+                ..
+            },
+            [du, ds],
+        ) = (&p.state, p.rates);
+        Support {
+            u0: place(p),
+            energy: *energy,
+            stress: control.conjugate(*mean_displacement, *stress),
+            slope: match p.kind {
+                Kind::Fold => f64::INFINITY,
+                _ => control.conjugate(du, ds) / control.balanced(du, ds)[0],
+            },
+        }
     };
-    support(piece[i - 1]).to(support(piece[i]), u0)
+    support(piece[i - 1]).to(support(piece[i]), value)
 }
 
 /// Where the energies of two pieces cross.
-fn crossings(a: &[&Point], b: &[&Point]) -> Vec<f64> {
+fn crossings(a: &[&Point], b: &[&Point], control: Control) -> Vec<f64> {
     let low = place(a[0]).max(place(b[0]));
     let high = place(a[a.len() - 1]).min(place(b[b.len() - 1]));
     if !(low < high) {
@@ -104,11 +122,11 @@ fn crossings(a: &[&Point], b: &[&Point]) -> Vec<f64> {
         .iter()
         .chain(b)
         .map(|p| place(p))
-        .filter(|u| low < *u && *u < high)
+        .filter(|value| low < *value && *value < high)
         .collect();
     places.extend([low, high]);
     places.sort_by(f64::total_cmp);
-    let apart = |u0: f64| at(a, u0).energy - at(b, u0).energy;
+    let apart = |value: f64| at(a, value, control).energy - at(b, value, control).energy;
     let mut found = Vec::new();
     for pair in places.windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);
