@@ -59,17 +59,13 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     });
     monitor.finish();
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
-    let mut title = scene.title.clone();
-    if scene.drive.control.frees_mean() {
-        title.push_str(" (at fixed u0)");
-    }
     let mut written = Vec::new();
     if let Some((barriers, missing)) = barriers {
         written.push(barriers);
         found.missing.extend(missing);
         found.cancelled |= cancel.requested();
     }
-    let page = page(&found, &model.law, &title);
+    let page = page(&found, &model.law, &scene.title);
     written.extend([
         write_branches_csv(&branches, &found),
         write_points_csv(&points, &found),

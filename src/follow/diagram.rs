@@ -23,7 +23,7 @@ use crate::physics::parameter::Refusal;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};
 use crate::scene::part::Part;
-use crate::scene::{Model, Scene};
+use crate::scene::{Model, Scene, window};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::stability::Tracker;
@@ -47,6 +47,9 @@ pub struct Diagram {
     pub equal_energies: Vec<EqualEnergy>,
     /// What was not followed, and why; empty if the diagram is complete.
     pub missing: Vec<String>,
+    /// What drives the body: folds, index and energy are those under it, equilibria and
+    /// bifurcations those at fixed u0.
+    pub control: Control,
     /// Transforms spent, of any size.
     pub transforms: usize,
     /// True if somebody asked to stop: what was found until then stands.
@@ -78,7 +81,7 @@ pub struct Point {
     /// What it is.
     pub kind: Kind,
     /// Number of negative eigenvalues before and after it along the branch, over all modes of the
-    /// whole cell, sliding ones left out; the same at a regular point.
+    /// whole cell and u0 where it is free, sliding ones left out; the same at a regular point.
     pub index: [usize; 2],
     /// Its pattern by topology.
     pub pattern: Pattern,
@@ -95,7 +98,7 @@ pub struct Point {
 pub enum Kind {
     /// One of many.
     Regular,
-    /// The branch turns back in u0.
+    /// The branch turns back in what is driven.
     Fold,
     /// Another branch meets this one.
     Bifurcation,
@@ -136,6 +139,14 @@ impl fmt::Display for Ending {
             Ending::Lost(Lost::Cancelled) => "a request to stop",
             Ending::Lost(_) => "no equilibrium found",
         })
+    }
+}
+
+impl Point {
+    /// True if it bounds a piece that is stable at fixed u0, whatever drives the body.
+    fn bounds_stable(&self, control: Control) -> bool {
+        self.index
+            .contains(&usize::from(control.softens(self.rates)))
     }
 }
 
@@ -180,7 +191,7 @@ impl Branch {
         if point.state.amplitudes.is_empty() {
             return Ok(Vec::new());
         }
-        let mut mechanics = self.on_whole_cell(model, Control::Displacement, cancel);
+        let mut mechanics = self.on_whole_cell(model, self.system.control(), cancel);
         let at = self.surface(point, &mut mechanics);
         let found = negative_modes(&mut mechanics, &at)?;
         Ok(found
@@ -260,6 +271,7 @@ pub type Observe<'r> = &'r mut dyn FnMut(&str, usize, f64);
 
 impl Diagram {
     /// The diagram of `scene`, on uneven ground by the `part` of the cell that holds its loop.
+    /// Branches are followed at fixed u0, where equilibria are the same.
     ///
     /// # Errors
     /// The first value of the scene that is not allowed. What could not be followed is in
@@ -270,12 +282,23 @@ impl Diagram {
         cancel: &Cancel,
         observe: Observe<'_>,
     ) -> Result<Self, Refusal> {
-        let model = scene.model()?;
-        let mut diagram = Self::default();
+        let control = scene.drive.control;
+        let fixed = window::at_fixed_u0(scene, &scene.model()?);
+        let model = fixed.model()?;
+        let mut diagram = Self {
+            control,
+            ..Self::default()
+        };
         if model.indenter == Indenter::Flat {
-            flat_ground::fill(&mut diagram, scene, &model, cancel, observe);
+            flat_ground::fill(&mut diagram, &fixed, &model, cancel, observe);
         } else {
-            uneven::fill(&mut diagram, scene, part, cancel, observe)?;
+            uneven::fill(&mut diagram, &fixed, part, cancel, observe)?;
+        }
+        for branch in &mut diagram.branches {
+            branch.system = branch.system.clone().with_control(control);
+            for point in &mut branch.points {
+                point.state.put_under(control);
+            }
         }
         diagram.equal_energies = equal_energy::all(&diagram);
         diagram.cancelled = cancel.requested();

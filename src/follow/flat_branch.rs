@@ -32,11 +32,7 @@ impl FlatBranch {
             control,
             length: length.max(block),
             as_a_block: block > length,
-            unstable: match control {
-                // Nothing holds the body but the law's own stiffness.
-                Control::Load => Some((law.contact_gap(), f64::INFINITY)),
-                _ => limits(&law, length.max(block)),
-            },
+            unstable: limits(&law, length.max(block)),
         }
     }
 

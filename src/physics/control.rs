@@ -15,6 +15,7 @@
 
 use super::law::Law;
 use super::theory::boundary;
+use std::fmt;
 
 /// Traction at the stop of a load over the largest: a tenth of the residual of every state.
 const TRACE: f64 = 1e-7;
@@ -104,13 +105,20 @@ impl Control {
     }
 
     /// Value of the control and amplitude of q = 0 where u0 and the mean `stress` are in
-    /// equilibrium.
+    /// equilibrium. Linear: of the rates of both along a branch it gives those.
     pub fn balanced(&self, u0: f64, stress: f64) -> [f64; 2] {
         match self {
             Self::Displacement => [u0, 0.0],
             Self::Spring { stiffness } => [u0 + stress / stiffness, -stress / stiffness],
             Self::Load => [stress, u0],
         }
+    }
+
+    /// True if with u0 free the Hessian has one negative eigenvalue more than at fixed u0, where u0
+    /// and stress have these rates along a branch: S + k < 0, without the pole of S at a fold of
+    /// u0.
+    pub fn softens(&self, rates: [f64; 2]) -> bool {
+        self.balanced(rates[0], rates[1])[0] * rates[0] < 0.0
     }
 
     /// Energy per area of the machine at mean displacement `u0` (length), to be added to that of
@@ -124,7 +132,7 @@ impl Control {
     }
 
     /// The derivative of the energy per area with the control, from the mean displacement and the
-    /// mean stress of an equilibrium.
+    /// mean stress of an equilibrium; of their rates along a branch its rate.
     pub fn conjugate(&self, u0: f64, stress: f64) -> f64 {
         if *self == Self::Load { -u0 } else { stress }
     }
@@ -135,6 +143,17 @@ impl Control {
             Self::Displacement => [value, conjugate],
             Self::Spring { stiffness } => [value - conjugate / stiffness, conjugate],
             Self::Load => [-conjugate, value],
+        }
+    }
+}
+
+/// As in "under ...".
+impl fmt::Display for Control {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Displacement => f.pad("a driven displacement"),
+            Self::Spring { stiffness } => write!(f, "a spring of stiffness {stiffness}"),
+            Self::Load => f.pad("a load"),
         }
     }
 }

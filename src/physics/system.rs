@@ -82,6 +82,16 @@ impl State {
         self.mean_displacement = self.control;
     }
 
+    /// Makes an equilibrium of fixed u0 one under `control`.
+    pub fn put_under(&mut self, control: Control) {
+        let mean;
+        [self.control, mean] = control.balanced(self.mean_displacement, self.stress);
+        if let Some(z) = self.amplitudes.first_mut() {
+            *z = mean;
+        }
+        self.energy += control.energy(self.control, self.mean_displacement);
+    }
+
     /// Root mean square of u - u0 (length).
     pub fn roughness(&self) -> f64 {
         norm(&self.amplitudes[1..])
@@ -326,24 +336,22 @@ impl System {
     /// The uniform surface at gap `u0` over flat ground, exact, with the control that holds it
     /// there. No transform.
     pub fn uniform(&self, u0: f64) -> Evaluation {
-        let (mut z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
+        let (z, response) = (vec![0.0; self.dimension()], self.law.at(u0));
         let gradient = z.clone();
-        let control;
-        [control, z[0]] = self.control.balanced(u0, response.traction);
         let everywhere = |value: f64| Array2::from_elem(self.shape(), value);
         let (gap, traction, stiffness) = (
             everywhere(u0),
             everywhere(response.traction),
             everywhere(response.stiffness),
         );
-        let energy = response.energy + self.control.energy(control, u0);
-        let state = State {
-            control,
+        let mut state = State {
+            control: u0,
             mean_displacement: u0,
             amplitudes: z,
-            energy,
+            energy: response.energy,
             stress: response.traction,
         };
+        state.put_under(self.control);
         Evaluation {
             gradient,
             state,

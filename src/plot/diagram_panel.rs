@@ -19,6 +19,10 @@ const NAMED: f64 = 0.05;
 
 /// The picture of a diagram under the scene's title.
 pub fn page(diagram: &Diagram, law: &Law, title: &str) -> Page<'static> {
+    let mut title = title.to_owned();
+    if diagram.control.frees_mean() {
+        title.push_str(&format!(" (under {})", diagram.control));
+    }
     let mut caption = vec![counts(diagram)];
     caption.extend(
         diagram
@@ -29,7 +33,7 @@ pub fn page(diagram: &Diagram, law: &Law, title: &str) -> Page<'static> {
     if diagram.cancelled {
         caption.push("Stopped before all was found.".to_owned());
     }
-    Page::new(title, caption, vec![diagram_panel(diagram, law)])
+    Page::new(&title, caption, vec![diagram_panel(diagram, law)])
 }
 
 /// What was found, in words.
@@ -69,10 +73,7 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
     };
     let equal = diagram.equal_energies.iter();
     let equal = equal
-        .flat_map(|e| {
-            e.stresses
-                .map(|stress| place(e.mean_displacement, stress, law))
-        })
+        .flat_map(|e| [0, 1].map(|k| place(e.mean_displacements[k], e.stresses[k], law)))
         .collect();
     let curves: Vec<Series> = diagram
         .branches

@@ -31,11 +31,11 @@ pub const EVENT_COLUMNS: &str =
 
 /// First line of `branches.csv`.
 pub const BRANCH_COLUMNS: &str =
-    "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual";
+    "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual,control";
 
 /// First line of `points.csv`.
 pub const POINT_COLUMNS: &str =
-    "kind,branch,mean_displacement,stress,energy,index_before,index_after";
+    "kind,branch,mean_displacement,stress,energy,index_before,index_after,control";
 
 /// First line of `chart.csv`.
 pub const CHART_COLUMNS: &str = "method,model,points,precision,step,dissipated_energy,\
@@ -100,9 +100,9 @@ fn cells_of(jump: &JumpRecord) -> [String; 6] {
 }
 
 /// Writes every point of every branch in order along it: u0 in the scene's length, stress in E*,
-/// energy per area in E* times length. `index` is the number of negative eigenvalues over all modes
-/// of the whole cell, sliding ones left out; at a fold or bifurcation the mode without stiffness is
-/// not counted.
+/// energy per area of body and cohesion in E* times length. `index` is the number of negative
+/// eigenvalues over all modes of the whole cell, and u0 where it is free, sliding ones left out; at
+/// a fold or bifurcation the mode without stiffness is not counted.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -113,6 +113,7 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
                 mean_displacement,
                 stress,
                 energy,
+                control,
                 ..
             } = point.state;
             vec![
@@ -120,11 +121,12 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
                 i.to_string(),
                 number(mean_displacement),
                 number(stress),
-                number(energy),
+                number(energy - diagram.control.energy(control, mean_displacement)),
                 point.index[0].min(point.index[1]).to_string(),
                 point.pattern.to_string(),
                 point.kind.to_string(),
                 number(point.residual),
+                number(control),
             ]
         })
     });
@@ -132,27 +134,35 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
 }
 
 /// Writes folds and bifurcations in order along their branches, then equal energies: `branch` is
-/// then the names of both, with a slash between them.
+/// then the names of both, with a slash between them, and the numbers those of the first. Energies
+/// are those of body and cohesion.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_points_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
-    let row = |kind: &str, branch: &str, numbers: [f64; 3], index: [usize; 2]| {
-        let names = [kind, branch].map(str::to_owned);
-        let counts = index.map(|count| count.to_string());
-        names
-            .into_iter()
-            .chain(numbers.map(number))
-            .chain(counts)
-            .collect()
+    // u0, stress, energy with that of the machine, and control.
+    let row = |kind: &str, branch: &str, [u0, stress, energy, control]: [f64; 4], index| {
+        let body = energy - diagram.control.energy(control, u0);
+        let mut cells = [kind, branch].map(str::to_owned).to_vec();
+        cells.extend([u0, stress, body].map(number));
+        cells.extend(<[usize; 2]>::map(index, |count| count.to_string()));
+        cells.push(number(control));
+        cells
     };
     let events = diagram.events().map(|(branch, point)| {
-        let state = &point.state;
-        let numbers = [state.mean_displacement, state.stress, state.energy];
+        let State {
+            mean_displacement,
+            stress,
+            energy,
+            control,
+            ..
+        } = point.state;
+        let numbers = [mean_displacement, stress, energy, control];
         row(&point.kind.to_string(), &branch.name, numbers, point.index)
     });
     let equal = diagram.equal_energies.iter().map(|equal| {
-        let numbers = [equal.mean_displacement, equal.stresses[0], equal.energy];
+        let [u0, stress] = [equal.mean_displacements[0], equal.stresses[0]];
+        let numbers = [u0, stress, equal.energy, equal.control];
         row("equal_energy", &equal.branches.join("/"), numbers, [0, 0])
     });
     write_rows(path, POINT_COLUMNS, events.chain(equal))

@@ -5,6 +5,7 @@
 //! whole cell, at the value of the control at which the state stands.
 
 use crate::follow::diagram::{Diagram, Piece, negative_modes};
+use crate::follow::record::StateRecord;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{add, norm, scale};
 use crate::physics::control::Control;
@@ -118,18 +119,27 @@ pub struct Standing {
     pub control: f64,
     /// Mean stress (E*).
     pub stress: f64,
-    /// Energy per area of body and cohesion (E* times length).
+    /// Energy per area, that of the machine with it (E* times length).
     pub energy: f64,
 }
 
 impl Standing {
+    /// Of a recorded state under this machine.
+    pub fn of(state: &StateRecord, machine: Control) -> Self {
+        Self {
+            control: state.control,
+            stress: state.stress,
+            energy: state.energy + machine.energy(state.control, state.mean_displacement),
+        }
+    }
+
     /// What a piece of a branch has at a value of the control.
-    fn on(piece: &Piece<'_>, control: f64) -> Self {
-        let at = piece.at(control);
+    pub fn on(piece: &Piece<'_>, control: f64) -> Self {
+        let State { stress, energy, .. } = piece.at(control);
         Self {
             control,
-            stress: at.stress,
-            energy: at.energy,
+            stress,
+            energy,
         }
     }
 
@@ -293,9 +303,7 @@ impl<'s> Ground<'s> {
     fn side(self, saddle: &Saddle, state: Standing) -> Option<usize> {
         let far = saddle.sides.each_ref().map(|way| {
             let end = &way[way.len() - 1];
-            let machine = self.scene.drive.control;
-            let machine = machine.energy(state.control, end.mean_displacement);
-            state.apart(end.stress, end.energy - machine, &self.model.law)
+            state.apart(end.stress, end.energy, &self.model.law)
         });
         let nearer = usize::from(far[1] < far[0]);
         (far[nearer] < SAME).then_some(nearer)

@@ -1,5 +1,8 @@
-//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
-//! parameter, and to say where the surface will stand before the walk has gone there.
+//! A whole loop read off the atlas, or walked on a coarse mesh under a spring or a load, as plain
+//! data: quick enough to follow a hand that drags a parameter, and to say where the surface will
+//! stand before the walk has gone there.
+
+mod walked;
 
 use super::plan::rivals;
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
@@ -12,6 +15,7 @@ use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
 use crate::scene::mesh;
+use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
 use std::f64::consts::PI;
 
@@ -48,11 +52,13 @@ impl Fineness {
 /// One state of a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
+    /// What is driven: u0 or the position of the stage (length), or the load per area (E*).
+    pub control: f64,
     /// u0 (length).
     pub mean_displacement: f64,
     /// Mean stress (E*).
     pub stress: f64,
-    /// Smallest eigenvalue (E*/L), interpolated between the nodes of the branch.
+    /// Smallest eigenvalue (E*/L), interpolated between the states of the branch.
     pub stiffness_min: f64,
 }
 
@@ -61,7 +67,7 @@ pub struct Sample {
 pub struct Segment {
     /// Its pattern.
     pub pattern: Pattern,
-    /// By growing u0.
+    /// By growing values of the control.
     pub samples: Vec<Sample>,
     /// The segment on which the surface lands when this one ends below, and above; `None` where the
     /// loop does not end it.
@@ -75,9 +81,9 @@ pub struct Leg {
     pub direction: Direction,
     /// Index of the segment.
     pub segment: usize,
-    /// u0 where it begins (length).
+    /// The control where it begins.
     pub from: f64,
-    /// u0 where it ends (length).
+    /// The control where it ends.
     pub to: f64,
 }
 
@@ -101,6 +107,8 @@ pub struct LiveLoop {
     pub predicted_error: f64,
     /// Points along a side of the mesh it was computed on.
     pub points: usize,
+    /// How it was computed.
+    pub strategy: Strategy,
 }
 
 /// Live loops one after the other: where law and cell are only a little different the last atlas is
@@ -120,12 +128,31 @@ impl LiveLoops {
         }
     }
 
-    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over
-    /// are then learnt again.
+    /// The loop of a scene's drive, of a driven displacement off the atlas, else walked until
+    /// `is_stale`.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn next(
+        &mut self,
+        scene: &Scene,
+        model: &Model,
+        fineness: Fineness,
+        is_stale: &dyn Fn() -> bool,
+    ) -> Result<LiveLoop, Unmapped> {
+        if scene.drive.control.frees_mean() {
+            let points = points_of(model, fineness)?;
+            return walked::walked(scene, model, points, &self.cancel, is_stale);
+        }
+        self.read_off(scene, model, fineness)
+    }
+
+    /// The loop of a drive of u0 off the atlas. A fine one is always made afresh: landings that were
+    /// taken over are then learnt again.
     ///
     /// # Errors
     /// Why the atlas does not hold this scene; the walk does.
-    pub fn next(
+    pub fn read_off(
         &mut self,
         scene: &Scene,
         model: &Model,
@@ -178,32 +205,50 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    if scene.drive.control.frees_mean() {
-        return Err(unmapped("it is of a driven u0"));
-    }
     let Some(turn) = scene.drive.turn_of_u0() else {
-        return Err(unmapped("the drive has no fixed turning point"));
+        return Err(unmapped("the drive has no fixed turning point of u0"));
     };
+    let points = points_of(model, fineness)?;
+    Ok((Meshes::new(&model.law, model.grid.length, points), turn))
+}
+
+/// Points along a side for the loop of a scene.
+fn points_of(model: &Model, fineness: Fineness) -> Result<usize, Unmapped> {
     if model.indenter != Indenter::Flat || model.grid.is_line() {
-        return Err(unmapped("the atlas holds square cells on flat ground"));
+        return Err(unmapped("it is of square cells on flat ground"));
     }
-    let (length, law) = (model.grid.length, model.law);
-    let points = fineness.points(&law, length);
+    let points = fineness.points(&model.law, model.grid.length);
     if points > POINTS_MAX {
         return Err(unmapped(&format!(
             "a live loop would need {points} points a side"
         )));
     }
-    Ok((Meshes::new(&law, length, points), turn))
+    Ok(points)
 }
 
 impl LiveLoop {
     /// The loop of a scene's drive.
     ///
     /// # Errors
-    /// Why the atlas does not hold this scene; the walk does.
+    /// As of [`LiveLoops::next`].
     pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
-        LiveLoops::default().next(scene, model, fineness)
+        LiveLoops::default().next(scene, model, fineness, &|| false)
+    }
+
+    /// Of which nothing is known but the mesh.
+    fn empty(law: &Law, length: f64, points: usize, strategy: Strategy) -> Self {
+        let mu_rho = mesh_rule::mu_rho(law, length / points as f64);
+        Self {
+            law: *law,
+            segments: Vec::new(),
+            legs: Vec::new(),
+            jumps: Vec::new(),
+            dissipated_energy: 0.0,
+            rivals: Vec::new(),
+            predicted_error: mesh::flat_error(law, length, mu_rho),
+            points,
+            strategy,
+        }
     }
 
     fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
@@ -214,18 +259,9 @@ impl LiveLoop {
             ..
         } = *atlas.meshes();
         let mut this = Self {
-            law,
-            segments: Vec::new(),
-            legs: Vec::new(),
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
-            rivals: Vec::new(),
-            predicted_error: mesh::flat_error(
-                &law,
-                length,
-                mesh_rule::mu_rho(&law, length / square as f64),
-            ),
-            points: square,
+            ..Self::empty(&law, length, square, Strategy::Atlas)
         };
         let mut known: Vec<(Place, bool)> = Vec::new();
         for leg in &cycle.legs {
@@ -248,15 +284,18 @@ impl LiveLoop {
                 to: leg.to,
             });
         }
-        for pair in this
-            .legs
-            .windows(2)
-            .filter(|pair| pair[0].segment != pair[1].segment)
-        {
-            let side = usize::from(pair[0].direction == Direction::Retraction);
-            this.segments[pair[0].segment].next[side] = Some(pair[1].segment);
-        }
+        this.link();
         this
+    }
+
+    /// Says of every branch on which the surface lands when it ends.
+    fn link(&mut self) {
+        for pair in self.legs.windows(2) {
+            if pair[0].segment != pair[1].segment {
+                let side = usize::from(pair[0].direction == Direction::Retraction);
+                self.segments[pair[0].segment].next[side] = Some(pair[1].segment);
+            }
+        }
     }
 
     /// The points (u0, stress) of a piece, in the order they are passed.
@@ -266,23 +305,24 @@ impl LiveLoop {
         let inner = segment
             .samples
             .iter()
-            .filter(|s| s.mean_displacement > low && s.mean_displacement < high);
-        let at = |u0: f64| [u0, segment.at(u0).stress];
-        let mut points: Vec<[f64; 2]> = inner.map(|s| [s.mean_displacement, s.stress]).collect();
-        points.insert(0, at(low));
-        points.push(at(high));
+            .copied()
+            .filter(|s| s.control > low && s.control < high);
+        let ends = [low, high].map(|end| segment.at(end));
+        let all = std::iter::once(ends[0]).chain(inner).chain([ends[1]]);
+        let mut points: Vec<[f64; 2]> = all.map(|s| [s.mean_displacement, s.stress]).collect();
         if leg.direction == Direction::Approach {
             points.reverse();
         }
         points
     }
 
-    /// Where the surface will stand at `target` if it goes there from `now`, with all jumps on the
-    /// way. `None` if `now` is on none of the loop's branches.
+    /// Where the surface will stand where the control is `target` if it goes there from `now`, with
+    /// all jumps on the way. `None` if `now` is on none of the loop's branches, or the loop does not
+    /// know the way.
     pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
-        let here = now.mean_displacement;
+        let (here, margin) = (now.control, 0.01 * self.law.range);
         let off = |s: &Segment| (s.at(here).stress - now.stress).abs();
-        let same = |s: &&Segment| s.pattern == now.pattern && s.covers(here, 0.01 * self.law.range);
+        let same = |s: &&Segment| s.pattern == now.pattern && s.covers(here, margin);
         let start = self
             .segments
             .iter()
@@ -303,7 +343,10 @@ impl LiveLoop {
             };
             match segment.next[side].filter(|_| beyond) {
                 Some(next) => segment = &self.segments[next],
-                None => return Some((segment.pattern, segment.at(target))),
+                None if segment.covers(target, margin) => {
+                    return Some((segment.pattern, segment.at(target)));
+                }
+                None => return None,
             }
         }
         None
@@ -311,36 +354,36 @@ impl LiveLoop {
 }
 
 impl Segment {
-    /// u0 of its lower and its upper end (length).
+    /// The control at its lower and its upper end.
     pub fn extent(&self) -> (f64, f64) {
-        (
-            self.samples[0].mean_displacement,
-            self.samples[self.samples.len() - 1].mean_displacement,
-        )
+        let [first, last] = [0, self.samples.len() - 1].map(|i| self.samples[i].control);
+        (first, last)
     }
 
-    fn covers(&self, u0: f64, margin: f64) -> bool {
+    fn covers(&self, value: f64, margin: f64) -> bool {
         let (low, high) = self.extent();
-        (low - margin..=high + margin).contains(&u0)
+        (low - margin..=high + margin).contains(&value)
     }
 
-    /// Between its samples, or at its nearer end.
-    pub fn at(&self, u0: f64) -> Sample {
+    /// Between its samples where the control has this `value`, or at its nearer end.
+    pub fn at(&self, value: f64) -> Sample {
         let i = self
             .samples
-            .partition_point(|s| s.mean_displacement < u0)
+            .partition_point(|s| s.control < value)
             .clamp(1, self.samples.len() - 1);
         let (a, b) = (self.samples[i - 1], self.samples[i]);
-        let width = b.mean_displacement - a.mean_displacement;
+        let width = b.control - a.control;
         let t = if width > 0.0 {
-            ((u0 - a.mean_displacement) / width).clamp(0.0, 1.0)
+            ((value - a.control) / width).clamp(0.0, 1.0)
         } else {
             0.0
         };
+        let between = |of: fn(&Sample) -> f64| of(&a) + t * (of(&b) - of(&a));
         Sample {
-            mean_displacement: u0,
-            stress: a.stress + t * (b.stress - a.stress),
-            stiffness_min: a.stiffness_min + t * (b.stiffness_min - a.stiffness_min),
+            control: value,
+            mean_displacement: between(|s| s.mean_displacement),
+            stress: between(|s| s.stress),
+            stiffness_min: between(|s| s.stiffness_min),
         }
     }
 }
@@ -380,6 +423,7 @@ fn segment(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) ->
         .map(|k| {
             let u0 = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
             Sample {
+                control: u0,
                 mean_displacement: u0,
                 stress: atlas.at(place, u0).stress,
                 stiffness_min: stiffness(u0),

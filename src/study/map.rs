@@ -287,7 +287,7 @@ fn found(
         let far = upper + FARTHER * model.law.range;
         wider.drive.start = wider.drive.start.max(far);
     }
-    if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
+    if let Ok(live) = loops.read_off(&wider, model, Fineness::Coarse) {
         return Ok(read(&live));
     }
     // What an atlas finds that it does not hold is walked as the plan would have it then.

@@ -13,7 +13,6 @@ use crate::physics::mesh_rule;
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::flat_error;
 use crate::scene::part::{Part, Strategy, no_quarter};
-use crate::scene::window;
 use crate::scene::{Model, Scene, Turn};
 use crate::solver::methods::MethodKind;
 
@@ -108,18 +107,16 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
     }
 }
 
-/// Every branch of the scene at fixed u0, whatever drives it, on the part of the cell on which its
-/// loop would be walked.
+/// Every branch of the scene, on the part of the cell on which its loop would be walked.
 ///
 /// # Errors
 /// The first value of the scene that is not allowed.
 pub fn diagram(scene: &Scene, cancel: &Cancel, observe: Observe<'_>) -> Result<Diagram, Refusal> {
-    let fixed = window::at_fixed_u0(scene, &scene.model()?);
-    let part = match plan(&fixed, &fixed.model()?, None).strategy {
+    let part = match plan(scene, &scene.model()?, None).strategy {
         Strategy::Walk(part) => part,
         Strategy::Atlas => Part::Whole,
     };
-    Diagram::of(&fixed, part, cancel, observe)
+    Diagram::of(scene, part, cancel, observe)
 }
 
 /// What is promised of a number, in words; `error` is relative.

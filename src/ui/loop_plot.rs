@@ -258,7 +258,7 @@ fn others(state: &ViewState) -> Vec<Series> {
         .collect()
 }
 
-/// The loop of the atlas, thin, with its jumps dashed.
+/// The live loop, thin, with its jumps dashed.
 fn live(state: &ViewState) -> Vec<Series> {
     let Some(live) = state
         .plots
@@ -269,12 +269,7 @@ fn live(state: &ViewState) -> Vec<Series> {
         return Vec::new();
     };
     let line = joined(live.pieces.iter().map(|(_, points)| points.as_slice()));
-    let jumps: Vec<[[f64; 2]; 2]> = live
-        .jumps
-        .iter()
-        .map(|(u0, [from, to])| [[*u0, *from], [*u0, *to]])
-        .collect();
-    let jumps = joined(jumps.iter().map(<[[f64; 2]; 2]>::as_slice));
+    let jumps = joined(live.jumps.iter().map(<[[f64; 2]; 2]>::as_slice));
     vec![
         Series::line("live", Role::Forecast, Colour::LIVE, line),
         Series::line("", Role::Unstable, Colour::LIVE, jumps),

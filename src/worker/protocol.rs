@@ -193,7 +193,7 @@ pub struct LoopSummary {
 /// The newest live loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveState {
-    /// The loop, or why the atlas does not hold the scene.
+    /// The loop, or why there is none.
     pub found: Result<LiveLoop, String>,
     /// On which mesh.
     pub fineness: Fineness,

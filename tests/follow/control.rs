@@ -16,7 +16,8 @@ use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::Tracker;
 
-fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3]) -> Scene {
+/// The same scene driven so: start, turn and step.
+pub fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3]) -> Scene {
     scene.drive.control = control;
     (scene.drive.start, scene.drive.step) = (start, step);
     scene.drive.turn = Turn::At(turn);
@@ -24,13 +25,14 @@ fn driven(mut scene: Scene, control: Control, [start, turn, step]: [f64; 3]) -> 
 }
 
 /// The scene of Fig. 2 under a spring.
-fn sprung(stiffness: f64, drive: [f64; 3]) -> Scene {
+pub fn sprung(stiffness: f64, drive: [f64; 3]) -> Scene {
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(48);
     driven(scene, Control::Spring { stiffness }, drive)
 }
 
-fn soft() -> &'static LoopRun {
+/// Its loop under a spring on which patterns are skipped.
+pub fn soft() -> &'static LoopRun {
     static RUN: OnceLock<LoopRun> = OnceLock::new();
     RUN.get_or_init(|| walked(&sprung(0.03, [6.0, -2.0, 0.1]), Part::Quarter))
 }
@@ -208,7 +210,7 @@ fn under_a_load_contact_forms_at_once_at_zero_stress_and_breaks_at_the_largest_t
 }
 
 /// A tip small beside its cell.
-fn tip(points: usize) -> Scene {
+pub fn tip(points: usize) -> Scene {
     let mut scene = preset("hertz");
     scene.cell.points = Points::Square(points);
     scene

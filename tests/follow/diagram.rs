@@ -4,6 +4,7 @@
 use crate::dense::Dense;
 use crate::loops::{flat_ground, planned, preset, walked};
 use ndarray::Array2;
+use std::collections::BTreeSet;
 use tackscope::follow::atlas::{Atlas, Meshes};
 use tackscope::follow::diagram::{Branch, Diagram, Ending, Kind, Point};
 use tackscope::follow::record::Cause;
@@ -19,7 +20,7 @@ use tackscope::physics::theory::{flat, ridge};
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Scene, Turn};
 
-fn diagram(scene: &Scene, part: Part) -> Diagram {
+pub fn diagram(scene: &Scene, part: Part) -> Diagram {
     let found = Diagram::of(scene, part, &Cancel::default(), &mut |_, _, _| {}).unwrap();
     assert!(found.is_complete(), "{}: {:?}", scene.title, found.missing);
     found
@@ -31,12 +32,12 @@ fn fig2(points: usize) -> Scene {
     scene
 }
 
-fn branch<'d>(diagram: &'d Diagram, name: &str) -> &'d Branch {
+pub fn branch<'d>(diagram: &'d Diagram, name: &str) -> &'d Branch {
     diagram.branches.iter().find(|b| b.name == name).unwrap()
 }
 
 /// Kind, index before and after of every fold and bifurcation, u0 beside them.
-fn events(branch: &Branch) -> Vec<(Kind, [usize; 2], f64)> {
+pub fn events(branch: &Branch) -> Vec<(Kind, [usize; 2], f64)> {
     let special = branch.points.iter().filter(|p| p.kind != Kind::Regular);
     special
         .map(|p| (p.kind, p.index, p.state.mean_displacement))
@@ -175,46 +176,47 @@ fn a_long_cell_has_a_stable_bulge_that_no_path_reaches() {
 }
 
 /// The index of points all along each branch is the number of negative eigenvalues of the dense
-/// Hessian of the whole cell, which knows nothing of classes, blocks or branches.
+/// Hessian of the whole cell, which knows nothing of classes, blocks or branches. Returns the
+/// branches, and the numbers.
+pub fn dense_indices(scene: &Scene) -> (BTreeSet<String>, BTreeSet<usize>) {
+    let law = scene.model().unwrap().law;
+    let (mut names, mut seen) = (BTreeSet::new(), BTreeSet::new());
+    for branch in &diagram(scene, Part::Whole).branches {
+        let grid = branch.system.grid();
+        // Of a ridge waves along y count that soften: two here.
+        let ny = if grid.is_line() { 12 } else { grid.ny };
+        let square = Grid { ny, ..*grid };
+        let dense = Dense::new(square, scene.drive.control.stiffness());
+        let regular = branch.points.iter().filter(|p| p.kind == Kind::Regular);
+        for point in regular.step_by(4) {
+            let gap = branch.gap(point);
+            // A line is the row of a square.
+            let gap = Array2::from_shape_fn(square.shape(), |(j, i)| gap[[j % gap.nrows(), i]]);
+            // What is uniform does not slide.
+            let slides = [branch.name != "flat"; 2];
+            let hessian = dense.at(&gap, &gap, &law, slides, true);
+            let values = hessian.symmetric_eigenvalues();
+            let nearest = values
+                .iter()
+                .fold(f64::INFINITY, |a: f64, v| a.min(v.abs()));
+            if nearest < 1e-4 * grid.q1() {
+                continue;
+            }
+            let negative = values.iter().filter(|v| **v < 0.0).count();
+            let at = point.state.mean_displacement;
+            assert_eq!(point.index, [negative; 2], "{} at {at}", branch.name);
+            names.insert(branch.name.clone());
+            seen.insert(negative);
+        }
+    }
+    (names, seen)
+}
+
 #[test]
 fn every_index_is_that_of_the_dense_hessian() {
     let shapes = [Shape::Morse(Morse), Shape::Mie(Mie { m: 8.0, n: 2.0 })];
     for (shape, periods) in shapes.into_iter().zip([2.2, 1.7]) {
-        let scene = flat_ground(shape, periods, Points::Square(24));
-        let law = scene.model().unwrap().law;
-        let found = diagram(&scene, Part::Whole);
-        let mut seen = std::collections::BTreeSet::new();
-        for branch in &found.branches {
-            let grid = branch.system.grid();
-            // Of a ridge waves along y count that soften: two here.
-            let ny = if grid.is_line() { 12 } else { grid.ny };
-            let square = Grid { ny, ..*grid };
-            let dense = Dense::new(square);
-            for point in branch
-                .points
-                .iter()
-                .filter(|p| p.kind == Kind::Regular)
-                .step_by(4)
-            {
-                let gap = branch.gap(point);
-                // A line is the row of a square.
-                let gap = Array2::from_shape_fn(square.shape(), |(j, i)| gap[[j % gap.nrows(), i]]);
-                // What is uniform does not slide.
-                let slides = [branch.name != "flat"; 2];
-                let hessian = dense.at(&gap, &gap, &law, slides, true);
-                let values = hessian.symmetric_eigenvalues();
-                let nearest = values
-                    .iter()
-                    .fold(f64::INFINITY, |a: f64, v| a.min(v.abs()));
-                if nearest < 1e-4 * grid.q1() {
-                    continue;
-                }
-                let negative = values.iter().filter(|v| **v < 0.0).count();
-                let at = point.state.mean_displacement;
-                assert_eq!(point.index, [negative; 2], "{} at {at}", branch.name);
-                seen.insert(negative);
-            }
-        }
+        let (_, seen) = dense_indices(&flat_ground(shape, periods, Points::Square(24)));
         assert!(seen.len() > 3, "{seen:?}");
     }
 }
@@ -294,36 +296,44 @@ fn a_line_cell_has_the_flat_state_and_the_ridge() {
     assert_eq!(found.equal_energies.len(), 2);
 }
 
-#[test]
-fn the_modes_of_an_unstable_state_are_as_many_as_its_index_and_lower_the_energy() {
-    let scene = fig2(64);
-    let model = scene.model().unwrap();
-    let found = diagram(&scene, Part::Whole);
-    let mut seen = [0; 5];
-    for branch in found.branches.iter().skip(1) {
+/// Of points all along the branches the modes are as many as the index, and the energy, with that
+/// of the machine, falls along each. Returns the numbers.
+pub fn modes_are_as_many_as_the_index(scene: &Scene) -> BTreeSet<usize> {
+    let (model, control) = (scene.model().unwrap(), scene.drive.control);
+    let mut seen = BTreeSet::new();
+    for branch in diagram(scene, Part::Whole).branches.iter().skip(1) {
         let inner = branch.points.iter().step_by(5);
         for point in inner.filter(|p| p.kind == Kind::Regular && p.index[0] < 5) {
             let none = Cancel::default();
             let modes = branch.negative_modes(point, &model, &none).unwrap();
             assert_eq!(modes.len(), point.index[0], "{} {point:?}", branch.name);
-            let u0 = point.state.mean_displacement;
             let gap = branch.picture(point, &model.grid);
-            let system = System::new(Grid::square(256.0, gap.ncols()), model.law, &model.indenter);
+            let grid = Grid::square(model.grid.length, gap.ncols());
+            let system = System::new(grid, model.law, &model.indenter).with_control(control);
             let mut ws = system.workspace();
-            let z = system.amplitudes(&gap, &mut ws);
+            let mut z = system.amplitudes(&gap, &mut ws);
+            z[0] = point.state.amplitudes[0];
             for mode in &modes {
-                let v = system.amplitudes(mode, &mut ws);
+                let mut v = system.amplitudes(mode, &mut ws);
+                v[0] = mode.mean().unwrap();
                 let mut energy = |t: f64| {
                     let moved = z.iter().zip(&v).map(|(z, v)| z + t * v).collect();
-                    system.at(moved, u0, &mut ws).state.energy
+                    system.at(moved, point.state.control, &mut ws).state.energy
                 };
                 let bend = energy(1e-3) + energy(-1e-3) - 2.0 * energy(0.0);
+                let u0 = point.state.mean_displacement;
                 assert!(bend < 0.0, "{} {u0}: {bend:e}", branch.name);
             }
-            seen[modes.len()] += 1;
+            seen.insert(modes.len());
         }
     }
-    assert!(seen[0] > 0 && seen[1] > 0, "{seen:?}");
+    seen
+}
+
+#[test]
+fn the_modes_of_an_unstable_state_are_as_many_as_its_index_and_lower_the_energy() {
+    let seen = modes_are_as_many_as_the_index(&fig2(64));
+    assert!(seen.contains(&0) && seen.contains(&1), "{seen:?}");
 }
 
 /// The upper fold of the ridge of a line cell against the exact flattening, and its unstable part

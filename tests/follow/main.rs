@@ -5,6 +5,7 @@ mod control;
 #[path = "../solver/dense.rs"]
 mod dense;
 mod diagram;
+mod diagram_control;
 mod dissipation;
 mod invariance;
 mod landings;

@@ -11,14 +11,20 @@ use tackscope::physics::law::Law;
 /// patterns.
 const PINNED: f64 = 0.02;
 
-/// The Hessian per area in the metric mean(v^2) without its mean, over the whole cell.
+/// The Hessian per area in the metric mean(v^2), over the whole cell.
 pub struct Dense {
     grid: Grid,
     kernel: Array2<f64>,
+    /// The mean of the displacement is no unknown.
+    fixed: bool,
 }
 
 impl Dense {
-    pub fn new(grid: Grid) -> Self {
+    /// The mean displacement held by a machine of this `stiffness` (E* per length); fixed where that
+    /// is infinite.
+    pub fn new(grid: Grid, stiffness: f64) -> Self {
+        let fixed = stiffness.is_infinite();
+        let spring = if fixed { 0.0 } else { stiffness };
         let (ny, nx) = grid.shape();
         let signed = |k: usize, n: usize| {
             if 2 * k > n {
@@ -42,13 +48,17 @@ impl Dense {
                     sum += 0.5 * q * cx[(k * i) % nx] * cy[(l * j) % ny];
                 }
             }
-            sum / (nx * ny) as f64
+            (sum + spring) / (nx * ny) as f64
         });
-        Self { grid, kernel }
+        Self {
+            grid,
+            kernel,
+            fixed,
+        }
     }
 
-    /// The matrix (E* per length) at a gap field, the uniform field and the patterns' sliding
-    /// lifted out of the way.
+    /// The matrix (E* per length) at a gap field, the uniform field, where it is fixed, and the
+    /// patterns' sliding lifted out of the way.
     pub fn at(
         &self,
         gap: &Array2<f64>,
@@ -72,6 +82,9 @@ impl Dense {
                     .iter()
                     .fold(0.0, |most: f64, g| most.max(law.at(*g).stiffness.abs())));
         let mut lifted = vec![DVector::from_element(n, (n as f64).sqrt().recip())];
+        if !self.fixed {
+            lifted.clear();
+        }
         for axis in (0..2).filter(|&axis| uniform[axis]) {
             let mut slide = derivative(displacement, axis);
             for known in &lifted {

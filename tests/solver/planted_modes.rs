@@ -56,8 +56,8 @@ impl Planted {
     /// The eigenvalues (E*/L), ascending.
     fn dense(&self) -> Vec<f64> {
         let gap = &self.at.fields.gap;
-        let matrix =
-            Dense::new(*self.mechanics.system.grid()).at(gap, gap, &LAW, [false; 2], false);
+        let matrix = Dense::new(*self.mechanics.system.grid(), f64::INFINITY)
+            .at(gap, gap, &LAW, [false; 2], false);
         let mut values: Vec<f64> = matrix
             .symmetric_eigenvalues()
             .iter()

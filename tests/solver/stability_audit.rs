@@ -196,7 +196,7 @@ fn audit(scene: &Scene, part: Part, tally: &mut Tally) {
         return;
     };
     let model = walk.model().clone();
-    let dense = Dense::new(model.grid);
+    let dense = Dense::new(model.grid, f64::INFINITY);
     let smooth = model.law.is_smooth();
     let mut uniform = model.indenter.ground().is_uniform();
     uniform[1] &= !model.grid.is_line();

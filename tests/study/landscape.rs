@@ -7,13 +7,14 @@ use ndarray::Array2;
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::{dot, norm};
+use tackscope::physics::control::Control;
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Morse, Shape};
 use tackscope::physics::pattern::Pattern;
 use tackscope::physics::system::System;
 use tackscope::physics::theory::flat;
-use tackscope::scene::{Model, Points, Scene};
+use tackscope::scene::{Model, Points, Scene, Turn};
 use tackscope::solver::Lost;
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::study::landscape::{Ground, Landscape, Pass, Place, Saddle, Standing};
@@ -58,12 +59,7 @@ impl Known {
     fn state(&self, branch: &str, u0: f64) -> Standing {
         let mut stable = self.diagram.pieces(0);
         let piece = stable.find(|piece| piece.branch.name == branch && piece.holds(u0));
-        let at = piece.unwrap_or_else(|| panic!("{branch} at {u0}")).at(u0);
-        Standing {
-            control: u0,
-            stress: at.stress,
-            energy: at.energy,
-        }
+        Standing::on(&piece.unwrap_or_else(|| panic!("{branch} at {u0}")), u0)
     }
 
     fn around(&self, branch: &str, u0: f64) -> Landscape {
@@ -148,12 +144,7 @@ fn a_tip_is_held_by_barriers_that_vanish_at_both_its_folds() {
                 let u0 = end + side * 0.02 * 0.5f64.powi(i) * rho;
                 let stable = known.diagram.pieces(0).filter(|piece| piece.holds(u0));
                 let lowest = stable.map(|piece| {
-                    let at = piece.at(u0);
-                    let state = Standing {
-                        control: u0,
-                        stress: at.stress,
-                        energy: at.energy,
-                    };
+                    let state = Standing::on(&piece, u0);
                     let found =
                         Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
                     assert_eq!(found.passes.len(), 1);
@@ -264,7 +255,7 @@ fn a_saddle_has_one_negative_eigenvalue_over_all_modes_and_its_sides_have_none()
         for (Saddle { place, sides, .. }, piece) in known.ground().saddles(u0).unwrap().found {
             let own = piece.branch.system.grid();
             let grid = Grid::square(own.length, own.nx);
-            let dense = Dense::new(grid);
+            let dense = Dense::new(grid, f64::INFINITY);
             let negative = |place: &Place| {
                 let gap: &Array2<f64> = &place.gap;
                 let matrix = dense.at(gap, gap, &law, [true; 2], true);
@@ -314,6 +305,68 @@ fn the_curve_of_a_barrier_goes_through_it_and_ends_at_zero_where_the_state_gives
     let between = a[1] + (3.5 - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
     let off = (between - found.passes[0].barrier).abs() / gamma;
     assert!(off < 2e-5, "{off:e}");
+}
+
+/// Where `value` falls below zero between two gaps.
+fn root(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
+    let rising = value(high) > 0.0;
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (value(middle) > 0.0) == rising {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn a_block_on_a_soft_spring_is_held_by_the_barrier_of_its_closed_form() {
+    let mut scene = flat_ground(Shape::Morse(Morse), 1.6, Points::Square(16));
+    let law = scene.model().unwrap().law;
+    // Softer than the longest wave: no pattern is near.
+    let stiffness = 0.5 * std::f64::consts::PI / scene.cell.length;
+    scene.drive.control = Control::Spring { stiffness };
+    // The stage stands at w = u0 + traction/k, which falls where gamma'' < -k.
+    let stage = |u0: f64| u0 + law.at(u0).traction / stiffness;
+    let rest = law.equilibrium_gap();
+    let soft = |u0: f64| law.at(u0).stiffness + stiffness;
+    let inflexion = rest + 2.0 * std::f64::consts::LN_2 * law.range;
+    let (first, last) = (
+        root(rest, inflexion, soft),
+        root(inflexion, 60.0 * law.range, soft),
+    );
+    let w = 0.5 * (stage(first) + stage(last));
+    scene.drive.start = stage(first) + 10.0 * law.range;
+    scene.drive.turn = Turn::At(rest);
+    let energy = |u0: f64| law.at(u0).energy + 0.5 * stiffness * (w - u0).powi(2);
+    let off = |u0: f64| stage(u0) - w;
+    let (near, top, far) = (
+        root(rest, first, off),
+        root(first, last, off),
+        root(last, w, off),
+    );
+    let known = Known::of(scene);
+    for (u0, other) in [(near, far), (far, near)] {
+        let state = Standing {
+            control: w,
+            stress: law.at(u0).traction,
+            energy: energy(u0),
+        };
+        let found = Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
+        let pass = found.passes.iter().find(|pass| pass.branch == "flat");
+        let pass = pass.expect("the block's own saddle");
+        let exact = [energy(top) - energy(u0), energy(u0) - energy(other)];
+        for (computed, exact) in [pass.barrier, pass.released].into_iter().zip(exact) {
+            let error = (computed - exact).abs() / law.surface_energy;
+            assert!(error < 1e-9, "{computed} {exact}");
+        }
+        assert_is_a_pass(pass);
+        // All of the body moves by as much.
+        let arc = pass.path[pass.path.len() - 1].arc;
+        assert!((arc / (far - near) - 1.0).abs() < 1e-6, "{arc}");
+    }
 }
 
 #[test]

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
 use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::control::Control;
 use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene};
+use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::live_loop::{Fineness, LiveLoop, LiveLoops};
 
@@ -138,7 +139,7 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
         });
         let model = scene.model().unwrap();
         let began = Instant::now();
-        let quick = loops.next(&scene, &model, Fineness::Coarse).unwrap();
+        let quick = loops.read_off(&scene, &model, Fineness::Coarse).unwrap();
         taken_over += if i > 0 {
             began.elapsed()
         } else {
@@ -167,4 +168,99 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
         taken_over / 12,
         afresh / 12
     );
+}
+
+/// The scene of Fig. 2 under a spring on which the bulge is skipped.
+fn sprung() -> Scene {
+    let mut scene = preset("soft-machine");
+    scene.drive.step = 0.1;
+    scene
+}
+
+#[test]
+fn the_live_loop_under_a_spring_is_that_of_the_walk_on_the_scenes_own_mesh() {
+    let scene = sprung();
+    let run = walked(&scene, Part::Quarter);
+    let ledger = run.record.ledger(scene.law.surface_energy);
+    for (fineness, tolerance) in [(Fineness::Coarse, 2e-3), (Fineness::Fine, 1e-3)] {
+        let live = live(&scene, fineness);
+        let off = live.dissipated_energy / ledger.released_energy_sum - 1.0;
+        assert!(off.abs() < tolerance, "{fineness:?}: {off:e}");
+        assert_eq!(live.jumps.len(), run.record.jumps.len());
+        for (a, b) in live.jumps.iter().zip(&run.record.jumps) {
+            assert_eq!((a.direction, a.from, a.to), (b.direction, b.from, b.to));
+            assert!((a.control - b.control).abs() < tolerance, "{a:?} {b:?}");
+        }
+        // Flat far away and pressed, ridge, and dimple on both ways.
+        assert!((4..=6).contains(&live.segments.len()), "{:?}", live.legs);
+        for state in &run.record.states {
+            let near = |value: f64| (state.control - value).abs() < 0.02;
+            if run.record.jumps.iter().any(|jump| near(jump.control)) {
+                continue;
+            }
+            let leg = live.legs.iter().find(|leg| {
+                let ends = leg.from.min(leg.to)..=leg.from.max(leg.to);
+                leg.direction == state.direction && ends.contains(&state.control)
+            });
+            let at = live.segments[leg.unwrap().segment].at(state.control);
+            let off = (at.stress - state.stress).abs() / live.law.traction_max();
+            assert!(off < 1e-2, "{fineness:?}: {off} at {state:?}");
+        }
+    }
+}
+
+#[test]
+fn the_reading_under_a_spring_says_where_the_walk_will_stand() {
+    let scene = sprung();
+    let live = live(&scene, Fineness::Fine);
+    let mut walk =
+        Walk::start(&scene, MethodKind::NewtonKrylov.into(), &Cancel::default()).unwrap();
+    let mut patterns = Vec::new();
+    for target in [4.0, 3.4, 3.0, 2.75, 1.0, 3.3, 4.0, 5.0] {
+        let reading = live.reading(walk.record(), target);
+        walk.set_target(target);
+        while walk.step(&Cancel::default(), &mut |_| {}) == Progress::Working {}
+        let there = walk.record();
+        let (pattern, sample) = reading.expect("the walk stands on a known branch");
+        assert_eq!((there.control, there.pattern), (target, pattern));
+        let off = (sample.stress - there.stress).abs() / live.law.traction_max();
+        assert!(off < 1e-2, "{off} at {target}");
+        patterns.push(pattern.word());
+    }
+    assert_eq!(
+        patterns,
+        [
+            "flat", "ridge", "ridge", "dimple", "flat", "dimple", "ridge", "flat"
+        ]
+    );
+}
+
+#[test]
+fn under_a_load_the_live_loop_is_flat_both_ways() {
+    let mut scene = fig2();
+    scene.drive.control = Control::Load;
+    (scene.drive.start, scene.drive.turn, scene.drive.step) = (0.1, Turn::At(-0.02), 0.001);
+    let live = live(&scene, Fineness::Coarse);
+    let [touch, pull_off] = &live.jumps[..] else {
+        panic!("{:?}", live.jumps)
+    };
+    let largest = live.law.traction_max();
+    assert!(touch.control.abs() < 2e-5 * largest, "{touch:?}");
+    assert!(
+        (pull_off.control / largest - 1.0).abs() < 1e-6,
+        "{pull_off:?}"
+    );
+}
+
+#[test]
+fn a_walk_that_nobody_waits_for_any_more_is_given_up() {
+    let (scene, mut loops) = (sprung(), LiveLoops::default());
+    let asked = std::cell::Cell::new(0);
+    let is_stale = || {
+        asked.set(asked.get() + 1);
+        asked.get() > 5
+    };
+    let model = scene.model().unwrap();
+    let found = loops.next(&scene, &model, Fineness::Coarse, &is_stale);
+    assert!(found.is_err() && asked.get() < 10, "{}", asked.get());
 }

@@ -3,16 +3,18 @@
 use super::Diagram;
 use super::piece::Piece;
 
-/// Stable pieces of two branches with the same energy at the same u0.
+/// Stable pieces of two branches with the same energy at the same value of the control.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EqualEnergy {
     /// Names of both branches.
     pub branches: [String; 2],
-    /// Where (length).
-    pub mean_displacement: f64,
+    /// Where: u0 or the position of the stage (length), or the load per area (E*).
+    pub control: f64,
+    /// u0 on each (length).
+    pub mean_displacements: [f64; 2],
     /// Mean stress on each (E*).
     pub stresses: [f64; 2],
-    /// Energy per area of both (E* times length).
+    /// Energy per area of both, that of the machine with it (E* times length).
     pub energy: f64,
 }
 
@@ -25,18 +27,19 @@ pub(super) fn all(diagram: &Diagram) -> Vec<EqualEnergy> {
     let mut found = Vec::new();
     for (i, a) in pieces.iter().enumerate() {
         for b in &pieces[i + 1..] {
-            for u0 in crossings(a, b) {
-                let (here, across) = (a.at(u0), b.at(u0));
+            for control in crossings(a, b) {
+                let states = [a, b].map(|piece| piece.at(control));
                 found.push(EqualEnergy {
                     branches: [a, b].map(|piece| piece.branch.name.clone()),
-                    mean_displacement: u0,
-                    stresses: [here.stress, across.stress],
-                    energy: here.energy,
+                    control,
+                    mean_displacements: states.each_ref().map(|state| state.mean_displacement),
+                    stresses: states.each_ref().map(|state| state.stress),
+                    energy: states[0].energy,
                 });
             }
         }
     }
-    found.sort_by(|a, b| b.mean_displacement.total_cmp(&a.mean_displacement));
+    found.sort_by(|a, b| b.control.total_cmp(&a.control));
     found
 }
 
@@ -45,11 +48,11 @@ fn crossings(a: &Piece<'_>, b: &Piece<'_>) -> Vec<f64> {
     let Some([low, high]) = a.common(b) else {
         return Vec::new();
     };
-    let within = |u: &f64| low < *u && *u < high;
+    let within = |value: &f64| low < *value && *value < high;
     let mut places: Vec<f64> = a.places().chain(b.places()).filter(within).collect();
     places.extend([low, high]);
     places.sort_by(f64::total_cmp);
-    let apart = |u0: f64| a.at(u0).energy - b.at(u0).energy;
+    let apart = |control: f64| a.at(control).energy - b.at(control).energy;
     let mut found = Vec::new();
     for pair in places.windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);

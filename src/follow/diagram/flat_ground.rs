@@ -8,6 +8,7 @@ use super::{Branch, Diagram, Ending, Kind, Observe, Point};
 use crate::follow::atlas::Meshes;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::norm;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::low_block::{Class, LowBlock};
@@ -36,7 +37,13 @@ const ABOUT: f64 = 0.5;
 const MIXED: usize = 6;
 
 /// Of branches of one symmetry on one mesh.
-fn tracer(model: &Model, grid: Grid, symmetry: Symmetry, cancel: &Cancel) -> Tracer {
+fn tracer(
+    model: &Model,
+    grid: Grid,
+    symmetry: Symmetry,
+    control: Control,
+    cancel: &Cancel,
+) -> Tracer {
     let system = System::even(grid, model.law, &Indenter::Flat);
     let class = match symmetry {
         Symmetry::Square => Class::Symmetric,
@@ -46,7 +53,11 @@ fn tracer(model: &Model, grid: Grid, symmetry: Symmetry, cancel: &Cancel) -> Tra
     let reach = class_reach(&system, MOST_REACH);
     let mut mechanics = Mechanics::of_class(system, class, reach);
     mechanics.cancel = cancel.clone();
-    Tracer { mechanics, index }
+    Tracer {
+        mechanics,
+        index,
+        control,
+    }
 }
 
 /// All branches of a flat scene.
@@ -57,8 +68,8 @@ pub(super) fn fill(
     cancel: &Cancel,
     observe: Observe<'_>,
 ) {
-    let length = model.grid.length;
-    diagram.branches.push(flat_state(scene, model));
+    let (length, control) = (model.grid.length, diagram.control);
+    diagram.branches.push(flat_state(scene, model, control));
     let Some(limits) = flat::limits(&model.law, length) else {
         return;
     };
@@ -77,18 +88,19 @@ pub(super) fn fill(
     };
     for (name, grid, symmetry) in primary {
         if !cancel.requested() {
-            let mut tracer = tracer(model, *grid, *symmetry, cancel);
+            let mut tracer = tracer(model, *grid, *symmetry, control, cancel);
             from_flat(diagram, &mut tracer, name, limits, observe);
         }
     }
     if !model.grid.is_line() {
-        let mut tracer = tracer(model, square, Symmetry::Even, cancel);
+        let mut tracer = tracer(model, square, Symmetry::Even, control, cancel);
         joining(diagram, &mut tracer, observe);
     }
 }
 
-/// The closed form between the ends of the drive, with the bifurcations of all waves.
-fn flat_state(scene: &Scene, model: &Model) -> Branch {
+/// The closed form between the ends of the drive, with the bifurcations of all waves and the folds
+/// of the control, where the body moves as a block.
+fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
     let (law, length) = (model.law, model.grid.length);
     let system = System::even(
         Grid::line(length, model.grid.nx.next_multiple_of(4)),
@@ -121,16 +133,25 @@ fn flat_state(scene: &Scene, model: &Model) -> Branch {
         })
         .collect();
     let index = |u0: f64| {
-        let soft = -law.at(u0).stiffness * length / PI;
+        let stiffness = law.at(u0).stiffness;
+        let soft = -stiffness * length / PI;
+        let block = usize::from(control.softens([1.0, stiffness]));
         match up_to.partition_point(|(periods, _)| *periods < soft) {
-            0 => 0,
-            longer => up_to[longer - 1].1,
+            0 => block,
+            longer => block + up_to[longer - 1].1,
         }
     };
+    let both = |(low, high): (f64, f64), kind| [(low, kind), (high, kind)];
+    let folds = flat::limits(&law, PI / control.stiffness());
     let mut places: Vec<(f64, Kind)> = waves
         .keys()
         .filter_map(|square| flat::limits(&law, length / periods(square)))
-        .flat_map(|(low, high)| [(low, Kind::Bifurcation), (high, Kind::Bifurcation)])
+        .flat_map(|limits| both(limits, Kind::Bifurcation))
+        .chain(
+            folds
+                .into_iter()
+                .flat_map(|limits| both(limits, Kind::Fold)),
+        )
         .filter(|(u0, _)| turn < *u0 && *u0 < start)
         .chain([(start, Kind::Regular), (turn, Kind::Regular)])
         .collect();
@@ -220,12 +241,12 @@ fn from_flat(
     }
 }
 
-/// Where a stable piece of a branch breaks its symmetry along y, in the system `to` of the branch
-/// that leaves it there.
-fn break_up(branch: &Branch, point: &Point, to: &System) -> Option<Meeting> {
-    let class = point.class?;
+/// Where a piece of a branch that is stable at fixed u0 breaks its symmetry along y, in the system
+/// of the branch that leaves it there.
+fn break_up(branch: &Branch, point: &Point, tracer: &Tracer) -> Option<Meeting> {
+    let (class, to) = (point.class?, &tracer.mechanics.system);
     let breaks = matches!(class, Class::Antisymmetric | Class::Varicose(1));
-    if !breaks || !point.index.contains(&0) {
+    if !breaks || !point.bounds_stable(tracer.control) {
         return None;
     }
     let waves = LowBlock::new(&branch.system, class, f64::INFINITY);
@@ -246,7 +267,7 @@ fn break_up(branch: &Branch, point: &Point, to: &System) -> Option<Meeting> {
 fn joining(diagram: &mut Diagram, tracer: &mut Tracer, observe: Observe<'_>) {
     let mut meetings: Vec<Meeting> = diagram
         .events()
-        .filter_map(|(branch, point)| break_up(branch, point, &tracer.mechanics.system))
+        .filter_map(|(branch, point)| break_up(branch, point, tracer))
         .collect();
     let mut count = 0;
     for i in 0..meetings.len() {

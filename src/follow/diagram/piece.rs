@@ -2,7 +2,8 @@
 //! changes its sign.
 
 use super::{Branch, Diagram, Kind, Point};
-use crate::follow::atlas::{self, Support};
+use crate::follow::atlas::Support;
+use crate::physics::system::State;
 
 /// Points of one branch in a row, by the growing control, between two of its ends, folds and bifurcations.
 #[derive(Clone, Debug)]
@@ -74,29 +75,42 @@ impl<'d> Piece<'d> {
         self.points.iter().map(|p| place(p))
     }
 
-    /// The two points around `u0`.
-    pub fn around(&self, u0: f64) -> [&'d Point; 2] {
-        let after = self.points.partition_point(|p| place(p) <= u0);
+    /// The two points around a value of the control.
+    pub fn around(&self, control: f64) -> [&'d Point; 2] {
+        let after = self.points.partition_point(|p| place(p) <= control);
         let after = after.clamp(1, self.points.len() - 1);
         [self.points[after - 1], self.points[after]]
     }
 
-    /// Energy and stress at `u0`; meaningful within its extent.
-    pub fn at(&self, u0: f64) -> atlas::Point {
-        let support = |p: &Point| Support {
-            u0: place(p),
-            energy: p.state.energy,
-            stress: p.state.stress,
-            slope: match p.kind {
-                Kind::Fold => f64::INFINITY,
-                _ => p.rates[1] / p.rates[0],
-            },
+    /// The state at a value of the control, without its amplitudes; meaningful within its extent.
+    pub fn at(&self, value: f64) -> State {
+        let control = self.branch.system.control();
+        // The energy's derivative with the control is to it what the stress is to u0.
+        let support = |p: &Point| {
+            let [du, ds] = p.rates;
+            Support {
+                u0: place(p),
+                energy: p.state.energy,
+                stress: control.conjugate(p.state.mean_displacement, p.state.stress),
+                slope: match p.kind {
+                    Kind::Fold => f64::INFINITY,
+                    _ => control.conjugate(du, ds) / control.balanced(du, ds)[0],
+                },
+            }
         };
-        let [a, b] = self.around(u0).map(support);
-        a.to(b, u0)
+        let [a, b] = self.around(value).map(support);
+        let between = a.to(b, value);
+        let [mean_displacement, stress] = control.place(value, between.stress);
+        State {
+            control: value,
+            mean_displacement,
+            amplitudes: Vec::new(),
+            energy: between.energy,
+            stress,
+        }
     }
 
-    /// The u0 that two pieces have in common (length), if any.
+    /// The values of the control that two pieces have in common, if any.
     pub fn common(&self, other: &Self) -> Option<[f64; 2]> {
         let ([a, b], [c, d]) = (self.extent(), other.extent());
         let common = [a.max(c), b.min(d)];

@@ -2,6 +2,7 @@
 
 use super::{Ending, Kind, Point};
 use crate::numerics::vector::{add, dot, norm};
+use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{Fields, State};
 use crate::solver::Lost;
@@ -24,8 +25,8 @@ const TURN: f64 = 0.7;
 /// Energy that a step may miss: as a share of how far its work is uncertain, and in units of the
 /// surface energy per range of it.
 const AUDIT: [f64; 2] = [0.2, 1e-3];
-/// Accuracy of the arc length of folds and bifurcations (ranges): the u0 of a fold is exact to its
-/// square.
+/// Accuracy of the arc length of folds and bifurcations (ranges): what is driven is exact to its
+/// square at a fold.
 const LOCATED: f64 = 1e-5;
 /// Most trials to locate one.
 const TRIALS: usize = 40;
@@ -43,8 +44,12 @@ const POINTS: usize = 800;
 
 /// Follows branches of one symmetry on one mesh.
 pub(super) struct Tracer {
+    /// At fixed u0.
     pub mechanics: Mechanics,
+    /// The same.
     pub index: Index,
+    /// What drives the body.
+    pub control: Control,
 }
 
 /// Where a branch begins.
@@ -55,10 +60,12 @@ pub(super) enum Start {
     Meeting(Knot),
 }
 
-/// A knot with its counts; none where a branch begins at a bifurcation.
+/// A knot with its counts at fixed u0; none where a branch begins at a bifurcation.
 struct Counted {
     knot: Knot,
     counts: Option<Counts>,
+    /// Derivative of the control with the arc length.
+    rate: f64,
 }
 
 /// What ends a branch at the second of two knots, or how far the next step may go (length).
@@ -86,7 +93,11 @@ impl Tracer {
     ) -> Result<Ending, Lost> {
         let range = self.mechanics.system.law().range;
         let mut here = match from {
-            Start::Meeting(knot) => Counted { knot, counts: None },
+            Start::Meeting(knot) => Counted {
+                knot,
+                counts: None,
+                rate: 0.0,
+            },
             Start::Point(knot) => {
                 let State {
                     amplitudes,
@@ -169,9 +180,16 @@ impl Tracer {
             .index
             .count(&mut self.mechanics, &knot.state.amplitudes, &fields)?;
         Ok(Counted {
+            rate: self.rate(&knot),
             knot,
             counts: Some(counts),
         })
+    }
+
+    /// Derivative of the control with the arc length of the branch.
+    fn rate(&self, knot: &Knot) -> f64 {
+        let [rate, _] = self.control.balanced(knot.rate(), knot.stress_rate);
+        rate
     }
 
     /// Along a branch dV = stress du0: a step across to another branch pays with energy.
@@ -189,26 +207,26 @@ impl Tracer {
         let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
             return Ok(Vec::new());
         };
-        let rates = [a.knot.rate(), b.knot.rate()];
-        let fold = rates[0] * rates[1] < 0.0;
+        let (rates, [turned, fold]) = ([a.rate, b.rate], turns(a, b));
         // Each with the change of the index.
         let mut found: Vec<(Point, isize)> = Vec::new();
         for class in before.classes() {
             let (from, to) = (before.of(class), after.of(class));
             let change = before.copies(class) as isize * if to > from { 1 } else { -1 };
             let mut ranks = from.min(to)..from.max(to);
-            if fold && class == 0 {
+            if turned && class == 0 {
                 // One of the pattern's own modes changes its sign there.
                 ranks.next_back();
+            }
+            if fold && class == 0 {
                 let rate = |tracer: &mut Self, s: f64| {
                     let (knot, _) = tracer.between(&a.knot, &b.knot, s)?;
-                    Ok((knot.rate(), knot))
+                    Ok((tracer.rate(&knot), knot))
                 };
                 let knot = self.zero([&a.knot, &b.knot], rates.map(Some), rate)?;
-                found.push((
-                    knot.point(Kind::Fold, [0; 2]),
-                    change * isize::from(from != to),
-                ));
+                let all = b.own(after) as isize - a.own(before) as isize;
+                let change = all - change * ranks.len() as isize;
+                found.push((knot.point(Kind::Fold, [0; 2]), change));
             }
             for rank in ranks {
                 let sign = if from > to { 1.0 } else { -1.0 };
@@ -217,7 +235,7 @@ impl Tracer {
             }
         }
         found.sort_by(|(p, _), (q, _)| p.arc.total_cmp(&q.arc));
-        let mut index = before.total();
+        let mut index = before.total() + a.softened();
         let counted = found.into_iter().map(|(point, change)| {
             let after = index.saturating_add_signed(change);
             Point {
@@ -300,21 +318,38 @@ fn slope([low, high]: [(f64, Option<f64>); 2]) -> Option<(f64, f64)> {
     Some(((b - a) / (high.0 - low.0), a))
 }
 
-/// True if a fold between two places hides, or hides itself behind, a change among the pattern's
+/// True if u0, and the control, turn back between two places.
+fn turns(a: &Counted, b: &Counted) -> [bool; 2] {
+    [[a.knot.rate(), b.knot.rate()], [a.rate, b.rate]].map(|[a, b]| a * b < 0.0)
+}
+
+/// True if a turn between two places hides, or hides itself behind, a change among the pattern's
 /// own modes.
 fn hidden(a: &Counted, b: &Counted) -> bool {
     let (Some(before), Some(after)) = (&a.counts, &b.counts) else {
         return false;
     };
-    let fold = a.knot.rate() * b.knot.rate() < 0.0;
-    let changes = before.of(0).abs_diff(after.of(0));
-    fold && changes != 1
+    let [turned, fold] = turns(a, b);
+    let fixed = before.of(0).abs_diff(after.of(0));
+    let free = a.own(before).abs_diff(b.own(after));
+    turned && fixed != 1 || fold && free != 1
 }
 
 impl Counted {
     fn point(&self) -> Point {
         let total = self.counts.as_ref().map_or(0, Counts::total);
-        self.knot.clone().point(Kind::Regular, [total; 2])
+        let index = total + self.softened();
+        self.knot.clone().point(Kind::Regular, [index; 2])
+    }
+
+    /// Negative eigenvalues that u0 adds where it is free: [`Control::softens`].
+    fn softened(&self) -> usize {
+        usize::from(self.rate * self.knot.rate() < 0.0)
+    }
+
+    /// Negative eigenvalues among the pattern's own modes, of which u0 is one where it is free.
+    fn own(&self, counts: &Counts) -> usize {
+        counts.of(0) + self.softened()
     }
 }
 

@@ -8,6 +8,7 @@ use super::{Diagram, Ending, Kind, Observe, Point};
 use crate::follow::walk::symmetry::slides_on;
 use crate::follow::walk::{Walk, WalkOptions};
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::system::State;
 use crate::scene::part::Part;
@@ -47,7 +48,12 @@ pub(super) fn fill(
         arc: 0.0,
         residual: walk.here().residual,
     };
-    let mut tracer = Tracer { mechanics, index };
+    let control = diagram.control;
+    let mut tracer = Tracer {
+        mechanics,
+        index,
+        control,
+    };
     let beyond = |before: &Knot, after: &Knot| beyond(scene, before, after);
     let mut meetings: Vec<Meeting> = Vec::new();
     let mut next = Some(("contact".to_owned(), Start::Point(first)));
@@ -75,11 +81,12 @@ pub(super) fn fill(
         let new = diagram.branches[known..]
             .iter()
             .flat_map(|branch| &branch.points);
-        meetings.extend(new.filter_map(left_by));
+        meetings.extend(new.filter_map(|point| left_by(point, control)));
         // What leaves the symmetry of a part is found on the whole cell.
         if part.is_even() && !meetings.is_empty() && !cancel.requested() {
             *diagram = Diagram {
                 transforms: diagram.transforms,
+                control,
                 ..Diagram::default()
             };
             return fill(diagram, scene, Part::Whole, cancel, observe);
@@ -104,9 +111,10 @@ pub(super) fn fill(
     Ok(())
 }
 
-/// The point as one at which a branch leaves, if a stable piece begins or ends there.
-fn left_by(point: &Point) -> Option<Meeting> {
-    let leaves = point.kind == Kind::Bifurcation && point.index.contains(&0);
+/// The point as one at which a branch leaves, if a piece that is stable at fixed u0 begins or ends
+/// there.
+fn left_by(point: &Point, control: Control) -> Option<Meeting> {
+    let leaves = point.kind == Kind::Bifurcation && point.bounds_stable(control);
     (leaves && !point.mode.is_empty()).then(|| Meeting {
         state: point.state.clone(),
         mode: point.mode.clone(),

@@ -24,8 +24,11 @@ pub fn critical_length(law: &Law) -> f64 {
 ///
 /// Upper is met on approach, lower on retraction; for Morse they are Eq. 8. `None` where the cell
 /// is too small to become unstable, L <= L_c ([`critical_length`]). Exact to rounding, of which the
-/// conditioning near L_c leaves half the digits.
+/// conditioning near L_c leaves half the digits. In an infinite cell from the largest traction on.
 pub fn limits(law: &Law, length: f64) -> Option<(f64, f64)> {
+    if length.is_infinite() {
+        return Some((law.contact_gap(), f64::INFINITY));
+    }
     if length <= critical_length(law) {
         return None;
     }

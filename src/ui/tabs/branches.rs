@@ -57,8 +57,6 @@ struct Seen {
 /// A diagram with the law that scales it.
 struct Shown {
     diagram: Arc<Diagram>,
-    /// What drives the scene is not u0: what is stable here may not be there.
-    at_fixed_u0: bool,
     law: Law,
     /// As it is drawn.
     panel: Panel,
@@ -133,7 +131,6 @@ impl Branches {
             self.at = None;
             self.shown = Some(Shown {
                 diagram,
-                at_fixed_u0: state.scene.drive.control.frees_mean(),
                 law,
                 panel,
             });
@@ -190,8 +187,9 @@ impl Branches {
                     let at = self.at.as_ref();
                     let at = at.and_then(|seen| Some(shown.words(seen.at)? + &seen.words()));
                     let mut words = at.unwrap_or_else(|| counts(&shown.diagram));
-                    if shown.at_fixed_u0 {
-                        words.insert_str(0, "At fixed u₀: ");
+                    let control = shown.diagram.control;
+                    if control.frees_mean() {
+                        words.insert_str(0, &format!("Under {control}: "));
                     }
                     for missing in &shown.diagram.missing {
                         words.push_str(&format!("; missing: {missing}"));

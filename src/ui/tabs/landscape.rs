@@ -148,7 +148,10 @@ impl Tab for Valleys {
         };
         self.hear_of_jumps(state);
         let falls = self.fall.as_ref().map(|fall| fall.from);
-        let Some(here) = falls.or_else(|| state.run.state.as_ref().map(standing)) else {
+        let Some(here) = falls.or_else(|| {
+            let now = state.run.state.as_ref();
+            now.map(|now| Standing::of(now, state.scene.drive.control))
+        }) else {
             return;
         };
         // While the surface is moved the passes of each state are waited for, and no more.
@@ -190,14 +193,6 @@ fn compute(
     Ok(())
 }
 
-fn standing(state: &StateRecord) -> Standing {
-    Standing {
-        control: state.control,
-        stress: state.stress,
-        energy: state.energy,
-    }
-}
-
 impl Valleys {
     /// Begins a fall for the newest jump, from the state that gave way.
     fn hear_of_jumps(&mut self, state: &ViewState) {
@@ -213,7 +208,7 @@ impl Valleys {
         let before = before.filter(|state| (state.control - jump.control).abs() < near);
         let before = before.min_by(|a, b| off(a).total_cmp(&off(b)));
         self.fall = before.map(|before| Fall {
-            from: standing(before),
+            from: Standing::of(before, state.scene.drive.control),
             began: None,
         });
     }

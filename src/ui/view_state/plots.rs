@@ -80,8 +80,8 @@ pub struct LiveView {
     pub state: Arc<LiveState>,
     /// Its pieces: direction, and (u0/rho, stress/sigma_max).
     pub pieces: Vec<(Direction, Vec<[f64; 2]>)>,
-    /// Its jumps: u0/rho, and stress/sigma_max before and after.
-    pub jumps: Vec<(f64, [f64; 2])>,
+    /// Its jumps: (u0/rho, stress/sigma_max) before and after.
+    pub jumps: Vec<[[f64; 2]; 2]>,
 }
 
 impl LiveView {
@@ -105,10 +105,10 @@ impl LiveView {
                 .jumps
                 .iter()
                 .map(|j| {
-                    (
-                        j.mean_displacement / rho,
-                        [j.stress_before / top, j.stress_after / top],
-                    )
+                    [
+                        [j.mean_displacement / rho, j.stress_before / top],
+                        [j.mean_displacement_after / rho, j.stress_after / top],
+                    ]
                 })
                 .collect();
         }
@@ -124,8 +124,11 @@ impl LiveView {
     pub fn words(&self) -> String {
         match &self.state.found {
             Ok(found) => format!(
-                "loop {:.4} γ in {:.0} ms (atlas, {} points)",
-                found.dissipated_energy, self.state.milliseconds, found.points
+                "loop {:.4} γ in {:.0} ms ({}, {} points)",
+                found.dissipated_energy,
+                self.state.milliseconds,
+                found.strategy.word(),
+                found.points
             ),
             Err(reason) => format!("no live loop: {reason}"),
         }
