@@ -4,6 +4,7 @@
 use crate::dense::Dense;
 use crate::loops::{flat_ground, preset};
 use ndarray::Array2;
+use std::f64::consts::{LN_2, PI};
 use tackscope::follow::diagram::{Branch, Diagram, Kind};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::{dot, norm};
@@ -326,27 +327,24 @@ fn a_block_on_a_soft_spring_is_held_by_the_barrier_of_its_closed_form() {
     let mut scene = flat_ground(Shape::Morse(Morse), 1.6, Points::Square(16));
     let law = scene.model().unwrap().law;
     // Softer than the longest wave: no pattern is near.
-    let stiffness = 0.5 * std::f64::consts::PI / scene.cell.length;
+    let longest = PI / scene.cell.length;
+    let stiffness = 0.5 * longest;
     scene.drive.control = Control::Spring { stiffness };
     // The stage stands at w = u0 + traction/k, which falls where gamma'' < -k.
     let stage = |u0: f64| u0 + law.at(u0).traction / stiffness;
     let rest = law.equilibrium_gap();
-    let soft = |u0: f64| law.at(u0).stiffness + stiffness;
-    let inflexion = rest + 2.0 * std::f64::consts::LN_2 * law.range;
-    let (first, last) = (
-        root(rest, inflexion, soft),
-        root(inflexion, 60.0 * law.range, soft),
-    );
-    let w = 0.5 * (stage(first) + stage(last));
+    let soft = |stiffness: f64| move |u0: f64| law.at(u0).stiffness + stiffness;
+    let inflexion = rest + 2.0 * LN_2 * law.range;
+    let first = root(rest, inflexion, soft(stiffness));
+    let last = root(inflexion, 60.0 * law.range, soft(stiffness));
+    // Too soft for the spring, and not for the longest wave.
+    let top = root(rest, inflexion, soft(0.75 * longest));
+    let w = stage(top);
     scene.drive.start = stage(first) + 10.0 * law.range;
     scene.drive.turn = Turn::At(rest);
     let energy = |u0: f64| law.at(u0).energy + 0.5 * stiffness * (w - u0).powi(2);
     let off = |u0: f64| stage(u0) - w;
-    let (near, top, far) = (
-        root(rest, first, off),
-        root(first, last, off),
-        root(last, w, off),
-    );
+    let (near, far) = (root(rest, first, off), root(last, w, off));
     let known = Known::of(scene);
     for (u0, other) in [(near, far), (far, near)] {
         let state = Standing {
