@@ -147,8 +147,8 @@ impl LiveLoops {
         self.read_off(scene, model, fineness)
     }
 
-    /// The loop of a drive of u0 off the atlas. A fine one is always made afresh: landings that were
-    /// taken over are then learnt again.
+    /// The loop of a drive of u0 off the atlas. A fine one is always made afresh: landings that
+    /// were taken over are then learnt again.
     ///
     /// # Errors
     /// Why the atlas does not hold this scene; the walk does.
@@ -316,9 +316,9 @@ impl LiveLoop {
         points
     }
 
-    /// Where the surface will stand where the control is `target` if it goes there from `now`, with
-    /// all jumps on the way. `None` if `now` is on none of the loop's branches, or the loop does not
-    /// know the way.
+    /// Where the surface will stand where the control is `target` if it goes there from `now`,
+    /// with all jumps on the way. `None` if `now` is on none of the loop's branches, or the loop
+    /// does not know the way.
     pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
         let (here, margin) = (now.control, 0.01 * self.law.range);
         let off = |s: &Segment| (s.at(here).stress - now.stress).abs();

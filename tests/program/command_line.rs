@@ -245,12 +245,12 @@ fn a_diagram_writes_its_files_and_one_closing_line() {
     assert!(line.starts_with("2 branches, 2 folds,"), "{line}");
     let table = |name: &str| fs::read_to_string(out.join(name)).expect(name);
     let branches = table("branches.csv");
-    let first = "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual";
+    let first = "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual,control";
     assert_eq!(branches.lines().next(), Some(first));
     let named = |name: &str| branches.lines().filter(|row| row.starts_with(name)).count();
     assert!(named("flat,") > 100 && named("ridge,") > 20);
     let points = table("points.csv");
-    let first = "kind,branch,mean_displacement,stress,energy,index_before,index_after";
+    let first = "kind,branch,mean_displacement,stress,energy,index_before,index_after,control";
     assert_eq!(points.lines().next(), Some(first));
     let kinds = [
         "fold,ridge,",

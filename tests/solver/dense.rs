@@ -20,8 +20,8 @@ pub struct Dense {
 }
 
 impl Dense {
-    /// The mean displacement held by a machine of this `stiffness` (E* per length); fixed where that
-    /// is infinite.
+    /// With the mean displacement held by a machine of this `stiffness` (E* per length); infinite
+    /// where it is fixed.
     pub fn new(grid: Grid, stiffness: f64) -> Self {
         let fixed = stiffness.is_infinite();
         let spring = if fixed { 0.0 } else { stiffness };

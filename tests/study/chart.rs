@@ -8,8 +8,9 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::control::Control;
 use tackscope::scene::part::Strategy;
-use tackscope::scene::{Points, Range, Scene};
+use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::scene_file;
@@ -181,6 +182,20 @@ fn a_loop_compared_with_itself_has_no_error() {
         (0.0, 0.0, 0.0)
     );
     assert!((reference.integral - loop_.integral()).abs() < 1e-12);
+}
+
+/// On one mesh every other state is at the same stage: nothing is interpolated.
+#[test]
+fn under_a_spring_loops_are_compared_where_the_stage_is_the_same() {
+    let mut scene = tiny();
+    scene.drive.control = Control::Spring { stiffness: 0.05 };
+    (scene.drive.start, scene.drive.turn) = (5.0, Turn::At(-1.0));
+    let [fine, long] =
+        [0.1, 0.2].map(|step| measured(&scene, whole(MethodKind::NewtonKrylov, 32, step)));
+    let jumps = &fine.record.jumps;
+    assert!(jumps.len() > 2 && jumps.iter().all(|j| j.control != j.mean_displacement));
+    let errors = Reference::new([fine.clone(), fine, long]).errors;
+    assert!(errors.stress < 1e-6 && errors.jumps < 2e-5, "{errors:?}");
 }
 
 #[test]

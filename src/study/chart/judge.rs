@@ -19,10 +19,11 @@ const LOSS_MIN: f64 = 1e-6;
 pub struct Errors {
     /// Of the dissipated energy, relative (absolute, over gamma, where nothing is dissipated).
     pub dissipated_energy: f64,
-    /// Of the worst matched jump's u0, in ranges.
+    /// Of the control at the worst matched jump, in its
+    /// [`unit`](crate::physics::control::Control::unit): of u0 in ranges.
     pub jumps: f64,
-    /// Root mean square of the mean stress where both are on the same pattern and away from jumps,
-    /// over sigma_max.
+    /// Root mean square of the mean stress where both are on the same pattern at the same control
+    /// and away from jumps, over sigma_max.
     pub stress: f64,
 }
 
@@ -133,9 +134,10 @@ pub(super) fn compare(measured: &Measured, truth: &Measured) -> Comparison {
         1.0
     };
     let matched = matched(&measured.record.jumps, &truth.record.jumps);
+    let unit = truth.record.control.unit(&truth.law);
     let late = matched
         .iter()
-        .map(|(a, b)| (a.mean_displacement - b.mean_displacement).abs() / truth.law.range);
+        .map(|(a, b)| (a.control - b.control).abs() / unit);
     let complete = measured.is_complete() && truth.is_complete();
     let jumps = if complete {
         late.fold(0.0, f64::max)
@@ -298,21 +300,22 @@ fn verdict(measured: &Measured, jumps: Vec<(String, String)>) -> Verdict {
 /// Root mean square difference of the stress over the states of `measured` that are on the same
 /// pattern as `truth` and away from the jumps of both, over sigma_max.
 fn stress_error(measured: &Measured, truth: &Measured) -> f64 {
-    let away = (2.0 * measured.point.step).max(0.1 * truth.law.range);
+    let unit = truth.record.control.unit(&truth.law);
+    let away = (2.0 * measured.point.step).max(0.1 * unit);
     let (mut sum, mut count) = (0.0, 0);
     let mut curve = [Direction::Approach, Direction::Retraction]
         .map(|branch| Curve::new(&truth.record.states, branch));
     for state in &measured.record.states {
-        let u = state.mean_displacement;
+        let value = state.control;
         let jumps = measured.record.jumps.iter().chain(&truth.record.jumps);
         if jumps
             .filter(|j| j.direction == state.direction)
-            .any(|j| (j.mean_displacement - u).abs() < away)
+            .any(|j| (j.control - value).abs() < away)
         {
             continue;
         }
         if let Some((stress, pattern)) =
-            curve[usize::from(state.direction == Direction::Retraction)].at(u)
+            curve[usize::from(state.direction == Direction::Retraction)].at(value)
             && pattern == state.pattern
         {
             sum += (state.stress - stress).powi(2);
@@ -334,18 +337,18 @@ struct Curve<'a> {
 impl<'a> Curve<'a> {
     fn new(states: &'a [StateRecord], direction: Direction) -> Self {
         let mut states: Vec<_> = states.iter().filter(|s| s.direction == direction).collect();
-        states.sort_by(|a, b| a.mean_displacement.total_cmp(&b.mean_displacement));
+        states.sort_by(|a, b| a.control.total_cmp(&b.control));
         Self { states }
     }
 
-    fn at(&mut self, u: f64) -> Option<(f64, Pattern)> {
-        let after = self.states.partition_point(|s| s.mean_displacement < u);
+    fn at(&mut self, value: f64) -> Option<(f64, Pattern)> {
+        let after = self.states.partition_point(|s| s.control < value);
         let b = self.states.get(after)?;
-        if b.mean_displacement == u {
+        if b.control == value {
             return Some((b.stress, b.pattern));
         }
         let a = self.states.get(after.checked_sub(1)?)?;
-        let t = (u - a.mean_displacement) / (b.mean_displacement - a.mean_displacement);
+        let t = (value - a.control) / (b.control - a.control);
         (a.pattern == b.pattern).then_some((a.stress + t * (b.stress - a.stress), a.pattern))
     }
 }

@@ -1,0 +1,84 @@
+//! The diagram as tables: every branch, and its special points.
+
+use super::{number, write_rows};
+use crate::follow::diagram::Diagram;
+use crate::physics::system::State;
+use crate::storage::Failure;
+use std::path::Path;
+
+/// First line of `branches.csv`.
+const BRANCH_COLUMNS: &str =
+    "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual,control";
+
+/// First line of `points.csv`.
+const POINT_COLUMNS: &str =
+    "kind,branch,mean_displacement,stress,energy,index_before,index_after,control";
+
+/// Writes every point of every branch in order along it: u0 in the scene's length, stress in E*,
+/// energy per area of body and cohesion in E* times length. `index` is the number of negative
+/// eigenvalues over all modes of the whole cell, and u0 where it is free, sliding ones left out; at
+/// a fold or bifurcation the mode without stiffness is not counted.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+    let rows = diagram.branches.iter().flat_map(|branch| {
+        branch.points.iter().enumerate().map(|(i, point)| {
+            let State {
+                mean_displacement,
+                stress,
+                energy,
+                control,
+                ..
+            } = point.state;
+            vec![
+                branch.name.clone(),
+                i.to_string(),
+                number(mean_displacement),
+                number(stress),
+                number(energy - diagram.control.energy(control, mean_displacement)),
+                point.index[0].min(point.index[1]).to_string(),
+                point.pattern.to_string(),
+                point.kind.to_string(),
+                number(point.residual),
+                number(control),
+            ]
+        })
+    });
+    write_rows(path, BRANCH_COLUMNS, rows)
+}
+
+/// Writes folds and bifurcations in order along their branches, then equal energies: `branch` is
+/// then the names of both, with a slash between them, and the numbers those of the first. Energies
+/// are those of body and cohesion.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_points_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+    // u0, stress, energy with that of the machine, and control.
+    let row = |kind: &str, branch: &str, [u0, stress, energy, control]: [f64; 4], index| {
+        let body = energy - diagram.control.energy(control, u0);
+        let mut cells = [kind, branch].map(str::to_owned).to_vec();
+        cells.extend([u0, stress, body].map(number));
+        cells.extend(<[usize; 2]>::map(index, |count| count.to_string()));
+        cells.push(number(control));
+        cells
+    };
+    let events = diagram.events().map(|(branch, point)| {
+        let State {
+            mean_displacement,
+            stress,
+            energy,
+            control,
+            ..
+        } = point.state;
+        let numbers = [mean_displacement, stress, energy, control];
+        row(&point.kind.to_string(), &branch.name, numbers, point.index)
+    });
+    let equal = diagram.equal_energies.iter().map(|equal| {
+        let [u0, stress] = [equal.mean_displacements[0], equal.stresses[0]];
+        let numbers = [u0, stress, equal.energy, equal.control];
+        row("equal_energy", &equal.branches.join("/"), numbers, [0, 0])
+    });
+    write_rows(path, POINT_COLUMNS, events.chain(equal))
+}
