@@ -45,7 +45,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     monitor.finish();
     let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
     let mut title = scene.title.clone();
-    if scene.drive.control.frees_mean() {
+    if scene.control().frees_mean() {
         title.push_str(" (at fixed u0)");
     }
     let page = page(&found, &model.law, &title);

@@ -181,7 +181,7 @@ impl Branch {
         let own = self.system.grid();
         let whole = if own.is_line() && !model.grid.is_line() {
             let square = Grid::square(own.length, own.nx);
-            System::new(square, *self.system.law(), &Indenter::Flat)
+            System::new(square, *self.system.law(), &Indenter::Flat).with_body(self.system.body())
         } else if self.system.is_even() {
             System::whole(&self.system)
         } else {

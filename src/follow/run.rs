@@ -97,6 +97,11 @@ pub enum Report<'a> {
     State {
         /// The state.
         record: &'a StateRecord,
+        /// Its place among the states of the loop; one that is not new takes the place of what came
+        /// before from there on.
+        index: usize,
+        /// Gap and displacement (lengths), of shape (ny, nx).
+        fields: [&'a Array2<f64>; 2],
         /// 0 to 1.
         fraction: f64,
     },
@@ -133,6 +138,7 @@ pub fn run_loop(
         };
         return Ok(drive.run);
     }
+    drive.tell(observe);
     while let Some(target) = drive.itinerary.target() {
         drive.walk.set_target(target);
         let progress = drive.step(cancel, observe);
@@ -145,7 +151,11 @@ pub fn run_loop(
                 break;
             }
             Progress::Stuck(reason) => match drive.walk.widen(&reason, scene, cancel) {
-                Some(widened) => drive.go_on_with(widened, &reason),
+                Some(widened) => {
+                    if !drive.go_on_with(widened, &reason) {
+                        drive.tell(observe);
+                    }
+                }
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;
                     drive.run.outcome = Outcome::NotConverged {
@@ -171,12 +181,14 @@ struct Drive<'s> {
     /// True if the next state is the first of its branch.
     landed: bool,
     lowest: f64,
+    /// How much of the loop is done, 0 to 1.
+    fraction: f64,
 }
 
 impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
         let (start, mut run) = (scene.drive.start, LoopRun::empty());
-        run.record.control = scene.drive.control;
+        run.record.control = scene.control();
         run.record.states.push(walk.record().clone());
         Self {
             scene,
@@ -185,18 +197,20 @@ impl<'s> Drive<'s> {
             itinerary: Itinerary::closed(scene),
             landed: true,
             lowest: start,
+            fraction: 0.0,
         }
     }
 
     /// One step of the walk, told and recorded.
     fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
         let Self {
-            scene,
             walk,
             run,
             itinerary,
             landed,
             lowest,
+            fraction,
+            scene,
         } = self;
         let start = scene.drive.start;
         let depth = match scene.drive.turn {
@@ -220,13 +234,16 @@ impl<'s> Drive<'s> {
                 } else {
                     (start - state.control) / depth
                 };
-                observe(Report::State {
-                    record: &state,
-                    fraction: 0.5 * gone.clamp(0.0, 2.0),
-                });
+                *fraction = 0.5 * gone.clamp(0.0, 2.0);
                 run.record.states.push(state);
             }
         });
+        if fresh {
+            self.tell(observe);
+        }
+        let Self {
+            walk, run, landed, ..
+        } = self;
         if fresh && std::mem::take(landed) {
             let gap = walk.gap();
             let record = walk.record();
@@ -246,8 +263,27 @@ impl<'s> Drive<'s> {
         progress
     }
 
-    /// On the whole cell, from where the walk stood or from the start of the drive.
-    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) {
+    /// Tells of the last state.
+    fn tell(&self, observe: &mut dyn FnMut(Report<'_>)) {
+        let Some(record) = self.run.record.states.last() else {
+            return;
+        };
+        let (system, gap) = (self.walk.system(), &self.walk.here().fields.gap);
+        let displacement = system
+            .height()
+            .map(|height| system.unfolded(&(gap + height)));
+        let gap = system.unfolded(gap);
+        observe(Report::State {
+            record,
+            index: self.run.record.states.len() - 1,
+            fields: [&gap, displacement.as_ref().unwrap_or(&gap)],
+            fraction: self.fraction,
+        });
+    }
+
+    /// On the whole cell, from where the walk stood or from the start of the drive; true if from
+    /// where it stood.
+    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) -> bool {
         self.run.counts += self.walk.counts();
         if stays {
             self.walk = walk;
@@ -259,6 +295,7 @@ impl<'s> Drive<'s> {
             self.run.counts = counts;
             self.run.deviation = Some(walked_after_all(&because.to_string()));
         }
+        stays
     }
 }
 

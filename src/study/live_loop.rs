@@ -1,11 +1,12 @@
 //! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
 //! parameter, and to say where the surface will stand before the walk has gone there.
 
-use super::plan::rivals;
+use super::plan::{OF_HALF_SPACES, rivals};
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;
 use crate::numerics::cancel::Cancel;
+use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
@@ -178,10 +179,13 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    if scene.drive.control.frees_mean() {
+    if model.body != Body::HalfSpace {
+        return Err(unmapped(OF_HALF_SPACES));
+    }
+    if scene.control().frees_mean() {
         return Err(unmapped("it is of a driven u0"));
     }
-    let Some(turn) = scene.drive.turn_of_u0() else {
+    let Some(turn) = scene.turn_of_atlas() else {
         return Err(unmapped("the drive has no fixed turning point"));
     };
     if model.indenter != Indenter::Flat || model.grid.is_line() {
@@ -221,6 +225,7 @@ impl LiveLoop {
             dissipated_energy: cycle.dissipated_energy,
             rivals: Vec::new(),
             predicted_error: mesh::flat_error(
+                &Body::HalfSpace,
                 &law,
                 length,
                 mesh_rule::mu_rho(&law, length / square as f64),

@@ -8,6 +8,7 @@ mod diagram;
 mod dissipation;
 mod invariance;
 mod landings;
+mod layer;
 mod ledger;
 #[path = "../shared/loops.rs"]
 mod loops;

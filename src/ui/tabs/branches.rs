@@ -132,7 +132,7 @@ impl Branches {
             self.at = None;
             self.shown = Some(Shown {
                 diagram,
-                at_fixed_u0: state.scene.drive.control.frees_mean(),
+                at_fixed_u0: state.scene.control().frees_mean(),
                 law,
                 panel,
             });

@@ -69,7 +69,7 @@ impl Around {
         let (own, other) = (values(here), values(there));
         let same = |i: usize| i == key || own[i] == other[i];
         key == self.key
-            && state.scene.drive.control == self.control
+            && state.scene.control() == self.control
             && (here.law.shape, here.indenter) == (there.law.shape, there.indenter)
             && (0..KEYS.len()).all(same)
             && (1.0 / REACH..=REACH).contains(&(other[key] / own[key]))
@@ -186,7 +186,7 @@ impl Tab for Map {
             if seen {
                 let around = Around {
                     model: state.model.clone(),
-                    control: state.scene.drive.control,
+                    control: state.scene.control(),
                     key: self.key,
                 };
                 let job = solver.job((state.scene.clone(), self.key), compute);
