@@ -151,11 +151,7 @@ pub fn run_loop(
                 break;
             }
             Progress::Stuck(reason) => match drive.walk.widen(&reason, scene, cancel) {
-                Some(widened) => {
-                    if !drive.go_on_with(widened, &reason) {
-                        drive.tell(observe);
-                    }
-                }
+                Some(widened) => drive.go_on_with(widened, &reason, observe),
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;
                     drive.run.outcome = Outcome::NotConverged {
@@ -204,13 +200,13 @@ impl<'s> Drive<'s> {
     /// One step of the walk, told and recorded.
     fn step(&mut self, cancel: &Cancel, observe: &mut dyn FnMut(Report<'_>)) -> Progress {
         let Self {
+            scene,
             walk,
             run,
             itinerary,
             landed,
             lowest,
             fraction,
-            scene,
         } = self;
         let start = scene.drive.start;
         let depth = match scene.drive.turn {
@@ -241,22 +237,19 @@ impl<'s> Drive<'s> {
         if fresh {
             self.tell(observe);
         }
-        let Self {
-            walk, run, landed, ..
-        } = self;
-        if fresh && std::mem::take(landed) {
-            let gap = walk.gap();
-            let record = walk.record();
+        if fresh && std::mem::take(&mut self.landed) {
+            let gap = self.walk.gap();
+            let record = self.walk.record();
             let (direction, mean_displacement, pattern) =
                 (record.direction, record.mean_displacement, record.pattern);
-            run.landings.push(Landing {
+            self.run.landings.push(Landing {
                 direction,
                 mean_displacement,
                 pattern,
                 gap,
             });
         }
-        let record = walk.record();
+        let record = self.walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
             return Progress::Stuck(Stuck::NotFinite);
         }
@@ -281,9 +274,13 @@ impl<'s> Drive<'s> {
         });
     }
 
-    /// On the whole cell, from where the walk stood or from the start of the drive; true if from
-    /// where it stood.
-    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) -> bool {
+    /// On the whole cell, from where the walk stood or from the start of the drive.
+    fn go_on_with(
+        &mut self,
+        Widened { walk, stays }: Widened,
+        because: &Stuck,
+        observe: &mut dyn FnMut(Report<'_>),
+    ) {
         self.run.counts += self.walk.counts();
         if stays {
             self.walk = walk;
@@ -294,8 +291,8 @@ impl<'s> Drive<'s> {
             *self = Self::new(walk, self.scene);
             self.run.counts = counts;
             self.run.deviation = Some(walked_after_all(&because.to_string()));
+            self.tell(observe);
         }
-        stays
     }
 }
 

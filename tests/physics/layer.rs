@@ -197,6 +197,16 @@ fn the_softest_wave_is_the_softest_of_the_mesh_also_where_two_directions_mix() {
             .fold(f64::INFINITY, |a, b| a.min(*b));
         let ratio = PI / body.equivalent_length(&grid) / least;
         assert!((ratio - 1.0).abs() < 1e-14, "{points} {thickness}: {ratio}");
+        let wave = system.softest_wave();
+        let energy: f64 = wave
+            .iter()
+            .zip(system.elastic())
+            .map(|(z, e)| e * z * z)
+            .sum();
+        assert!(
+            (energy / least - 1.0).abs() < 1e-14,
+            "{points} {thickness}: {energy}"
+        );
         let longest = (system.elastic()[2 * grid.ny] / least - 1.0).abs() < 1e-14;
         assert_eq!(body.is_softest_at_its_longest(&grid), longest);
     }

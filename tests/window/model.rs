@@ -79,11 +79,11 @@ fn the_body_becomes_a_layer_by_its_list_and_its_numbers_are_edited_like_those_of
     let mut bench = Bench::new();
     bench.click("Advanced");
     assert!(!bench.names().contains("Poisson"));
-    let list = |bench: &Bench| {
+    fn list(bench: &Bench) -> egui_kittest::Node<'_> {
         bench
             .window
             .get_by_role_and_label(egui::Role::ComboBox, "Body")
-    };
+    }
     list(&bench).scroll_to_me();
     bench.settle();
     list(&bench).click();
