@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use tackscope::follow::run::{Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::flat;
@@ -69,6 +70,7 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
             length,
             points: Points::Auto,
         },
+        body: Body::HalfSpace,
         law: LawChoice {
             shape,
             surface_energy: law.surface_energy,

@@ -19,7 +19,7 @@ const ROOM: u64 = 1_000_000;
 /// A scene that is refused, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     let scene = presets::resolve(&arguments.scene)?;
-    let refused = |error| scene_file::refused(&arguments.scene, error);
+    let refused = |error| scene_file::refused(presets::place(&arguments.scene), error);
     scene.validate().map_err(refused)?;
     let cancel = cancel_on_signal();
     let output = &arguments.output;

@@ -16,8 +16,10 @@ mod run;
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::scene::Scene;
+use crate::scene::edit::decided;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::fields::Keep;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, files, line, presets, scene_file};
 use crate::study::map::Vary;
@@ -62,8 +64,8 @@ struct CommandLine {
 enum Command {
     /// Compute a closed loop without a window
     ///
-    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png and at last summary.json into
-    /// the folder, in place of those of an earlier run, which are removed at the start. Until all
+    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png, with --fields fields.npz, and at
+    /// last summary.json into the folder, in place of those of an earlier run, which are removed at the start. Until all
     /// is written summary.json says "running".
     Run(RunArguments),
     /// Follow every branch of equilibria of a scene, stable and unstable
@@ -94,6 +96,8 @@ enum Command {
     Table(TableArguments),
     /// List the built-in scenes
     Presets,
+    /// Print a scene as a scene file, with everything that it leaves open decided
+    Scene(SceneArguments),
 }
 
 /// Where results go, and what is said of them.
@@ -137,7 +141,7 @@ struct TableArguments {
 /// What `tackscope diagram` is told.
 #[derive(Args, Clone, Debug)]
 struct DiagramArguments {
-    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
     scene: String,
     #[command(flatten)]
     output: Output,
@@ -152,7 +156,7 @@ struct DiagramArguments {
 /// What `tackscope map` is told.
 #[derive(Args, Clone, Debug)]
 struct MapArguments {
-    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
     scene: String,
     /// The parameter of the scene file that goes, and its ends, as in law.range=0.5..2
     #[arg(long, value_name = "KEY=A..B")]
@@ -170,7 +174,7 @@ struct MapArguments {
 /// What `tackscope chart` is told.
 #[derive(Args, Clone, Debug)]
 struct ChartArguments {
-    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
     scene: String,
     #[command(flatten)]
     output: Output,
@@ -191,7 +195,7 @@ struct ChartArguments {
 /// What `tackscope run` is told.
 #[derive(Args, Clone, Debug)]
 struct RunArguments {
-    /// A built-in scene (see `tackscope presets`) or the path of a scene file
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
     scene: String,
     #[command(flatten)]
     output: Output,
@@ -219,6 +223,20 @@ struct RunArguments {
     /// measured error into summary.json
     #[arg(long)]
     verify: bool,
+    /// Also write the fields of so many states into fields.npz, which numpy reads: gap,
+    /// displacement, traction
+    #[arg(long, value_name = "all|jumps|every=N")]
+    fields: Option<Keep>,
+}
+
+/// What `tackscope scene` is told.
+#[derive(Args, Clone, Debug)]
+struct SceneArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
+    scene: String,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// The strategy that is asked for; `None` leaves it to the plan.
@@ -285,6 +303,7 @@ pub fn main() -> ExitCode {
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),
             Some(Command::Presets) => code(list()),
+            Some(Command::Scene(arguments)) => code(print_scene(&arguments)),
             None => window_or_default_scene(),
         },
         Err(words) => code(explain(&words)),
@@ -294,12 +313,12 @@ pub fn main() -> ExitCode {
 /// The scene of this name with so many points a side in place of its own, and how to name both in a
 /// refusal.
 fn scene_with_points(name: &str, points: Option<usize>) -> Result<(Scene, String), Failure> {
-    let mut scene = presets::resolve(name)?;
+    let (mut scene, place) = (presets::resolve(name)?, presets::place(name));
     let Some(n) = points else {
-        return Ok((scene, name.to_owned()));
+        return Ok((scene, place.to_owned()));
     };
     scene.cell.points = scene.cell.points.resized(n);
-    Ok((scene, format!("{name} with --points {n}")))
+    Ok((scene, format!("{place} with --points {n}")))
 }
 
 /// The exit code of a command, its failure told.
@@ -414,6 +433,7 @@ fn window_or_default_scene() -> u8 {
                 points: None,
                 step: None,
                 verify: false,
+                fields: None,
                 model: Asked(None),
                 yardstick: false,
             }))
@@ -437,8 +457,16 @@ fn cancel_on_signal() -> Cancel {
 /// # Errors
 /// A standard output that cannot be written, as on a full disk.
 fn say(text: &str) -> Result<(), Failure> {
+    print(&line(text))
+}
+
+/// Prints a text as it is, of whatever lines.
+///
+/// # Errors
+/// As [`say`].
+fn print(text: &str) -> Result<(), Failure> {
     let mut out = stdout().lock();
-    match writeln!(out, "{}", line(text)).and_then(|()| out.flush()) {
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             let remedy = "make room where it goes, or send it elsewhere";
             Err(Failure::refused(
@@ -468,6 +496,22 @@ fn list() -> Result<u8, Failure> {
             say(&line)?;
         }
     }
+    Ok(DONE)
+}
+
+/// Prints the decided scene.
+fn print_scene(arguments: &SceneArguments) -> Result<u8, Failure> {
+    let (scene, place) = scene_with_points(&arguments.scene, None)?;
+    let model = scene
+        .model()
+        .map_err(|error| scene_file::refused(&place, error))?;
+    let decided = decided(&scene, &model);
+    let text = if arguments.json {
+        scene_file::to_json(&decided)
+    } else {
+        scene_file::to_text(&decided)
+    };
+    print(text.trim_end())?;
     Ok(DONE)
 }
 

@@ -49,12 +49,22 @@ impl Monitor {
         match (self, news) {
             (Monitor::Silent, _) => {}
             (Monitor::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump, step)),
-            (Monitor::Bar(bar), Report::State { record, fraction }) => {
+            (
+                Monitor::Bar(bar),
+                Report::State {
+                    record, fraction, ..
+                },
+            ) => {
                 bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
                 bar.set_message(state_words(record, step));
             }
             (Monitor::Lines { .. }, Report::Jump(jump)) => tell(&jump_words(jump, step)),
-            (Monitor::Lines { tenths }, Report::State { record, fraction }) => {
+            (
+                Monitor::Lines { tenths },
+                Report::State {
+                    record, fraction, ..
+                },
+            ) => {
                 let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
                 if reached > *tenths {
                     *tenths = reached;

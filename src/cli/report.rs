@@ -277,6 +277,9 @@ pub(super) const GAPS: &str = "gaps";
 /// The file that says how it went.
 pub(super) const SUMMARY: &str = "summary.json";
 
+/// The file of the fields.
+pub(super) const FIELDS: &str = "fields.npz";
+
 /// What is written beside it.
 const FILES: [&str; 4] = ["loop.csv", "events.csv", "loop.svg", "loop.png"];
 
@@ -285,7 +288,7 @@ pub(super) fn is_result(name: &str) -> bool {
     let gap = name
         .strip_prefix(GAPS)
         .and_then(|name| name.strip_prefix('/'));
-    name == SUMMARY || FILES.contains(&name) || gap.is_some_and(is_gap_picture)
+    [SUMMARY, FIELDS].contains(&name) || FILES.contains(&name) || gap.is_some_and(is_gap_picture)
 }
 
 /// Room that the results may need, in bytes.

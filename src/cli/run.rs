@@ -5,12 +5,13 @@ use super::report::{self, Timed};
 use super::{
     DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, scene_with_points, warn,
 };
-use crate::follow::run::{LoopRun, Outcome};
+use crate::follow::run::{LoopRun, Outcome, Report};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
+use crate::storage::fields::Collector;
 use crate::storage::summary::{Number, Summary, write_summary};
 use crate::storage::{Failure, scene_file};
 use crate::study::error_bar::{measured_error, reference};
@@ -59,9 +60,28 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         &report::begun(&arguments.scene, &scene, &model, &plan, method),
     )?;
 
-    let main =
-        timed(arguments, &scene, &model, &plan, arguments.method, &cancel).map_err(refused)?;
+    let mut fields = arguments
+        .fields
+        .map(|keep| Collector::new(keep, &output.out))
+        .transpose()?;
+    let mut collect = |news: &Report<'_>| fields.iter_mut().for_each(|all| all.observe(news));
+    let main = timed(
+        arguments,
+        &scene,
+        &plan,
+        arguments.method,
+        &cancel,
+        &mut collect,
+    )
+    .map_err(refused)?;
     let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
+    if let Some(fields) = fields {
+        failures.extend(
+            fields
+                .finish(&folder.join(report::FIELDS), &scene, &model)
+                .err(),
+        );
+    }
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);
@@ -119,7 +139,14 @@ fn compare(
     let mut code = DONE;
     if arguments.yardstick {
         let whole = plan_of(scene, model, Some(Strategy::WHOLE));
-        let other = timed(arguments, scene, model, &whole, MethodKind::Gfmd, cancel)?;
+        let other = timed(
+            arguments,
+            scene,
+            &whole,
+            MethodKind::Gfmd,
+            cancel,
+            &mut |_| {},
+        )?;
         told.yardstick = Some(report::yardstick(model, main, &other));
         if other.run.outcome == Outcome::Cancelled {
             code = INTERRUPTED;
@@ -133,10 +160,10 @@ fn compare(
         let better = timed(
             arguments,
             &finer,
-            &finer_model,
             &whole,
             MethodKind::NewtonKrylov,
             cancel,
+            &mut |_| {},
         )?;
         match &better.run.outcome {
             Outcome::Completed
@@ -189,15 +216,16 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
     Ok((scene, place))
 }
 
-/// Walks the loop, telling the user, and takes the time.
+/// Walks the loop, telling the user and `collect`, and takes the time.
 fn timed(
     arguments: &RunArguments,
     scene: &Scene,
-    model: &Model,
     plan: &Plan,
     method: MethodKind,
     cancel: &Cancel,
+    collect: &mut dyn FnMut(&Report<'_>),
 ) -> Result<Timed, Refusal> {
+    let model = scene.model()?;
     let heading = format!(
         "{}: {} ({}), mu_rho = {:.3}, {}",
         scene.title,
@@ -209,6 +237,7 @@ fn timed(
     let mut monitor = Monitor::new(arguments.output.quiet, &heading);
     let (wall, processor) = (Instant::now(), ProcessTime::try_now().ok());
     let run = run_planned(scene, method, plan, cancel, &mut |news| {
+        collect(&news);
         monitor.tell(&news, scene.drive.step);
     })?;
     let processor = processor.and_then(|start| start.try_elapsed().ok());

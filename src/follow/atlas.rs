@@ -21,7 +21,8 @@ pub use trace::End;
 
 use super::contest::{Share, shares};
 use crate::numerics::cancel::Cancel;
-use crate::physics::control::Control;
+use crate::physics::grid::Grid;
+use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{System, carried};
@@ -131,7 +132,11 @@ impl Atlas {
             meshes,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
-            explorer: Explorer::new(length, square, law, Control::Displacement),
+            explorer: Explorer::new(System::even(
+                Grid::square(length, square),
+                law,
+                &Indenter::Flat,
+            )),
             flat_limits: flat::limits(&law, length),
             cancel: Cancel::default(),
             branches: Vec::new(),

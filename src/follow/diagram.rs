@@ -205,7 +205,7 @@ impl Branch {
         let own = self.system.grid();
         let whole = if own.is_line() && !model.grid.is_line() {
             let square = Grid::square(own.length, own.nx);
-            System::new(square, *self.system.law(), &Indenter::Flat)
+            System::new(square, *self.system.law(), &Indenter::Flat).with_body(self.system.body())
         } else if self.system.is_even() {
             System::whole(&self.system)
         } else {
@@ -282,7 +282,7 @@ impl Diagram {
         cancel: &Cancel,
         observe: Observe<'_>,
     ) -> Result<Self, Refusal> {
-        let control = scene.drive.control;
+        let control = scene.control();
         let fixed = window::at_fixed_u0(scene, &scene.model()?);
         let model = fixed.model()?;
         let mut diagram = Self {

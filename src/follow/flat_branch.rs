@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 pub struct FlatBranch {
     law: Law,
     control: Control,
-    /// Side of the cell whose longest wave is as stiff as what is softest here: the longest wave of
-    /// the cell, pi E*/L, or the machine, when the body moves as a block.
+    /// Side of the cell whose longest wave is as stiff as what is softest here: the softest wave of
+    /// the body, pi E*/L, or the machine, when the body moves as a block.
     length: f64,
     /// True if that is the machine.
     as_a_block: bool,
@@ -24,7 +24,8 @@ pub struct FlatBranch {
 }
 
 impl FlatBranch {
-    /// The branch in a cell of side `length`.
+    /// The branch in a cell of side `length`, which for a layer is the equivalent one of a
+    /// half-space.
     pub fn new(law: Law, length: f64, control: Control) -> Self {
         let block = PI / control.stiffness();
         Self {

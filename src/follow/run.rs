@@ -97,6 +97,11 @@ pub enum Report<'a> {
     State {
         /// The state.
         record: &'a StateRecord,
+        /// Its place among the states of the loop; one that is not new takes the place of what came
+        /// before from there on.
+        index: usize,
+        /// Gap and displacement (lengths), of shape (ny, nx).
+        fields: [&'a Array2<f64>; 2],
         /// 0 to 1.
         fraction: f64,
     },
@@ -133,6 +138,7 @@ pub fn run_loop(
         };
         return Ok(drive.run);
     }
+    drive.tell(observe);
     while let Some(target) = drive.itinerary.target() {
         drive.walk.set_target(target);
         let progress = drive.step(cancel, observe);
@@ -145,7 +151,7 @@ pub fn run_loop(
                 break;
             }
             Progress::Stuck(reason) => match drive.walk.widen(&reason, scene, cancel) {
-                Some(widened) => drive.go_on_with(widened, &reason),
+                Some(widened) => drive.go_on_with(widened, &reason, observe),
                 None => {
                     let mean_displacement = drive.walk.record().mean_displacement;
                     drive.run.outcome = Outcome::NotConverged {
@@ -171,12 +177,14 @@ struct Drive<'s> {
     /// True if the next state is the first of its branch.
     landed: bool,
     lowest: f64,
+    /// How much of the loop is done, 0 to 1.
+    fraction: f64,
 }
 
 impl<'s> Drive<'s> {
     fn new(walk: Walk, scene: &'s Scene) -> Self {
         let (start, mut run) = (scene.drive.start, LoopRun::empty());
-        run.record.control = scene.drive.control;
+        run.record.control = scene.control();
         run.record.states.push(walk.record().clone());
         Self {
             scene,
@@ -185,6 +193,7 @@ impl<'s> Drive<'s> {
             itinerary: Itinerary::closed(scene),
             landed: true,
             lowest: start,
+            fraction: 0.0,
         }
     }
 
@@ -197,6 +206,7 @@ impl<'s> Drive<'s> {
             itinerary,
             landed,
             lowest,
+            fraction,
         } = self;
         let start = scene.drive.start;
         let depth = match scene.drive.turn {
@@ -220,34 +230,57 @@ impl<'s> Drive<'s> {
                 } else {
                     (start - state.control) / depth
                 };
-                observe(Report::State {
-                    record: &state,
-                    fraction: 0.5 * gone.clamp(0.0, 2.0),
-                });
+                *fraction = 0.5 * gone.clamp(0.0, 2.0);
                 run.record.states.push(state);
             }
         });
-        if fresh && std::mem::take(landed) {
-            let gap = walk.gap();
-            let record = walk.record();
+        if fresh {
+            self.tell(observe);
+        }
+        if fresh && std::mem::take(&mut self.landed) {
+            let gap = self.walk.gap();
+            let record = self.walk.record();
             let (direction, mean_displacement, pattern) =
                 (record.direction, record.mean_displacement, record.pattern);
-            run.landings.push(Landing {
+            self.run.landings.push(Landing {
                 direction,
                 mean_displacement,
                 pattern,
                 gap,
             });
         }
-        let record = walk.record();
+        let record = self.walk.record();
         if fresh && !(record.stress.is_finite() && record.energy.is_finite()) {
             return Progress::Stuck(Stuck::NotFinite);
         }
         progress
     }
 
+    /// Tells of the last state.
+    fn tell(&self, observe: &mut dyn FnMut(Report<'_>)) {
+        let Some(record) = self.run.record.states.last() else {
+            return;
+        };
+        let (system, gap) = (self.walk.system(), &self.walk.here().fields.gap);
+        let displacement = system
+            .height()
+            .map(|height| system.unfolded(&(gap + height)));
+        let gap = system.unfolded(gap);
+        observe(Report::State {
+            record,
+            index: self.run.record.states.len() - 1,
+            fields: [&gap, displacement.as_ref().unwrap_or(&gap)],
+            fraction: self.fraction,
+        });
+    }
+
     /// On the whole cell, from where the walk stood or from the start of the drive.
-    fn go_on_with(&mut self, Widened { walk, stays }: Widened, because: &Stuck) {
+    fn go_on_with(
+        &mut self,
+        Widened { walk, stays }: Widened,
+        because: &Stuck,
+        observe: &mut dyn FnMut(Report<'_>),
+    ) {
         self.run.counts += self.walk.counts();
         if stays {
             self.walk = walk;
@@ -258,6 +291,7 @@ impl<'s> Drive<'s> {
             *self = Self::new(walk, self.scene);
             self.run.counts = counts;
             self.run.deviation = Some(walked_after_all(&because.to_string()));
+            self.tell(observe);
         }
     }
 }

@@ -81,6 +81,8 @@ impl Atlas {
                     };
                 observe(Report::State {
                     record: &state,
+                    index: run.record.states.len(),
+                    fields: [&gap; 2],
                     fraction,
                 });
                 run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);

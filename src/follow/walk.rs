@@ -199,6 +199,7 @@ impl Walk {
                 "even ground for a quarter of the cell; rough ground needs the whole",
             ));
         }
+        let control = scene.control();
         let make = if part.is_even() {
             System::even
         } else {
@@ -206,7 +207,8 @@ impl Walk {
         };
         let system = make(model.grid, model.law, &model.indenter)
             .with_precision(options.precision)
-            .with_control(scene.drive.control);
+            .with_body(model.body)
+            .with_control(control);
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let watched = part.is_even() && part != Part::Mirrored;
@@ -221,11 +223,11 @@ impl Walk {
         );
         mechanics.cancel = cancel.clone();
         let flat = (mechanics.system.is_flat() && method.locates())
-            .then(|| FlatBranch::new(model.law, model.grid.length, scene.drive.control));
+            .then(|| FlatBranch::new(model.law, model.equivalent_length, control));
         let mut tracker = with_coarse(tracker(0x5eed), &mechanics);
         let start = scene.drive.start;
         let here = match flat {
-            _ if scene.drive.control == Control::Load => apart(&mut mechanics, start),
+            _ if control == Control::Load => apart(&mut mechanics, start),
             Some(flat) => flat.first(&mechanics.system, start),
             None => {
                 let uniform = vec![0.0; mechanics.system.dimension()];

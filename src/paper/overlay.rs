@@ -3,6 +3,7 @@
 
 use super::loops::units_of;
 use crate::numerics::cancel::Cancel;
+use crate::physics::body::Body;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::physics::theory::circular::{self, Part};
 use crate::physics::theory::jkr::Jkr;
@@ -67,12 +68,15 @@ impl ZeroRange {
     /// The curves for a scene, together with its flat state between two mean displacements; for a
     /// tip in a square cell those of JKR, alone and in the cell; empty on other ground.
     ///
+    /// Over a layer there is the flat state alone: the other theory is that of a half-space.
+    ///
     /// The curves of zero range hold where the range is small: L/L_c well above 1, and u0 well
     /// above the range.
     pub fn lines(&self, model: &Model, from: f64, to: f64) -> Vec<TheoryLine> {
+        let half_space = model.body == Body::HalfSpace;
         match model.indenter {
             Indenter::Flat => {}
-            Indenter::Hertz(Hertz { radius }) if !model.grid.is_line() => {
+            Indenter::Hertz(Hertz { radius }) if half_space && !model.grid.is_line() => {
                 return tip(
                     Jkr {
                         radius,
@@ -90,7 +94,7 @@ impl ZeroRange {
             name: "flat",
             points: steps(from, to, POINTS).map(flat).collect(),
         }];
-        for (name, curve) in &self.curves {
+        for (name, curve) in self.curves.iter().filter(|_| half_space) {
             // A dimple and a bulge are patterns of a square cell.
             if model.grid.is_line() && *name != "ridge" {
                 continue;
@@ -156,6 +160,7 @@ fn tip(tip: Jkr, length: f64, from: f64) -> Vec<TheoryLine> {
 mod tests {
     use super::*;
     use crate::paper::scenes;
+    use crate::physics::body::Layer;
     use crate::scene::Points;
 
     #[test]
@@ -188,6 +193,22 @@ mod tests {
             (end[0] - ((2.0 * std::f64::consts::PI * gamma * a).sqrt() - a * a)).abs() < 1e-4,
             "{end:?}"
         );
+    }
+
+    #[test]
+    fn over_a_layer_there_is_no_theory_but_the_flat_state() {
+        let body = Body::Layer(Layer {
+            thickness: 0.1,
+            poisson: 0.5,
+        });
+        let theory = ZeroRange::compute(&Cancel::default()).unwrap();
+        let flat = scenes::flat("", 1024.0, Points::Square(64), 6.0, 0.2, 0.02);
+        for (scene, lines) in [(scenes::tip(64, 0.5), 0), (flat, 1)] {
+            let mut model = scene.model().expect("a model");
+            assert!(theory.lines(&model, -0.01, 1.0).len() > lines);
+            model.body = body;
+            assert_eq!(theory.lines(&model, -0.01, 1.0).len(), lines);
+        }
     }
 
     #[test]

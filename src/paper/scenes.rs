@@ -1,5 +1,6 @@
 //! The scenes of the paper as values, for the figures and for the window.
 
+use crate::physics::body::Body;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter, Rough};
 use crate::physics::law::{Morse, Shape};
@@ -23,6 +24,7 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
         title: title.to_owned(),
         source: "Wang, Zhou, Mueser 2020".to_owned(),
         cell: Cell { length, points },
+        body: Body::HalfSpace,
         law: morse(SURFACE_ENERGY, Range::Length(1.0)),
         indenter: Indenter::Flat,
         drive: Drive {
@@ -101,6 +103,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
             length,
             points: Points::Square(points),
         },
+        body: Body::HalfSpace,
         law: morse(0.2 * ROUGH_RMS, Range::Length(ROUGH_RANGE * ROUGH_RMS)),
         indenter: Indenter::Rough(surface),
         drive: Drive {
@@ -129,6 +132,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
             length: 1.0,
             points: Points::Square(points),
         },
+        body: Body::HalfSpace,
         law: morse(TIP_SURFACE_ENERGY, Range::MuRho(mu_rho)),
         indenter: Indenter::Hertz(Hertz { radius: 1.0 }),
         // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the
@@ -153,6 +157,7 @@ pub fn figure_1() -> Scene {
             length: 8.0,
             points: Points::Line(256),
         },
+        body: Body::HalfSpace,
         law: morse(0.3, Range::Length(0.2)),
         indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
         drive: Drive {

@@ -50,6 +50,17 @@ impl Control {
         }
     }
 
+    /// The same with a spring of `stiffness` (E* per length, infinite if there is none) in series.
+    pub fn in_series(self, stiffness: f64) -> Self {
+        match self {
+            Self::Load => self,
+            _ if stiffness.is_infinite() => self,
+            _ => Self::Spring {
+                stiffness: 1.0 / (1.0 / self.stiffness() + 1.0 / stiffness),
+            },
+        }
+    }
+
     /// Over what length, or stress of a load, a body of this law answers: the range, beside which a
     /// spring is stretched by sigma_max/k; or sigma_max.
     pub fn unit(&self, law: &Law) -> f64 {

@@ -25,8 +25,8 @@ pub enum Class {
     /// Even, v(x, y) = -v(y, x): where such a mode goes soft the symmetry breaks.
     Antisymmetric,
     /// On a line system: even in x times a wave cos(2 pi k y/L), outside the system itself if k > 0;
-    /// where such a mode with k = 1 goes soft a ridge breaks up. (One with more waves along y is
-    /// always stiffer.)
+    /// where such a mode with k = 1 goes soft a ridge breaks up. (On a half-space one with more
+    /// waves along y is always stiffer.)
     Varicose(usize),
     /// The same, odd in x: where such a mode with k = 1 goes soft a ridge meanders. With k = 0 the
     /// ridge slides.
@@ -99,7 +99,7 @@ pub struct LowBlock {
     waves: Vec<[usize; 2]>,
     /// Half the norms of the waves.
     weights: Vec<f64>,
-    /// q E*/2 of the waves.
+    /// The body's stiffness of the waves (E* per length).
     elastic: Vec<f64>,
     ny: usize,
     /// Lower triangle, row by row; empty before the first [`LowBlock::assemble`].
@@ -110,8 +110,8 @@ pub struct LowBlock {
     floor: f64,
 }
 
-/// Least pivot of a block, in units of q1, twice the stiffness of the longest wave: sliding modes
-/// have none, soft ones little.
+/// Least pivot of a block over [`System::stiffness_unit`]: sliding modes have none, soft ones
+/// little.
 pub(super) const FLOOR: f64 = 0.01;
 /// Least share of a pattern's amplitude, times its wave number, for it to slide.
 const SLIDES: f64 = 1e-6;
@@ -143,9 +143,10 @@ impl LowBlock {
             .collect();
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
         let waves_of = |w: &[usize; 2]| (w[0] as f64).hypot((w[1] + class.modulation()) as f64);
+        let body = system.body();
         let elastic = waves
             .iter()
-            .map(|w| 0.5 * system.grid().q1() * waves_of(w))
+            .map(|w| body.elastic().stiffness(system.grid().q1() * waves_of(w)))
             .collect();
         // A wave (k, k) stands alone where the class joins others in pairs.
         let alone = |w: &[usize; 2]| class.exchange() == Some(1.0) && w[0] == w[1];
@@ -187,7 +188,7 @@ impl LowBlock {
     /// Assembles and factorises from the amplitudes `d` and the `mean` of gamma''. No transform.
     pub fn assemble(&mut self, system: &System, d: &[f64], mean: f64) {
         self.fill(system, d, mean);
-        self.floor = FLOOR * system.grid().q1();
+        self.floor = FLOOR * system.stiffness_unit();
         self.factor
             .factorise(&self.hessian, self.waves.len(), self.floor);
     }
@@ -196,7 +197,7 @@ impl LowBlock {
     /// [`LowBlock::negative_below`].
     pub fn assemble_beside(&mut self, system: &System, d: &[f64], mean: f64, z: &[f64]) {
         self.fill(system, d, mean);
-        self.floor = FLOOR * system.grid().q1();
+        self.floor = FLOOR * system.stiffness_unit();
         self.slide = self.sliding(z);
     }
 

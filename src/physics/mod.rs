@@ -1,10 +1,11 @@
-//! Floor 1: the half-space, cohesive laws, indenters, patterns, the mesh rule and closed-form
+//! Floor 1: elastic bodies, cohesive laws, indenters, patterns, the mesh rule and closed-form
 //! theory.
 //!
 //! Signs and units: contact modulus E* = 1; `stress` and `traction` are positive in tension
 //! (attraction); energies are per area of the cell. The gap is g = u - h with the indenter's
 //! highest point at h = 0. May use `numerics` only.
 
+pub mod body;
 pub mod control;
 pub mod grid;
 pub mod indenter;
@@ -14,5 +15,6 @@ pub mod mesh_rule;
 pub mod parameter;
 pub mod pattern;
 pub mod preconditioner;
+mod state;
 pub mod system;
 pub mod theory;

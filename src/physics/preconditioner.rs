@@ -157,7 +157,7 @@ impl Preconditioner {
             }
         }
         self.factor
-            .factorise(&hessian, n, FLOOR * system.grid().q1());
+            .factorise(&hessian, n, FLOOR * system.stiffness_unit());
     }
 
     /// `out` = approximate inverse Hessian times `r`.

@@ -1,4 +1,4 @@
-//! The mechanical system: energy, residual and Hessian of a half-space above an indenter, in
+//! The mechanical system: energy, residual and Hessian of an elastic body above an indenter, in
 //! Fourier amplitudes.
 //!
 //! A displacement u = u0 + sum_{q != 0} u_q e^{iqr} is stored as **amplitudes** z: the half
@@ -8,6 +8,8 @@
 //! V = sum_q (q E*/4) z_q^2 + mean gamma(g),   dV/dz_q = (q E*/2) z_q + sqrt(w_q) FT[gamma'(g)]_q,
 //! Hessian v -> (q E*/2) v + sqrt(w) FT[gamma''(g) v(r)],   mean stress = mean gamma'(g).
 //!
+//! That is a half-space; another [`Body`] has its own stiffness in place of q E*/2.
+//!
 //! A system of even fields, u(-x, y) = u(x, -y) = u(x, y), holds a quarter of the cell in cosine
 //! waves; all sums and means are the same, and so is every function here but those that move a
 //! pattern.
@@ -16,10 +18,12 @@
 //! Under a spring or a load ([`Control`]) it is an unknown like the others: u0 less the position of
 //! the stage, with the spring's stiffness in place of q E*/2; or u0 itself, which nothing holds.
 
+use super::body::Body;
 use super::control::Control;
 use super::grid::Grid;
 use super::indenter::Indenter;
 use super::law::Law;
+pub use super::state::{Evaluation, Fields, State};
 use crate::numerics::basis::Basis;
 use crate::numerics::cosine::Cosine;
 use crate::numerics::fourier::Fourier;
@@ -29,17 +33,19 @@ use crate::numerics::vector::{max_abs, norm};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
 
-/// Law, ground and cell with their transforms. Immutable; working memory is a [`Workspace`].
+/// Body, law, ground and cell with their transforms. Immutable; working memory is a [`Workspace`].
 #[derive(Clone, Debug)]
 pub struct System {
     grid: Grid,
+    body: Body,
+    equivalent_length: f64,
     law: Law,
     height: Option<Array2<f64>>,
     /// Along which of x and y patterns can slide.
     uniform: [bool; 2],
     transforms: Transforms,
     control: Control,
-    /// q E*/2 of every amplitude entry; for q = 0 the stiffness of a spring, or zero.
+    /// The body's stiffness of every amplitude entry; for q = 0 that of a spring, or zero.
     elastic: Vec<f64>,
     /// Wave vector (q_x, q_y) of every amplitude pair; Nyquist components are zero, where the
     /// derivative of a real field vanishes. Empty for even fields, which cannot move.
@@ -55,73 +61,8 @@ pub struct Workspace {
     scratch: TransformScratch,
 }
 
-/// A surface under its control, with its energy and stress.
-#[derive(Clone, Debug, PartialEq)]
-pub struct State {
-    /// What is driven: u0 or the position of the stage (length), or the load per area (E*).
-    pub control: f64,
-    /// Mean displacement u0 (length), which follows from control and amplitudes.
-    pub mean_displacement: f64,
-    /// Amplitudes z of u - u0, and of u0 where it is free (length).
-    pub amplitudes: Vec<f64>,
-    /// Energy per area, that of the machine with it (E* times length).
-    pub energy: f64,
-    /// Mean stress (E*), positive in tension.
-    pub stress: f64,
-}
-
-impl State {
-    /// Its amplitudes and mean displacement, which together are the surface.
-    pub fn joint(&self) -> (&[f64], f64) {
-        (&self.amplitudes, self.mean_displacement)
-    }
-
-    /// Moves u0 by `du` (length) where u0 is the control.
-    pub fn drive_by(&mut self, du: f64) {
-        self.control += du;
-        self.mean_displacement = self.control;
-    }
-
-    /// Makes an equilibrium of fixed u0 one under `control`.
-    pub fn put_under(&mut self, control: Control) {
-        let mean;
-        [self.control, mean] = control.balanced(self.mean_displacement, self.stress);
-        if let Some(z) = self.amplitudes.first_mut() {
-            *z = mean;
-        }
-        self.energy += control.energy(self.control, self.mean_displacement);
-    }
-
-    /// Root mean square of u - u0 (length).
-    pub fn roughness(&self) -> f64 {
-        norm(&self.amplitudes[1..])
-    }
-}
-
-/// What a law makes of the gap at every point; shapes (ny, nx) of [`System::shape`].
-#[derive(Clone, Debug)]
-pub struct Fields {
-    /// Gap g (length).
-    pub gap: Array2<f64>,
-    /// Traction gamma'(g) (E*).
-    pub traction: Array2<f64>,
-    /// Stiffness gamma''(g) (E* per length).
-    pub stiffness: Array2<f64>,
-}
-
-/// A state with its derivatives: the force, and the fields of which the Hessian is made.
-#[derive(Clone, Debug)]
-pub struct Evaluation {
-    /// The state.
-    pub state: State,
-    /// The derivative of the energy with z at a fixed control (E*).
-    pub gradient: Vec<f64>,
-    /// Gap, traction and stiffness.
-    pub fields: Fields,
-}
-
 impl System {
-    /// The system of a law above an indenter.
+    /// The system of a half-space with this law above an indenter.
     pub fn new(grid: Grid, law: Law, indenter: &Indenter) -> Self {
         let fourier = Fourier::new(grid.ny, grid.nx);
         let (m, ny) = fourier.spectrum_shape();
@@ -147,6 +88,8 @@ impl System {
         let transforms = Transforms::new(Basis::Whole(fourier));
         Self {
             grid,
+            body: Body::HalfSpace,
+            equivalent_length: grid.length,
             law,
             height: indenter.height(&grid),
             uniform: indenter.ground().is_uniform(),
@@ -171,6 +114,8 @@ impl System {
         let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
         Self {
             grid,
+            body: Body::HalfSpace,
+            equivalent_length: grid.length,
             law,
             height,
             uniform: indenter.ground().is_uniform(),
@@ -188,7 +133,7 @@ impl System {
         Self {
             height,
             uniform: even.uniform,
-            ..Self::new(even.grid, even.law, &Indenter::Flat)
+            ..Self::new(even.grid, even.law, &Indenter::Flat).with_body(even.body)
         }
     }
 
@@ -198,6 +143,38 @@ impl System {
             transforms: self.transforms.with_precision(precision),
             ..self
         }
+    }
+
+    /// The same of another body than a half-space.
+    pub fn with_body(mut self, body: Body) -> Self {
+        debug_assert_eq!(
+            self.body,
+            Body::HalfSpace,
+            "its waves are told by their stiffness"
+        );
+        let still = if self.is_even() { 1 } else { 2 };
+        for e in &mut self.elastic[still..] {
+            *e = body.elastic().stiffness(2.0 * *e);
+        }
+        self.equivalent_length = body.equivalent_length(&self.grid);
+        self.body = body;
+        self
+    }
+
+    /// The elastic body.
+    pub fn body(&self) -> Body {
+        self.body
+    }
+
+    /// [`Body::equivalent_length`] on this mesh (length): L of a half-space.
+    pub fn equivalent_length(&self) -> f64 {
+        self.equivalent_length
+    }
+
+    /// Twice the stiffness of the body's softest wave (E* per length), by which eigenvalues are
+    /// measured: q1 of a half-space.
+    pub fn stiffness_unit(&self) -> f64 {
+        std::f64::consts::TAU / self.equivalent_length
     }
 
     /// The same driven otherwise than by its mean displacement.
@@ -283,10 +260,25 @@ impl System {
         }
     }
 
-    /// q E*/2 of every amplitude entry (E* per length); for q = 0 the stiffness of a spring, or
-    /// zero.
+    /// The body's stiffness of every amplitude entry, q E*/2 of a half-space (E* per length); for
+    /// q = 0 that of a spring, or zero.
     pub fn elastic(&self) -> &[f64] {
         &self.elastic
+    }
+
+    /// The body's softest wave, of norm 1; of equal ones the first along x.
+    pub fn softest_wave(&self) -> Vec<f64> {
+        let first = if self.is_even() { 1 } else { 2 };
+        let along_x = (first * self.shape().0..self.dimension()).step_by(first * self.shape().0);
+        let softest = along_x
+            .chain(first..self.dimension())
+            .min_by(|a, b| self.elastic[*a].total_cmp(&self.elastic[*b]));
+        let mut wave = vec![0.0; self.dimension()];
+        softest.into_iter().for_each(|i| wave[i] = 1.0);
+        self.make_real(&mut wave);
+        let length = norm(&wave);
+        wave.iter_mut().for_each(|z| *z /= length);
+        wave
     }
 
     /// The gap field of amplitudes `z` at mean displacement `u0` into `gap`. One transform.

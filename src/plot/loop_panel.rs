@@ -97,7 +97,7 @@ pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<
     if model.indenter != Indenter::Flat {
         return pieces;
     }
-    let flat = FlatBranch::new(model.law, model.grid.length, control);
+    let flat = FlatBranch::new(model.law, model.equivalent_length, control);
     for u0 in scale::steps(from, to, POINTS) {
         let point = [
             u0 / model.law.range,

@@ -132,7 +132,7 @@ fn data(panel: &Panel) -> impl Iterator<Item = [f64; 2]> + '_ {
 pub fn gap_scale(scene: &Scene, model: &Model) -> f64 {
     let rho = model.law.range;
     let wanted = match model.indenter {
-        Indenter::Flat if scene.drive.control.frees_mean() => 8.0 * rho,
+        Indenter::Flat if scene.control().frees_mean() => 8.0 * rho,
         Indenter::Flat => 1.8 * scene.drive.start,
         _ => (2.5 * model.indenter.ground().relief(&model.law)).max(6.0 * rho),
     };

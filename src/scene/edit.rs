@@ -2,6 +2,7 @@
 //! mu_rho, and the drive after the law.
 
 use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
+use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
@@ -42,7 +43,7 @@ const fn tick(row: usize) -> (&'static str, f64) {
 
 /// The scene with another mu_rho.
 pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     match follows {
         Follows::Range => {
             scene.law.range = Range::Length(mesh_rule::range_for_mu_rho(
@@ -65,7 +66,7 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
 
 /// The scene with another cohesive law of the same range and surface energy.
 pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.law.shape = shape;
     fit_drive(&mut scene);
     scene
@@ -73,15 +74,23 @@ pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
 
 /// The scene with another surface energy.
 pub fn with_surface_energy(scene: &Scene, model: &Model, surface_energy: f64) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.law.surface_energy = surface_energy;
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene with another elastic body.
+pub fn with_body(scene: &Scene, model: &Model, body: Body) -> Scene {
+    let mut scene = decided(scene, model);
+    scene.body = body;
     fit_drive(&mut scene);
     scene
 }
 
 /// The scene with another range of its law.
 pub fn with_range(scene: &Scene, model: &Model, range: f64) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.law.range = Range::Length(range);
     fit_drive(&mut scene);
     scene
@@ -89,7 +98,7 @@ pub fn with_range(scene: &Scene, model: &Model, range: f64) -> Scene {
 
 /// The scene in another cell.
 pub fn with_length(scene: &Scene, model: &Model, length: f64) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.cell.length = length;
     fit_drive(&mut scene);
     scene
@@ -97,13 +106,14 @@ pub fn with_length(scene: &Scene, model: &Model, length: f64) -> Scene {
 
 /// The scene on another mesh; the range stays what it is.
 pub fn with_points(scene: &Scene, model: &Model, points: Points) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.cell.points = points;
     scene
 }
 
-/// The scene with what was left open decided, so that editing one value does not move another.
-fn frozen(scene: &Scene, model: &Model) -> Scene {
+/// The scene with what it leaves open decided: range and mesh as numbers. Editing one value then
+/// does not move another.
+pub fn decided(scene: &Scene, model: &Model) -> Scene {
     let mut scene = scene.clone();
     scene.law.range = Range::Length(model.law.range);
     if scene.cell.points == Points::Auto {
@@ -126,11 +136,11 @@ fn fit_drive(scene: &mut Scene) {
         return;
     };
     let law = model.law;
-    let Some((lower, upper)) = flat::limits(&law, model.grid.length) else {
+    let Some((lower, upper)) = flat::limits(&law, model.equivalent_length) else {
         return;
     };
+    let (control, machine) = (scene.control(), scene.drive.control);
     let Drive {
-        control,
         start,
         turn: Turn::At(turn),
         ..
@@ -150,12 +160,13 @@ fn fit_drive(scene: &mut Scene) {
         && turn < held(lower - 0.1 * law.range)
         && pressed < 1.0;
     if !fits {
-        scene.drive = enclosing(&law, (lower, upper), control);
+        scene.drive = enclosing(&law, (lower, upper), control, machine);
     }
 }
 
-/// A drive on flat ground that goes beyond both ends of what is unstable.
-fn enclosing(law: &Law, (lower, upper): (f64, f64), control: Control) -> Drive {
+/// A drive on flat ground that goes beyond both ends of what is unstable, of a `machine` that makes
+/// this `control` of u0.
+fn enclosing(law: &Law, (lower, upper): (f64, f64), control: Control, machine: Control) -> Drive {
     let held = |gap: f64| control.balanced(gap, law.at(gap).traction)[0];
     let (start, turn) = match control {
         Control::Load => (1.3 * law.traction_max(), -0.3 * law.traction_max()),
@@ -171,7 +182,7 @@ fn enclosing(law: &Law, (lower, upper): (f64, f64), control: Control) -> Drive {
         _ => (start - turn) / STEPS,
     };
     Drive {
-        control,
+        control: machine,
         start,
         turn: Turn::At(turn),
         step,
@@ -180,10 +191,13 @@ fn enclosing(law: &Law, (lower, upper): (f64, f64), control: Control) -> Drive {
 
 /// The scene under another machine, driven from where nothing touches into contact and back.
 pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     let law = model.law;
-    scene.drive = match flat::limits(&law, model.grid.length) {
-        Some(limits) if model.indenter == Indenter::Flat => enclosing(&law, limits, control),
+    scene.drive.control = control;
+    scene.drive = match flat::limits(&law, model.equivalent_length) {
+        Some(limits) if model.indenter == Indenter::Flat => {
+            enclosing(&law, limits, scene.control(), control)
+        }
         _ => {
             let mut drive = with_ground(&scene, model, model.indenter).drive;
             drive.control = control;
@@ -230,7 +244,7 @@ pub fn with_parameter(
     check_key(scene, key)?;
     let of = |parameter: &Parameter| parameter.key == key;
     let whole = value.round().max(0.0);
-    // The number of this key among a law's or a ground's own.
+    // The number of this key among the own ones of a body, a law or a ground.
     let own = |parameters: &[Parameter], mut values: Vec<Value>| {
         let i = parameters.iter().position(of)?;
         values[i] = match values[i] {
@@ -240,7 +254,10 @@ pub fn with_parameter(
         };
         Some(values)
     };
-    let (law, ground) = (scene.law.shape, scene.indenter);
+    let (body, law, ground) = (scene.body, scene.law.shape, scene.indenter);
+    if let Some(values) = own(body.parameters(), body.values()) {
+        return Ok(with_body(scene, model, body.with(&values)));
+    }
     if let Some(values) = own(law.parameters(), law.values()) {
         return Ok(with_shape(scene, model, law.with(&values)));
     }
@@ -309,7 +326,7 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
 /// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and
 /// far into the valleys of waves and rough ground.
 pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
-    let mut scene = frozen(scene, model);
+    let mut scene = decided(scene, model);
     scene.indenter = indenter;
     let (rho, ground) = (model.law.range, indenter.ground());
     let turn = if ground.turns_at_zero_load() {
@@ -349,7 +366,7 @@ mod tests {
         );
         for scene in edited {
             let model = scene.model().unwrap_or_else(|e| panic!("{e}"));
-            let Some((lower, upper)) = flat::limits(&model.law, model.grid.length) else {
+            let Some((lower, upper)) = flat::limits(&model.law, model.equivalent_length) else {
                 continue;
             };
             let (Turn::At(turn), start) = (scene.drive.turn, scene.drive.start) else {

@@ -9,6 +9,7 @@ pub mod parameter;
 pub mod part;
 pub mod window;
 
+use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::indenter::Indenter;
@@ -27,6 +28,8 @@ pub struct Scene {
     pub source: String,
     /// The periodic cell.
     pub cell: Cell,
+    /// The elastic body.
+    pub body: Body,
     /// The cohesive law.
     pub law: LawChoice,
     /// The rigid counter-surface.
@@ -92,7 +95,8 @@ pub enum Range {
 /// The path of what is driven: from `start` down to `turn` and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// What is driven: u0, the stage of a spring, or the load.
+    /// The machine: what it holds is u0, the stage of a spring, or the load; of a layer the plate
+    /// in place of u0.
     pub control: Control,
     /// Its value at the beginning and the end (length; E* of a load).
     pub start: f64,
@@ -100,16 +104,6 @@ pub struct Drive {
     pub turn: Turn,
     /// Its largest change between two states.
     pub step: f64,
-}
-
-impl Drive {
-    /// u0 at which the approach turns (length), if u0 is what is driven, and to a given value.
-    pub fn turn_of_u0(&self) -> Option<f64> {
-        match (self.control, self.turn) {
-            (Control::Displacement, Turn::At(turn)) => Some(turn),
-            _ => None,
-        }
-    }
 }
 
 /// The turning point of the drive.
@@ -126,6 +120,10 @@ pub enum Turn {
 pub struct Model {
     /// Cell and mesh.
     pub grid: Grid,
+    /// Elastic body.
+    pub body: Body,
+    /// [`Body::equivalent_length`] on this mesh (length).
+    pub equivalent_length: f64,
     /// Law with its range.
     pub law: Law,
     /// Counter-surface.
@@ -162,6 +160,27 @@ const STEPS_MAX: f64 = 2e5;
 const STEP_SHARE: f64 = 1e-10;
 
 impl Scene {
+    /// What drives the mean displacement u0 of the surface: the machine, and in series with it the
+    /// layer between its plate and the surface. The sum of their stretches is what is driven, so
+    /// that u0 itself is driven only under an incompressible layer or a half-space.
+    pub fn control(&self) -> Control {
+        let mean = self.body.elastic().mean_stiffness();
+        self.drive.control.in_series(mean)
+    }
+
+    /// u0 at which the approach turns (length), if u0 is what is driven, and to a given value.
+    pub fn turn_of_u0(&self) -> Option<f64> {
+        match (self.control(), self.drive.turn) {
+            (Control::Displacement, Turn::At(turn)) => Some(turn),
+            _ => None,
+        }
+    }
+
+    /// The same if an atlas may hold the drive: it knows the patterns of a half-space.
+    pub fn turn_of_atlas(&self) -> Option<f64> {
+        self.turn_of_u0().filter(|_| self.body == Body::HalfSpace)
+    }
+
     /// Where the approach is to go (length): to the turning point, or, where the sign of the stress
     /// ends it, far below anything a tip under tension can need.
     pub fn depth(&self) -> f64 {
@@ -184,6 +203,7 @@ impl Scene {
     pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
         let Self {
             cell,
+            body,
             law,
             indenter,
             drive,
@@ -205,6 +225,7 @@ impl Scene {
         if let Points::Square(n) | Points::Line(n) = cell.points {
             numbers.push((&parameter::POINTS, Value::Whole(n as u64)));
         }
+        numbers.extend(body.parameters().iter().zip(body.values()));
         numbers.extend(law.shape.parameters().iter().zip(law.shape.values()));
         numbers.push(match law.range {
             Range::Length(range) => (&parameter::RANGE, Value::Number(range)),
@@ -230,6 +251,7 @@ impl Scene {
         }
         self.law.shape.check()?;
         self.check_drive()?;
+        self.body.elastic().check_in(self.cell.length)?;
         self.indenter.check()?;
         self.indenter.ground().check_in(self.cell.length)?;
         let unit = Law {
@@ -255,7 +277,7 @@ impl Scene {
             );
             return Err(Refusal::new("law.range", number(range), &allowed));
         }
-        if let (Some(turn), Shape::Mie(_)) = (self.drive.turn_of_u0(), law.shape) {
+        if let (Some(turn), Shape::Mie(_)) = (self.turn_of_u0(), law.shape) {
             let level = self
                 .indenter
                 .height(&grid)
@@ -269,7 +291,7 @@ impl Scene {
                 return Err(Refusal::new("drive.turn", number(turn), &allowed));
             }
         }
-        if let Some(turn) = self.drive.turn_of_u0()
+        if let Some(turn) = self.turn_of_u0()
             && self.indenter == Indenter::Flat
             && !law.at(turn).energy.is_finite()
         {
@@ -290,6 +312,8 @@ impl Scene {
         }
         Ok(Model {
             grid,
+            body: self.body,
+            equivalent_length: self.body.equivalent_length(&grid),
             law,
             indenter: self.indenter,
             mu_rho,
@@ -422,6 +446,7 @@ pub(crate) mod tests {
                 length: 256.0,
                 points: Points::Square(points),
             },
+            body: Body::HalfSpace,
             law: LawChoice {
                 shape: Shape::Morse(Morse),
                 surface_energy: 0.15,

@@ -3,6 +3,7 @@
 //!
 //! What ties two values together (a turn below its start) is in [`super::Scene::model`].
 
+use crate::physics::body::Body;
 use crate::physics::grid::POINTS_MAX;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
@@ -68,7 +69,9 @@ pub fn all() -> Vec<&'static Parameter> {
             .copied()
             .filter(move |parameter| parameter.key.starts_with(name))
     };
-    let mut all: Vec<_> = table("cell.").chain(table("law.")).collect();
+    let mut all: Vec<_> = table("cell.").collect();
+    all.extend(Body::all().iter().flat_map(Body::parameters));
+    all.extend(table("law."));
     all.extend(Shape::all().iter().flat_map(Shape::parameters));
     all.extend(Indenter::all().iter().flat_map(Indenter::parameters));
     all.extend(

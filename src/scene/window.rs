@@ -16,7 +16,7 @@ pub fn of_control(scene: &Scene, model: &Model) -> (f64, f64) {
 
 /// Ends of u0 (lower, upper; length) on the drive.
 pub fn of_u0(scene: &Scene, model: &Model) -> [f64; 2] {
-    let (control, law) = (scene.drive.control, &model.law);
+    let (control, law) = (scene.control(), &model.law);
     let (lower, upper) = of_control(scene, model);
     if !control.frees_mean() {
         return [lower, upper];
@@ -43,7 +43,7 @@ pub fn of_u0(scene: &Scene, model: &Model) -> [f64; 2] {
 /// The same scene with u0 driven over the window of u0.
 pub fn at_fixed_u0(scene: &Scene, model: &Model) -> Scene {
     let mut fixed = scene.clone();
-    if scene.drive.control.frees_mean() {
+    if scene.control().frees_mean() {
         let [lower, upper] = of_u0(scene, model);
         fixed.drive = Drive {
             control: Control::Displacement,

@@ -257,11 +257,11 @@ pub(super) fn tractions(law: &Law, fields: &Fields) -> f64 {
 }
 
 /// Upper bound of the Hessian's eigenvalues in the scaled amplitudes: the stiffest point met by the
-/// longest wave.
+/// softest wave.
 pub(super) fn stiffest(mechanics: &Mechanics, fields: &Fields) -> f64 {
     let largest = |x: &[f64]| x.iter().cloned().fold(0.0, f64::max);
     let stiffness = fields.stiffness.as_slice().map_or(0.0, largest);
-    ((stiffness + mechanics.system.grid().q1() / 2.0)
+    ((stiffness + mechanics.system.stiffness_unit() / 2.0)
         * largest(mechanics.preconditioner.diagonal()))
     .max(1.0)
 }

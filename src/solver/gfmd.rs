@@ -79,10 +79,10 @@ impl Gfmd {
     }
 }
 
-/// The largest stable time step, 2/sqrt((max gamma'' + q1 E*/2)/(k + q1 E*/2)), where the stiffest
-/// point has `stiffness_max` and the inertia is q E*/2 + `k`.
+/// The largest stable time step, 2/sqrt((max gamma'' + q1 E*/2)/(k + q1 E*/2)) of a half-space,
+/// where the stiffest point has `stiffness_max` and the inertia is q E*/2 + `k`.
 pub fn time_step_limit(system: &System, stiffness_max: f64, k: f64) -> f64 {
-    let elastic = system.grid().q1() / 2.0;
+    let elastic = system.stiffness_unit() / 2.0;
     2.0 / ((stiffness_max + elastic) / (k + elastic)).sqrt()
 }
 

@@ -20,8 +20,8 @@ use rand_pcg::Pcg64;
 
 /// Longest reach of the blocks: beyond it a look over all waves is cheaper than to factorise.
 const MOST_REACH: f64 = 16.0;
-/// Eigenvalues of a block below this, in units of q1, are looked at over all waves: the block is
-/// too stiff by 0.013 at the reach of Fig. 2.
+/// Eigenvalues of a block below this, over [`System::stiffness_unit`], are looked at over all waves:
+/// the block is too stiff by 0.013 at the reach of Fig. 2.
 const DOUBT: f64 = 0.1;
 /// How closely: residual over eigenvalue where the sign is asked, and in units of q1 where the
 /// place of the zero is. The error of the eigenvalue is the square of the residual over the
@@ -162,7 +162,7 @@ impl Index {
         let doubt = if reach == MOST_REACH {
             f64::INFINITY
         } else {
-            DOUBT * system.grid().q1()
+            DOUBT * system.stiffness_unit()
         };
         Self(Modes::Classes {
             classes: symmetry.classes(periods).into_iter().map(block).collect(),
@@ -348,13 +348,13 @@ impl ClassBlock {
     ) -> EigenPairs {
         let Self { block, all, .. } = self;
         let unfolding = self.unfolding.as_ref().expect("made with the cell");
-        let q1 = cell.system.grid().q1();
+        let unit = cell.system.stiffness_unit();
         let limits = EigenLimits {
             pairs: count,
             least: 1,
             most: ITERATIONS,
             relative,
-            absolute: absolute * q1,
+            absolute: absolute * unit,
         };
         let longer = |mode: Vec<f64>| {
             let mut padded = vec![0.0; all.size() - mode.len()];

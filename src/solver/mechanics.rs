@@ -58,7 +58,8 @@ pub enum Slides {
 const SHARE: f64 = 0.25;
 /// The same on the whole cell of uneven ground, most of which is out of contact.
 const SHARE_UNEVEN: f64 = 0.04;
-/// Sliding modes softer than this (E*/L) are free; the flat state's softest mode has pi where
+/// Sliding modes softer than this (E*/L, L the equivalent length of
+/// [`Body`](crate::physics::body::Body)) are free; the flat state's softest mode has pi where
 /// nothing attracts. With five times as much a line of 16 points at mu_rho = 0.75 shows one of its
 /// 18 jumps of the mesh too few.
 const PINNED: f64 = 0.02;
@@ -258,7 +259,7 @@ impl Mechanics {
             let mut image = vec![0.0; z.len()];
             basis.retain(|mode| {
                 self.hessian(fields, mode, &mut image);
-                (dot(mode, &image) * self.system.grid().length).abs() < PINNED
+                (dot(mode, &image) * self.system.equivalent_length()).abs() < PINNED
             });
         }
         basis

@@ -60,8 +60,8 @@ const CHANCE_SINGLE: f64 = 1e-3;
 /// more often refuted by the inexact value; a smaller one leaves less room for drift. From 0.5 to
 /// 0.8 a loop of Fig. 2 costs 116, 104 and 113 transforms a state.
 const PROVED: f64 = 0.65;
-/// Below this value, in units of q1, the sign alone is proved: no residual tells such values to a
-/// share of themselves.
+/// Below this value, over [`System::stiffness_unit`], the sign alone is proved: no residual tells
+/// such values to a share of themselves.
 const SIGN_ALONE: f64 = 5e-3;
 /// The share to which it may fall by drift before it is proved anew.
 const KEPT: f64 = 0.25;
@@ -76,7 +76,7 @@ const FINDS: usize = 12;
 /// for one found afresh.
 const TRACKED: f64 = 0.25;
 const AFRESH: f64 = 0.02;
-/// The same in units of q1, near an instability.
+/// The same over [`System::stiffness_unit`], near an instability.
 const NEAR_ZERO: f64 = 1e-4;
 /// How much better than that modes on the coarse mesh must be, so that the fine one finds them good
 /// enough.
@@ -299,7 +299,7 @@ impl Tracker {
             }
             let (before, soft) = (
                 place.mechanics.transforms(),
-                value < SIGN_ALONE * place.q1(),
+                value < SIGN_ALONE * place.unit(),
             );
             let sign_alone = soft || find + 2 >= FINDS;
             let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng);
@@ -378,9 +378,9 @@ fn shortened(coarse: &mut Mechanics, z: &[f64], fine: &Place<'_>) -> Evaluation 
 }
 
 impl Place<'_> {
-    /// Stiffness scale of the longest wave (E* per length).
-    fn q1(&self) -> f64 {
-        self.mechanics.system.grid().q1()
+    /// [`System::stiffness_unit`].
+    fn unit(&self) -> f64 {
+        self.mechanics.system.stiffness_unit()
     }
 
     fn cancelled(&self) -> bool {
@@ -389,7 +389,7 @@ impl Place<'_> {
 
     /// The error that a mode of this value may have.
     fn goal(&self, relative: f64, value: f64) -> f64 {
-        (relative * value.abs()).max(NEAR_ZERO * self.q1())
+        (relative * value.abs()).max(NEAR_ZERO * self.unit())
     }
 
     /// The softest modes, from the `known` ones of the state before or from random vectors.
@@ -425,7 +425,7 @@ impl Place<'_> {
             least,
             most,
             relative,
-            absolute: NEAR_ZERO * system.grid().q1(),
+            absolute: NEAR_ZERO * system.stiffness_unit(),
         };
         let precondition = |r: &[f64], out: &mut [f64]| {
             preconditioner.apply(r, out);
@@ -544,12 +544,13 @@ impl Place<'_> {
     }
 }
 
-/// A random real field of long waves, as amplitudes: every symmetry is in it.
+/// A random real field of soft waves, long ones of a half-space, as amplitudes: every symmetry is
+/// in it.
 pub fn random_smooth(system: &System, rng: &mut Pcg64) -> Vec<f64> {
-    let q1 = system.grid().q1();
+    let unit = system.stiffness_unit();
     let mut z = random_amplitudes(system, rng);
     for (z, e) in z.iter_mut().zip(system.elastic()) {
-        let waves = 2.0 * e / q1;
+        let waves = 2.0 * e / unit;
         *z *= (-0.3 * waves).exp();
     }
     z

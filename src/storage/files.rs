@@ -90,10 +90,21 @@ pub fn effect(path: &Path) -> Effect {
 /// A folder or file that cannot be written, that is read-only, or that is no file (a folder, a
 /// device, a pipe). What is there is then untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_by(path, |file| file.write_all(bytes))
+}
+
+/// The same of what `write` puts into the file, piece by piece.
+///
+/// # Errors
+/// As [`write_whole`], or what `write` says.
+pub fn write_by(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> io::Result<()>,
+) -> Result<(), Failure> {
     let _writing = WRITING.read();
     let target = target(path)?;
     let permissions = replaceable(path, &target)?;
-    replace(&target, bytes, permissions).map_err(|error| Failure::write(path, error))
+    replace(&target, write, permissions).map_err(|error| Failure::write(path, error))
 }
 
 /// The file that a path means, at the end of its links.
@@ -156,11 +167,15 @@ fn no_file(path: &Path, what: &str) -> Failure {
     )
 }
 
-fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> io::Result<()> {
+fn replace(
+    target: &Path,
+    write: impl FnOnce(&mut fs::File) -> io::Result<()>,
+    permissions: Option<fs::Permissions>,
+) -> io::Result<()> {
     let folder = folder_of(target);
     fs::create_dir_all(&folder)?;
-    let file = temporary(&folder)?;
-    file.as_file().write_all(bytes)?;
+    let mut file = temporary(&folder)?;
+    write(file.as_file_mut())?;
     if let Some(permissions) = permissions {
         // Some file systems have none.
         let _ = file.as_file().set_permissions(permissions);

@@ -1,7 +1,7 @@
 //! Floor 7: the only room that touches the file system.
 //!
 //! Scene files are read and written ([`scene_file`], [`presets`]), results exported ([`export`],
-//! [`summary`], [`picture`], [`drawing`], [`report`]). Every file is written whole or
+//! [`fields`], [`summary`], [`picture`], [`drawing`], [`report`]). Every file is written whole or
 //! not at all ([`files`]), and one folder holds one run ([`folder`]); everything that can go wrong
 //! is a [`Failure`], one sentence that names the file and says how to mend it. May use `paper` and
 //! all below it; computes nothing, opens no dialogs.
@@ -9,6 +9,7 @@
 pub mod drawing;
 pub mod export;
 mod failure;
+pub mod fields;
 pub mod files;
 pub mod folder;
 pub mod picture;

@@ -23,7 +23,7 @@ macro_rules! presets {
     };
 }
 
-presets! { "fig2" "fig3" "no-hysteresis" "coarse-mesh" "ridge-line" "hertz" "wavy" "rough" "soft-machine" }
+presets! { "fig2" "fig3" "no-hysteresis" "coarse-mesh" "ridge-line" "hertz" "wavy" "rough" "soft-machine" "thin-film" }
 
 /// Every preset, in the order of the menu.
 pub fn all() -> &'static [Preset] {
@@ -40,14 +40,29 @@ pub fn titled(title: &str) -> Option<&'static Preset> {
     ALL.iter().find(|preset| preset.title() == title)
 }
 
-/// The scene that a word of the command line means: a preset's name, or else the path of a scene
-/// file.
+/// The word of the command line for a scene that comes by standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// What a word of the command line is called in a refusal.
+pub fn place(word: &str) -> &str {
+    if word == STANDARD_INPUT {
+        "standard input"
+    } else {
+        word
+    }
+}
+
+/// The scene that a word of the command line means: a preset's name, `-` for standard input, or
+/// else the path of a scene file.
 ///
 /// # Errors
 /// A word that is neither or cannot be a path, or a file that is not an allowed scene.
 pub fn resolve(word: &str) -> Result<Scene, Failure> {
     if let Some(preset) = find(word) {
         return preset.scene();
+    }
+    if word == STANDARD_INPUT {
+        return scene_file::received(place(word), std::io::stdin().lock());
     }
     let path = files::typed(Path::new(word))?;
     if path.exists() {

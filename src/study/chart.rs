@@ -364,7 +364,7 @@ fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
     let mut atlas = Atlas::new(meshes);
     let start = scene.drive.start;
-    let cycle = match scene.drive.turn_of_u0() {
+    let cycle = match scene.turn_of_atlas() {
         Some(turn) => atlas.cycle(start, turn),
         None => Err(Unmapped::anywhere("there is no atlas of this drive")),
     };

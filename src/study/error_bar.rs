@@ -30,7 +30,7 @@ const WITHIN: f64 = 0.2;
 /// finer mesh cannot tell, or not in time. Where its jumps are not the same ones nothing can be
 /// promised: 1.
 pub fn error_bar(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Option<f64> {
-    let promised = flat_error(&model.law, model.grid.length, model.mu_rho) < 1.0;
+    let promised = flat_error(&model.body, &model.law, model.grid.length, model.mu_rho) < 1.0;
     let ledger = run
         .ledger(model.law.surface_energy)
         .filter(|ledger| !ledger.viscous)?;
@@ -73,7 +73,7 @@ fn finer_loops(scene: &Scene, model: &Model, cancel: &Cancel) -> Option<Vec<Vec<
 /// landings; `None` if it has none.
 pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> {
     let model = scene.model().ok()?;
-    let turn = scene.drive.turn_of_u0()?;
+    let turn = scene.turn_of_atlas()?;
     if model.grid.is_line() {
         return None;
     }

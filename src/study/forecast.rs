@@ -49,7 +49,7 @@ pub fn forecast(record: &LoopRecord, model: &Model) -> Option<Forecast> {
         1.0
     };
     if now.pattern == Pattern::Flat && model.indenter == Indenter::Flat {
-        let flat = FlatBranch::new(model.law, model.grid.length, record.control);
+        let flat = FlatBranch::new(model.law, model.equivalent_length, record.control);
         let (lower, upper) = flat.limits()?;
         let limit = if now.direction == Direction::Approach {
             upper

@@ -248,7 +248,7 @@ impl<'s> Ground<'s> {
     /// The state, or the one next to it on its branch that has room to the end.
     fn inside(self, state: Standing) -> Standing {
         let law = &self.model.law;
-        let room = BEFORE * self.scene.drive.control.unit(law);
+        let room = BEFORE * self.scene.control().unit(law);
         let moved = self.diagram.pieces(0).filter_map(|piece| {
             let [low, high] = piece.extent();
             if high - low < 2.0 * room {
@@ -281,7 +281,7 @@ impl<'s> Ground<'s> {
     /// The saddle of a piece at a value of the control, with both sides.
     fn saddle(self, piece: &Piece<'_>, control: f64) -> Result<Saddle, Lost> {
         let saddle = self.top(piece, control)?;
-        let driven = self.scene.drive.control;
+        let driven = self.scene.control();
         let mut mechanics = piece.branch.on_whole_cell(self.model, driven, self.cancel);
         let modes = negative_modes(&mut mechanics, &saddle)?;
         let [mode] = &modes[..] else {
@@ -395,7 +395,7 @@ impl<'s> Ground<'s> {
 
     /// The equilibrium of a piece at the `value` of the control, in the system so driven.
     fn top(self, piece: &Piece<'_>, value: f64) -> Result<Evaluation, Lost> {
-        let control = self.scene.drive.control;
+        let control = self.scene.control();
         let mut fixed = piece
             .branch
             .on_whole_cell(self.model, Control::Displacement, self.cancel);

@@ -4,11 +4,12 @@
 
 mod walked;
 
-use super::plan::rivals;
+use super::plan::{OF_HALF_SPACES, rivals};
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;
 use crate::numerics::cancel::Cancel;
+use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
@@ -140,7 +141,10 @@ impl LiveLoops {
         fineness: Fineness,
         is_stale: &dyn Fn() -> bool,
     ) -> Result<LiveLoop, Unmapped> {
-        if scene.drive.control.frees_mean() {
+        if model.body != Body::HalfSpace {
+            return Err(unmapped(OF_HALF_SPACES));
+        }
+        if scene.control().frees_mean() {
             let points = points_of(model, fineness)?;
             return walked::walked(scene, model, points, &self.cancel, is_stale);
         }
@@ -205,7 +209,7 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
-    let Some(turn) = scene.drive.turn_of_u0() else {
+    let Some(turn) = scene.turn_of_atlas() else {
         return Err(unmapped("the drive has no fixed turning point of u0"));
     };
     let points = points_of(model, fineness)?;
@@ -245,7 +249,7 @@ impl LiveLoop {
             jumps: Vec::new(),
             dissipated_energy: 0.0,
             rivals: Vec::new(),
-            predicted_error: mesh::flat_error(law, length, mu_rho),
+            predicted_error: mesh::flat_error(&Body::HalfSpace, law, length, mu_rho),
             points,
             strategy,
         }

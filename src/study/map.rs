@@ -276,11 +276,9 @@ fn found(
     cancel: &Cancel,
 ) -> Result<Found, String> {
     let mut wider = scene.clone();
-    let limits = flat::limits(&model.law, model.grid.length);
+    let limits = flat::limits(&model.law, model.equivalent_length);
     let on_flat_ground = model.indenter == Indenter::Flat;
-    if let (Some(turn), Some((lower, upper)), true) =
-        (scene.drive.turn_of_u0(), limits, on_flat_ground)
-    {
+    if let (Some(turn), Some((lower, upper)), true) = (scene.turn_of_u0(), limits, on_flat_ground) {
         // A Mie law has no gap at or below zero.
         let deep = (lower - DEEPER * model.law.range).max(DEEPEST * lower);
         wider.drive.turn = Turn::At(turn.min(deep));

@@ -8,6 +8,7 @@ use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Report, RivalLoop, run_loop, walked_after_all};
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
+use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::parameter::Refusal;
@@ -34,6 +35,9 @@ pub struct Plan {
 /// Why a drive has no atlas.
 const NOT_OF_U0: &str = "the atlas holds drives of u0 to a fixed turning point";
 
+/// Why a layer has none.
+pub(super) const OF_HALF_SPACES: &str = "the atlas holds the patterns of a half-space";
+
 /// Largest mu_rho at which a tip may be left to its even quarter.
 const EVEN_TIP: f64 = 0.9;
 
@@ -48,9 +52,11 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
         format!("whole cell of {n} x {n} points")
     };
     let (no_atlas, obstacle) = (no_atlas(scene, model), obstacle(scene, model));
-    let one_crest = model.indenter.ground().has_one_crest() && !model.grid.is_line();
+    let one_crest = model.body == Body::HalfSpace
+        && model.indenter.ground().has_one_crest()
+        && !model.grid.is_line();
     let mesh = if flat {
-        flat_error(&model.law, model.grid.length, model.mu_rho)
+        flat_error(&model.body, &model.law, model.grid.length, model.mu_rho)
     } else {
         f64::NAN
     };
@@ -138,13 +144,15 @@ pub fn refusal(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Option<
 /// Why the scene has no atlas; `None` if it can have one, wise or not.
 fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
     let n = model.grid.nx;
-    if model.indenter != Indenter::Flat {
+    if model.body != Body::HalfSpace {
+        Some(OF_HALF_SPACES.to_owned())
+    } else if model.indenter != Indenter::Flat {
         Some("uneven ground has no branches of known symmetry".to_owned())
     } else if model.grid.is_line() {
         Some("a line cell is small enough as it is".to_owned())
     } else if let Some(reason) = no_quarter(n) {
         Some(reason)
-    } else if scene.drive.turn_of_u0().is_none() {
+    } else if scene.turn_of_atlas().is_none() {
         Some(NOT_OF_U0.to_owned())
     } else {
         None
@@ -198,7 +206,7 @@ pub fn run_planned(
 
 /// The loops of other landings of a contested one.
 fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> Vec<RivalLoop> {
-    let Some(turn) = scene.drive.turn_of_u0() else {
+    let Some(turn) = scene.turn_of_atlas() else {
         return Vec::new();
     };
     if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
@@ -254,7 +262,7 @@ fn run_as_planned(
     }
     let model = scene.model()?;
     let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, model.grid.nx));
-    let toured = match scene.drive.turn_of_u0() {
+    let toured = match scene.turn_of_atlas() {
         Some(turn) => atlas.tour(scene, turn, &model, cancel, observe),
         None => Err(Unmapped::anywhere(NOT_OF_U0)),
     };

@@ -251,7 +251,7 @@ impl App {
                 state.messages.notice =
                     Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
-            Action::PasteScene(text) => match scene_file::pasted(&text) {
+            Action::PasteScene(text) => match scene_file::received("clipboard", text.as_bytes()) {
                 Ok(scene) => state.open_scene(scene),
                 Err(failure) => state
                     .messages

@@ -7,6 +7,7 @@ use super::view_state::ViewState;
 use super::widgets::{SEED_MAX, card, field, labelled, named, number, own, whole};
 use super::{machine, sliders, theme};
 use crate::follow::record::Direction;
+use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
 use crate::scene::edit::{self, Follows};
@@ -209,6 +210,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     law(ui, state, actions);
     drive(ui, state, actions);
+    elastic_body(ui, state, actions);
     counter_surface(ui, state, actions);
     accuracy_and_seed(ui, state, actions);
     models(ui, state, actions);
@@ -318,28 +320,47 @@ fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
-/// The rigid counter-surface: the choice, and below it what only this ground has.
-fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let (scene, model) = (&state.scene, &state.model);
-    labelled(ui, "Ground", |ui| {
-        let combo = ComboBox::from_id_salt("ground")
+/// Which of the `names` of a kind of thing is chosen, if not the present one again.
+fn chosen(ui: &mut Ui, what: &str, present: &str, names: &[&str]) -> Option<usize> {
+    let mut asked = None;
+    labelled(ui, what, |ui| {
+        let combo = ComboBox::from_id_salt(what)
             .width(84.0)
-            .selected_text(model.indenter.ground().name())
+            .selected_text(present)
             .show_ui(ui, |ui| {
-                for indenter in Indenter::all() {
-                    let same = indenter.word() == model.indenter.word();
-                    if ui
-                        .selectable_label(same, indenter.ground().name())
-                        .clicked()
-                        && !same
-                    {
-                        let indenter = indenter.ground().suited(&model.law, &model.grid);
-                        actions.push(Action::edit(edit::with_ground(scene, model, indenter)));
+                for (i, name) in names.iter().enumerate() {
+                    let same = *name == present;
+                    if ui.selectable_label(same, *name).clicked() && !same {
+                        asked = Some(i);
                     }
                 }
             });
         combo.response
     });
+    asked
+}
+
+/// The elastic body: the choice, and below it what only this body has.
+fn elastic_body(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let (body, all) = (scene.body, Body::all());
+    let names: Vec<_> = all.iter().map(|body| body.elastic().name()).collect();
+    let asked = chosen(ui, "Body", body.elastic().name(), &names)
+        .map(|i| all[i].elastic().suited(&model.grid));
+    let edited = own(ui, body.parameters(), &body.values(), state.rho());
+    if let Some(body) = asked.or(edited.map(|values| body.with(&values))) {
+        actions.push(Action::edit(edit::with_body(scene, model, body)));
+    }
+}
+
+/// The rigid counter-surface: the choice, and below it what only this ground has.
+fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model, all) = (&state.scene, &state.model, Indenter::all());
+    let names: Vec<_> = all.iter().map(|ground| ground.ground().name()).collect();
+    if let Some(i) = chosen(ui, "Ground", model.indenter.ground().name(), &names) {
+        let indenter = all[i].ground().suited(&model.law, &model.grid);
+        actions.push(Action::edit(edit::with_ground(scene, model, indenter)));
+    }
     if let Some(values) = own(
         ui,
         scene.indenter.parameters(),

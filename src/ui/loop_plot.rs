@@ -302,7 +302,7 @@ const WIDEST: f64 = 0.1;
 /// Where the next jump is to be expected: a band, or a line where it is known exactly. Under a
 /// spring it is known of the stage, and the plot is of u0.
 fn next_jump(state: &ViewState, panel: &mut Panel) {
-    if state.scene.drive.control.frees_mean() {
+    if state.scene.control().frees_mean() {
         return;
     }
     let Some(Forecast { nearest, farthest }) = forecast(&state.run.record, &state.model) else {

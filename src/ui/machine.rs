@@ -12,7 +12,7 @@ use crate::scene::parameter;
 use egui::{Painter, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 use std::f64::consts::PI;
 
-/// Stiffness of a spring that is chosen anew, over that of the longest wave of the body: soft
+/// Stiffness of a spring that is chosen anew, over that of the softest wave of the body: soft
 /// enough that patterns are skipped.
 const SOFT: f64 = 3.0;
 
@@ -32,12 +32,12 @@ pub struct Told {
 /// In what the control of this scene is told.
 pub fn told(state: &ViewState) -> Told {
     let law = &state.model.law;
-    let (name, symbol) = match state.scene.drive.control {
+    let (name, symbol) = match state.scene.control() {
         Control::Displacement => ("Mean displacement", "u₀"),
         Control::Spring { .. } => ("Stage", "w"),
         Control::Load => ("Load", "F"),
     };
-    let (suffix, unit) = if state.scene.drive.control == Control::Load {
+    let (suffix, unit) = if state.scene.control() == Control::Load {
         (" σₘₐₓ", law.traction_max())
     } else {
         (" ρ", law.range)
@@ -54,11 +54,12 @@ pub fn told(state: &ViewState) -> Told {
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
     let present = scene.drive.control;
+    let wave = PI / model.equivalent_length;
     let mut asked = None;
     let width = (ui.available_width() - 12.0) / 3.0;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for kind in Control::all(SOFT * PI / model.grid.length) {
+        for kind in Control::all(SOFT * wave) {
             let (name, what) = match kind {
                 Control::Displacement => ("stiff", "the mean displacement is driven"),
                 Control::Spring { .. } => ("spring", "a stage pulls through a spring"),
@@ -79,9 +80,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         let range = 1e-9..=1e9;
         let wanted = number(ui, &parameter::STIFFNESS, stiffness, range, "");
         asked = asked.or(wanted.map(|stiffness| Control::Spring { stiffness }));
-        let wave = PI / model.grid.length;
-        ui.small(if stiffness < wave {
-            "Softer than the body's longest wave: it snaps as one block."
+        ui.small(if scene.control().stiffness() < wave {
+            "Softer than the body's softest wave: it snaps as one block."
         } else {
             "The spring's line in the plot touches the curve where it snaps."
         });
@@ -147,7 +147,7 @@ fn sketch(kind: Control, painter: &Painter, rect: Rect, palette: &Palette) {
 /// What the machine allows at the present value of the control: stress = k (w - u0) under a spring,
 /// stress = F under a load; from one side of the plot to the other.
 pub fn line(state: &ViewState, [left, right]: [f64; 2]) -> Option<Series> {
-    let (control, law) = (state.scene.drive.control, &state.model.law);
+    let (control, law) = (state.scene.control(), &state.model.law);
     let value = state.run.state.as_ref()?.control;
     let stress = |u0: f64| match control {
         Control::Displacement => None,

@@ -108,11 +108,11 @@ impl ViewState {
     pub fn new(scene: Scene) -> Result<Self, Refusal> {
         let model = scene.model()?;
         let limits = window::of_control(&scene, &model);
-        let drive = scene.drive;
+        let run = RunView::new(1, &scene, limits.1);
         Ok(Self {
             plots: Plots::new(flat_state(
                 &model,
-                drive.control,
+                scene.control(),
                 window::of_u0(&scene, &model),
             )),
             scene: Arc::new(scene),
@@ -124,7 +124,7 @@ impl ViewState {
             limits,
             target: limits.1,
             last_sweep: Sweep::Loop,
-            run: RunView::new(1, &drive, limits.1),
+            run,
             frame: None,
             wants_branches: false,
             messages: Messages {
@@ -187,7 +187,7 @@ impl ViewState {
         self.plots.beneath.clear();
         self.plots.branches = None;
         let ends = window::of_u0(&scene, &model);
-        self.plots.flat_state = flat_state(&model, scene.drive.control, ends);
+        self.plots.flat_state = flat_state(&model, scene.control(), ends);
         self.scene = Arc::new(scene);
         self.model = model;
         self.messages.failure = None;
@@ -258,7 +258,7 @@ impl ViewState {
 
     /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
-        self.run = RunView::new(self.run.id + 1, &self.scene.drive, self.target);
+        self.run = RunView::new(self.run.id + 1, &self.scene, self.target);
         self.measurement.request();
         self.messages.notice = None;
     }

@@ -242,7 +242,7 @@ impl Session {
             // A loop is only closed if it begins at the start of the drive, with the scene's own
             // seed.
             self.walk = setup.walk(cancel).ok();
-            self.record = LoopRecord::of(setup.scene.drive.control);
+            self.record = LoopRecord::of(setup.scene.control());
             sink(Event::LoopStarted);
             if let Some(walk) = &mut self.walk {
                 self.record.states.push(walk.record().clone());

@@ -9,6 +9,7 @@ mod diagram_control;
 mod dissipation;
 mod invariance;
 mod landings;
+mod layer;
 mod ledger;
 #[path = "../shared/loops.rs"]
 mod loops;

@@ -6,6 +6,7 @@ mod griffith;
 mod hertz;
 mod jkr;
 mod laws;
+mod layer;
 mod mechanics;
 mod mesh_rule;
 mod numerics;

@@ -3,6 +3,7 @@
 
 mod binary;
 mod command_line;
+mod data;
 mod files;
 mod floors;
 mod hostile_scenes;

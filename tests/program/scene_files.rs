@@ -2,6 +2,7 @@
 //! panic.
 
 use proptest::prelude::*;
+use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
@@ -51,7 +52,8 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             "hertz",
             "wavy",
             "rough",
-            "soft-machine"
+            "soft-machine",
+            "thin-film"
         ]
     );
     for preset in presets::all() {
@@ -104,8 +106,8 @@ fn what_may_be_left_out_has_its_default() {
                 drive = { start = 4, turn = 1, step = 0.1 }\n";
     let scene = scene_file::parse(text, NAME).expect("allowed");
     assert_eq!(
-        (scene.indenter, scene.accuracy, scene.seed),
-        (Indenter::Flat, 0.01, 1)
+        (scene.body, scene.indenter, scene.accuracy, scene.seed),
+        (Body::HalfSpace, Indenter::Flat, 0.01, 1)
     );
     assert_eq!(
         (scene.title.as_str(), scene.source.as_str()),
@@ -123,7 +125,7 @@ fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
     );
     says(
         &refusal("[noise]", "[nose]"),
-        &["nose", "did you mean noise", "cell, law, indenter"],
+        &["nose", "did you mean noise", "cell, body, law, indenter"],
     );
     says(
         &refusal("range = 1.0", "range = 1.0\nm = 8.0"),
@@ -290,6 +292,47 @@ fn wavy_and_rough_ground_are_read() {
     assert_eq!(
         with(&ROUGH.replace("\nseed = 3", "")),
         Indenter::Rough(Rough { seed: 1, ..rough })
+    );
+}
+
+#[test]
+fn a_layer_has_its_own_keys_and_limits() {
+    let body = |keys: &str| refusal("[law]", &format!("[body]\n{keys}\n[law]"));
+    let layer = |keys: &str| body(&format!("kind = \"layer\"\n{keys}"));
+    for thickness in ["0", "-3"] {
+        says(
+            &layer(&format!("thickness = {thickness}\npoisson = 0.3")),
+            &[
+                &format!("body.thickness = {thickness}"),
+                "allowed is a finite number above 0",
+            ],
+        );
+    }
+    for poisson in ["-1", "0.51", "1"] {
+        says(
+            &layer(&format!("thickness = 3\npoisson = {poisson}")),
+            &[
+                &format!("body.poisson = {poisson}"),
+                "allowed is a number above -1, at most 0.5",
+            ],
+        );
+    }
+    says(
+        &layer("thickness = 1e-3\npoisson = 0.5"),
+        &[
+            "body.thickness = 0.001",
+            "at least 1e-5 of cell.length = 256",
+        ],
+    );
+    says(&layer("poisson = 0.5"), &["body.thickness is missing"]);
+    says(&layer("thickness = 3"), &["body.poisson is missing"]);
+    says(
+        &body("kind = \"half_space\"\nthickness = 3"),
+        &["body.thickness", "kind"],
+    );
+    says(
+        &body("kind = \"shell\""),
+        &["body.kind = \"shell\"", "half_space", "layer"],
     );
 }
 
@@ -509,6 +552,14 @@ fn grounds() -> impl Strategy<Value = Indenter> {
     ]
 }
 
+fn bodies() -> impl Strategy<Value = Body> {
+    let layer = |(thickness, poisson)| Body::Layer(Layer { thickness, poisson });
+    prop_oneof![
+        Just(Body::HalfSpace),
+        (0.1..1e4, -0.99..=0.5).prop_map(layer)
+    ]
+}
+
 fn controls() -> impl Strategy<Value = Control> {
     (1e-6..1e6).prop_flat_map(|stiffness| prop::sample::select(Control::all(stiffness).to_vec()))
 }
@@ -517,12 +568,12 @@ prop_compose! {
     fn scenes()(
         title in any::<String>(), source in "\\PC*", length in 50.0..500.0, (points, range) in meshes(), shape in shapes(),
         surface_energy in 0.01..0.5, indenter in grounds(), turn in prop::option::of(1e-6..3.0),
-        control in controls(), drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
+        control in controls(), body in bodies(), drop in 0.1..9.0, steps in 1.0..1e5, accuracy in 0.05..0.9, seed in 0..=i64::MAX as u64,
     ) -> Scene {
         let turn = if indenter == Indenter::Flat { Turn::At(turn.unwrap_or(0.5)) } else { turn.map_or(Turn::ZeroLoad, Turn::At) };
         let bottom = if let Turn::At(turn) = turn { turn } else { 0.0 };
         Scene {
-            title, source, cell: Cell { length, points }, law: LawChoice { shape, surface_energy, range }, indenter,
+            title, source, cell: Cell { length, points }, body, law: LawChoice { shape, surface_energy, range }, indenter,
             drive: Drive { control, start: bottom + drop, turn, step: drop / steps }, accuracy, seed,
         }
     }
@@ -697,6 +748,13 @@ fn giving(parameter: &Parameter) -> (String, String) {
             text = replaced(text, "kind = \"flat\"", ROUGH);
             line = "seed = 3".to_owned();
         }
+        "body.thickness" | "body.poisson" => {
+            text = replaced(
+                text,
+                "[law]",
+                "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
+            );
+        }
         key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
         _ => {}
     }
@@ -785,12 +843,19 @@ fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
 }
 
 #[test]
-fn every_law_and_every_ground_of_the_pickers_opens_from_its_file() {
+fn every_body_law_and_ground_of_the_pickers_opens_from_its_file() {
     let scene = presets::find("fig2")
         .expect("built in")
         .scene()
         .expect("allowed");
     let model = scene.model().expect("allowed");
+    for body in Body::all() {
+        let body = body.elastic().suited(&model.grid);
+        let edited = edit::with_body(&scene, &model, body);
+        let text = scene_file::to_text(&edited);
+        assert!(text.contains(body.word()), "{text}");
+        assert_eq!(scene_file::parse(&text, NAME), Ok(edited));
+    }
     for shape in Shape::all() {
         for ground in Indenter::all() {
             let indenter = ground.ground().suited(&model.law, &model.grid);

@@ -3,6 +3,7 @@
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
+use tackscope::physics::body::Body;
 use tackscope::physics::indenter::Indenter;
 use tackscope::physics::law::{Law, Shape};
 use tackscope::physics::theory::flat;
@@ -51,6 +52,7 @@ pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
         title: String::new(),
         source: String::new(),
         cell: Cell { length, points },
+        body: Body::HalfSpace,
         law: LawChoice {
             shape,
             surface_energy: law.surface_energy,

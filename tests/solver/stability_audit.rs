@@ -16,6 +16,7 @@ use tackscope::follow::record::StateRecord;
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::vector::dot;
+use tackscope::physics::body::Body;
 use tackscope::physics::indenter::{Hertz, Indenter, Rough, Wave};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::scene::part::Part;
@@ -159,6 +160,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
         title: "random".to_owned(),
         source: String::new(),
         cell: Cell { length, points },
+        body: Body::HalfSpace,
         law: LawChoice {
             shape,
             surface_energy: unit.surface_energy,

@@ -2,6 +2,7 @@
 
 use super::bench::Bench;
 use egui_kittest::kittest::Queryable;
+use tackscope::physics::body::{Body, Layer};
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::worker::protocol::{Command, Event};
 
@@ -71,4 +72,30 @@ fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
         names.contains("whole cell 64 × 64, expected error"),
         "{names}"
     );
+}
+
+#[test]
+fn the_body_becomes_a_layer_by_its_list_and_its_numbers_are_edited_like_those_of_a_law() {
+    let mut bench = Bench::new();
+    bench.click("Advanced");
+    assert!(!bench.names().contains("Poisson"));
+    fn list(bench: &Bench) -> egui_kittest::Node<'_> {
+        bench
+            .window
+            .get_by_role_and_label(egui::Role::ComboBox, "Body")
+    }
+    list(&bench).scroll_to_me();
+    bench.settle();
+    list(&bench).click();
+    bench.settle();
+    bench.click("layer");
+    let thickness = bench.state().model.grid.length / 8.0;
+    let layer = |poisson| Body::Layer(Layer { thickness, poisson });
+    assert_eq!(bench.state().scene.body, layer(0.5));
+    bench.enter("Poisson's ratio ν", "0.3");
+    assert_eq!(bench.state().scene.body, layer(0.3));
+    let scene = bench.scenes().pop().expect("a new run");
+    assert_eq!(scene.body, layer(0.3));
+    // The plate is driven, and pulls at the surface through the layer.
+    assert!(bench.names().contains("stage w"), "{}", bench.names());
 }

@@ -3,10 +3,6 @@
 
 use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
 use crate::numerics::vector::{add, norm, scale};
-use crate::physics::control::Control;
-use crate::physics::grid::Grid;
-use crate::physics::indenter::Indenter;
-use crate::physics::law::Law;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};
 use crate::solver::mechanics::{Mechanics, Slides};
@@ -51,10 +47,8 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// On n x n points of the whole cell, driven by this control.
-    pub fn new(length: f64, n: usize, law: Law, control: Control) -> Self {
-        let system =
-            System::even(Grid::square(length, n), law, &Indenter::Flat).with_control(control);
+    /// Of an even square `system` on flat ground.
+    pub fn new(system: System) -> Self {
         Self {
             mechanics: Mechanics::new(system, Slides::Never),
         }

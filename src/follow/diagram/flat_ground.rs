@@ -44,7 +44,7 @@ fn tracer(
     control: Control,
     cancel: &Cancel,
 ) -> Tracer {
-    let system = System::even(grid, model.law, &Indenter::Flat);
+    let system = System::even(grid, model.law, &Indenter::Flat).with_body(model.body);
     let class = match symmetry {
         Symmetry::Square => Class::Symmetric,
         _ => Class::Even,
@@ -70,9 +70,14 @@ pub(super) fn fill(
 ) {
     let (length, control) = (model.grid.length, diagram.control);
     diagram.branches.push(flat_state(scene, model, control));
-    let Some(limits) = flat::limits(&model.law, length) else {
+    let Some(limits) = flat::limits(&model.law, model.equivalent_length) else {
         return;
     };
+    if !model.body.is_softest_at_its_longest(&model.grid) {
+        let what = "patterns of a layer whose softest wave is not the longest of the cell";
+        diagram.missing.push(what.to_owned());
+        return;
+    }
     // The quarter of the cell has an even number of points along a side.
     let n = model.grid.nx.next_multiple_of(8);
     let meshes = Meshes::new(&model.law, length, n);
@@ -112,7 +117,7 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
         Turn::ZeroLoad => (scene.drive.start, law.equilibrium_gap()),
     };
     // Waves that can soften and that the mesh has, by the square of their number of periods, with
-    // how many there are of each.
+    // how many there are of each. A layer is stiffer to each than a half-space.
     let softest = (length / flat::critical_length(&law)).floor() as i64;
     let most = softest.min(model.grid.nx as i64 / 2);
     let across = if model.grid.is_line() { 0 } else { most };
@@ -124,28 +129,22 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
             }
         }
     }
-    let periods = |square: &i64| (*square as f64).sqrt();
-    let up_to: Vec<(f64, usize)> = waves
-        .iter()
-        .scan(0, |sum, (square, many)| {
-            *sum += many;
-            Some((periods(square), *sum))
-        })
-        .collect();
+    let equivalent = |(square, many): (i64, usize)| {
+        let periods = (square as f64).sqrt();
+        (model.body.equivalent(&model.grid, periods), many)
+    };
+    let waves: Vec<(f64, usize)> = waves.into_iter().map(equivalent).collect();
     let index = |u0: f64| {
         let stiffness = law.at(u0).stiffness;
-        let soft = -stiffness * length / PI;
-        let block = usize::from(control.softens([1.0, stiffness]));
-        match up_to.partition_point(|(periods, _)| *periods < soft) {
-            0 => block,
-            longer => block + up_to[longer - 1].1,
-        }
+        let soft = waves.iter().filter(|(length, _)| -length * stiffness > PI);
+        let soft: usize = soft.map(|(_, many)| many).sum();
+        soft + usize::from(control.softens([1.0, stiffness]))
     };
     let both = |(low, high): (f64, f64), kind| [(low, kind), (high, kind)];
     let folds = flat::limits(&law, PI / control.stiffness());
     let mut places: Vec<(f64, Kind)> = waves
-        .keys()
-        .filter_map(|square| flat::limits(&law, length / periods(square)))
+        .iter()
+        .filter_map(|(length, _)| flat::limits(&law, *length))
         .flat_map(|limits| both(limits, Kind::Bifurcation))
         .chain(
             folds

@@ -15,6 +15,7 @@ use crate::scene::part::Part;
 use crate::scene::{Scene, Turn};
 use crate::solver::continuation::Knot;
 use crate::solver::index::Index;
+use crate::solver::mechanics::Mechanics;
 
 /// Most branches that are followed: rough ground has as many as its crests can be in contact in
 /// different orders.
@@ -37,12 +38,22 @@ pub(super) fn fill(
         diagram.missing.push(what);
         return Ok(());
     }
-    let mechanics = walk.mechanics().clone();
+    let mut mechanics = walk.mechanics().clone();
+    let mut state = walk.here().state.clone();
+    if walk.control().frees_mean() {
+        // The plate of a layer was driven: the same surface is in equilibrium at its own u0.
+        let (system, slides) = (mechanics.system.clone(), mechanics.slides);
+        mechanics = Mechanics::new(system.with_control(Control::Displacement), slides);
+        state.amplitudes[0] = 0.0;
+        state = mechanics
+            .at(state.amplitudes, state.mean_displacement)
+            .state;
+    }
     let index = Index::of_cell(&mechanics.system, slides_on(walk.model()), scene.seed);
     let mut down = vec![0.0; mechanics.system.dimension()];
     down[0] = -1.0;
     let first = Knot {
-        state: walk.here().state.clone(),
+        state,
         tangent: down,
         stress_rate: f64::NAN,
         arc: 0.0,

@@ -7,7 +7,9 @@ use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
 use crate::numerics::vector::norm;
 use crate::physics::control::Control;
+use crate::physics::indenter::Indenter;
 use crate::physics::pattern::Pattern;
+use crate::physics::system::System;
 use crate::physics::theory::flat;
 use crate::scene::part::no_quarter;
 use crate::solver::Lost;
@@ -81,7 +83,7 @@ impl Walk {
             return f64::INFINITY;
         }
         let law = self.mechanics.system.law();
-        let Some((_, upper)) = flat::limits(law, self.model.grid.length) else {
+        let Some((_, upper)) = flat::limits(law, self.model.equivalent_length) else {
             return f64::INFINITY;
         };
         let free = self
@@ -242,14 +244,20 @@ impl Walk {
     }
 
     /// Where each mixture of the soft waves leads from the flat state at `u0`, looked at on the
-    /// even quarter; empty where there is but one wave, or no such cell.
+    /// even quarter; empty where there is but one wave, or no such cell, or where they are not the
+    /// first waves along x and y.
     fn landings_from_flat(&mut self, u0: f64) -> Vec<Pattern> {
         let grid = *self.mechanics.system.grid();
-        if grid.is_line() || no_quarter(grid.nx).is_some() {
+        let first = self.model.body.is_softest_at_its_longest(&grid);
+        if grid.is_line() || no_quarter(grid.nx).is_some() || !first {
             return Vec::new();
         }
         let law = *self.mechanics.system.law();
-        let mut explorer = Explorer::new(grid.length, grid.nx, law, self.control());
+        let mut explorer = Explorer::new(
+            System::even(grid, law, &Indenter::Flat)
+                .with_body(self.model.body)
+                .with_control(self.control()),
+        );
         explorer.mechanics.cancel = self.mechanics.cancel.clone();
         let landings = explorer.off_flat(u0).iter().map(Rest::pattern).collect();
         self.spent.looked += explorer.mechanics.transforms();
@@ -272,12 +280,13 @@ impl Walk {
         }
     }
 
-    /// All first waves of the cell go soft together; the seed mixes them.
+    /// All waves of one length go soft together, the first of a half-space's cell; the seed mixes
+    /// them.
     pub(super) fn random_soft_wave(&mut self) -> Vec<f64> {
-        let q1 = self.mechanics.system.grid().q1();
+        let softest = self.mechanics.system.stiffness_unit();
         let mut z = random_smooth(&self.mechanics.system, &mut self.rng);
         for (z, e) in z.iter_mut().zip(self.mechanics.system.elastic()) {
-            if 2.0 * e > 1.1 * q1 {
+            if 2.0 * e > 1.1 * softest {
                 *z = 0.0;
             }
         }

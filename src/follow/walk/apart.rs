@@ -14,14 +14,14 @@ use std::f64::consts::PI;
 /// The flat body on the stop under the load `control`. Two transforms.
 pub(super) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
     let system = &mechanics.system;
-    let (law, length) = (*system.law(), system.grid().length);
+    let (law, length) = (*system.law(), system.equivalent_length());
     let mut z = vec![0.0; system.dimension()];
     z[0] = Control::stop(&law);
     let mut at = mechanics.at(z, control);
     // What is left of the load the stop bears.
     at.gradient[0] = 0.0;
     let residual = mechanics.residual(&at);
-    // The stop holds the mean; the longest wave is softened by no more than this.
+    // The stop holds the mean; the softest wave is softened by no more than this.
     let softest = at.fields.stiffness.fold(0.0, |least: f64, s| least.min(*s));
     let mut state = Equilibrium::unmeasured(at, residual, Stop::Stable, Cost::default());
     let stiffness = Stiffness {

@@ -30,8 +30,8 @@ const SLICE: usize = 6;
 /// and uneven ground folds have 0.01 and more, and broken symmetries, which mesh and tolerance
 /// leave inexact, up to 4e-5.
 const UNPUSHED: f64 = 1e-3;
-/// Stiffness of what the control pushes, in units of q1, below which it gives way: at those folds
-/// it is 0.02 at most, elsewhere 0.18 and more.
+/// Stiffness of what the control pushes, over twice that of the softest wave, below which it gives
+/// way: at those folds it is 0.02 at most, elsewhere 0.18 and more.
 const SOFT: f64 = 0.05;
 /// How often an unstable landing may be kicked on before the walk gives up.
 const KICKS: usize = 8;
@@ -118,7 +118,7 @@ impl Walk {
             .solve_linear(&here.fields, &push, &removed, limits)
             .x;
         let stiffness = dot(&moved, &push) / dot(&moved, &moved);
-        if stiffness < SOFT * mechanics.system.grid().q1() {
+        if stiffness < SOFT * mechanics.system.stiffness_unit() {
             Cause::Fold
         } else {
             Cause::SymmetryBreaking

@@ -153,7 +153,7 @@ impl Walk {
     pub(super) fn note_transition(&self, now: Pattern, observe: &mut dyn FnMut(Observed)) {
         let Some(flat) = self.flat else { return };
         let (a, b, law) = (&self.record, &self.here.state, &self.model.law);
-        let Some(limits) = flat::limits(law, self.model.grid.length) else {
+        let Some(limits) = flat::limits(law, self.model.equivalent_length) else {
             return;
         };
         let (low, high) = (

@@ -186,7 +186,8 @@ pub(super) fn with_coarse(
     } else {
         System::new
     };
-    tracker.with_coarse(Mechanics::new(make(coarse, *law, &Indenter::Flat), *slides))
+    let coarse = make(coarse, *law, &Indenter::Flat).with_body(system.body());
+    tracker.with_coarse(Mechanics::new(coarse, *slides))
 }
 
 /// Whether patterns slide on the whole cell of `model`.

@@ -15,7 +15,7 @@ impl Walk {
     }
 
     /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest
-    /// eigenvalue, or of the flat state one of its equal longest waves. `None` while jumping or not
+    /// eigenvalue, or of the flat state one of its equal softest waves. `None` while jumping or not
     /// measured. One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
         let mode = self.soft_amplitudes()?;
@@ -32,14 +32,7 @@ impl Walk {
         }
         let mut mode = self.here.soft_mode.clone();
         if self.here.is_uniform() && self.mechanics.system.is_flat() {
-            mode = vec![0.0; self.mechanics.system.dimension()];
-            // The first wave along x: a pair of amplitudes, or one on the even part of the cell.
-            let row = self.mechanics.system.shape().0;
-            mode[if self.mechanics.system.is_even() {
-                row
-            } else {
-                2 * row
-            }] = 1.0;
+            mode = self.mechanics.system.softest_wave();
         }
         if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
             scale(&mut mode, -1.0);

@@ -19,8 +19,9 @@ pub fn critical_length(law: &Law) -> f64 {
     PI / law.softening_max()
 }
 
-/// The (lower, upper) gaps between which the flat state of a cell of side `length` is unstable: pi
-/// E*/L + gamma'' = 0.
+/// The (lower, upper) gaps between which the flat state of a half-space in a cell of side `length`
+/// is unstable: pi E*/L + gamma'' = 0. That of a layer is in a cell of its equivalent length
+/// ([`Body::equivalent_length`](crate::physics::body::Body::equivalent_length)).
 ///
 /// Upper is met on approach, lower on retraction; for Morse they are Eq. 8. `None` where the cell
 /// is too small to become unstable, L <= L_c ([`critical_length`]). Exact to rounding, of which the

@@ -10,6 +10,7 @@ use crate::physics::control::Control;
 use crate::physics::parameter::{Parameter, Refusal, Value as Own};
 use crate::scene::parameter;
 use crate::scene::{Points, Range, Scene, Turn};
+use std::io::Read;
 use std::path::Path;
 use toml::Value;
 
@@ -29,19 +30,16 @@ pub fn load(path: &Path) -> Result<Scene, Failure> {
     scene_of(path, files::read_bytes(path, BYTES_MAX)?)
 }
 
-/// The scene in a text from the clipboard.
+/// The scene in a text that comes from a `source`, as the clipboard or standard input.
 ///
 /// # Errors
-/// What is too long, or no allowed scene.
-pub fn pasted(text: &str) -> Result<Scene, Failure> {
-    scene_of(
-        Path::new("clipboard"),
-        text.as_bytes()
-            .iter()
-            .take(BYTES_MAX as usize + 1)
-            .copied()
-            .collect(),
-    )
+/// What cannot be read, is too long, or no allowed scene.
+pub fn received(source: &str, text: impl Read) -> Result<Scene, Failure> {
+    let (path, mut bytes) = (Path::new(source), Vec::new());
+    let read = text.take(BYTES_MAX + 1).read_to_end(&mut bytes);
+    let remedy = "send the text of a scene file";
+    read.map_err(|error| Failure::unreadable(path, &error.to_string(), remedy))?;
+    scene_of(path, bytes)
 }
 
 /// The scene of a file that has been read.
@@ -74,14 +72,19 @@ pub fn refused(file: &str, error: Refusal) -> Failure {
 
 /// The scene file of a scene; [`parse`] gives the same scene back.
 pub fn to_text(scene: &Scene) -> String {
+    let (body, ground) = (&scene.body, &scene.indenter);
     let mut text = format!("format = {FORMAT}\n");
     let mut line = |key: &str, value: Value| text.push_str(&format!("{key} = {value}\n"));
     line("title", scene.title.as_str().into());
     line("source", scene.source.as_str().into());
     for (name, keys) in [
         ("cell", cell(scene)),
+        ("body", kind(body.word(), body.parameters(), &body.values())),
         ("law", law(scene)),
-        ("indenter", indenter(scene)),
+        (
+            "indenter",
+            kind(ground.word(), ground.parameters(), &ground.values()),
+        ),
         ("drive", drive(scene)),
         ("accuracy", vec![("target", scene.accuracy.into())]),
         ("noise", vec![("seed", seed(scene.seed))]),
@@ -92,6 +95,12 @@ pub fn to_text(scene: &Scene) -> String {
         }
     }
     text
+}
+
+/// The same as JSON.
+pub fn to_json(scene: &Scene) -> String {
+    let table: toml::Table = to_text(scene).parse().expect("just written");
+    serde_json::to_string_pretty(&table).expect("tables of numbers and words")
 }
 
 type Keys = Vec<(&'static str, Value)>;
@@ -106,8 +115,8 @@ fn cell(scene: &Scene) -> Keys {
 }
 
 fn law(scene: &Scene) -> Keys {
-    let mut keys: Keys = vec![("kind", scene.law.shape.word().into())];
-    keys.extend(own(scene.law.shape.parameters(), &scene.law.shape.values()));
+    let shape = &scene.law.shape;
+    let mut keys = kind(shape.word(), shape.parameters(), &shape.values());
     keys.push(("surface_energy", scene.law.surface_energy.into()));
     keys.push(match scene.law.range {
         Range::Length(range) => ("range", range.into()),
@@ -116,14 +125,8 @@ fn law(scene: &Scene) -> Keys {
     keys
 }
 
-fn indenter(scene: &Scene) -> Keys {
-    let mut keys: Keys = vec![("kind", scene.indenter.word().into())];
-    keys.extend(own(scene.indenter.parameters(), &scene.indenter.values()));
-    keys
-}
-
-/// What only a law or a ground of this kind has.
-fn own(parameters: &'static [Parameter], values: &[Own]) -> Keys {
+/// A kind of body, law or ground, with what only this kind has.
+fn kind(word: &str, parameters: &'static [Parameter], values: &[Own]) -> Keys {
     let value = |value: &Own| match *value {
         Own::Number(x) => x.into(),
         Own::Whole(n) => seed(n),
@@ -131,10 +134,9 @@ fn own(parameters: &'static [Parameter], values: &[Own]) -> Keys {
         Own::Counts([x, y]) => Value::Array(vec![whole(x), whole(y)]),
         Own::Flag(flag) => flag.into(),
     };
-    parameters
-        .iter()
-        .map(Parameter::name)
-        .zip(values.iter().map(value))
+    let names = parameters.iter().map(Parameter::name);
+    std::iter::once(("kind", word.into()))
+        .chain(names.zip(values.iter().map(value)))
         .collect()
 }
 

@@ -1,6 +1,7 @@
 //! From the text of a scene file to a scene, by a typed view of each of its tables.
 
 use super::{FORMAT, refused};
+use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
@@ -24,12 +25,16 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
     let root = Section::root(file_name, &table);
     format_version(&root)?;
     root.only(&[
-        "format", "title", "source", "cell", "law", "indenter", "drive", "accuracy", "noise",
+        "format", "title", "source", "cell", "body", "law", "indenter", "drive", "accuracy",
+        "noise",
     ])?;
     let scene = Scene {
         title: root.text_or("title", "untitled")?,
         source: root.text_or("source", "")?,
         cell: cell(&root.required("cell", "length and points")?)?,
+        body: root
+            .inside("body")?
+            .map_or(Ok(Body::HalfSpace), |section| body(&section))?,
         law: law(&root.required("law", "kind, surface_energy, and range or mu_rho")?)?,
         indenter: root
             .inside("indenter")?
@@ -109,6 +114,13 @@ fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
         surface_energy,
         range: range(section)?,
     })
+}
+
+fn body(section: &Section<'_>) -> Result<Body, Failure> {
+    let kinds = Body::all();
+    let body = kinds[kind(section, &kinds.iter().map(Body::word).collect::<Vec<_>>())?];
+    let values = own(section, &["kind"], body.parameters(), &body.values())?;
+    Ok(body.with(&values))
 }
 
 fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {

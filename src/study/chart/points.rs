@@ -258,7 +258,7 @@ fn quarters(scene: &Scene, list: &[Point]) -> Vec<Point> {
 /// The same read off an atlas, where there is one.
 fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point> {
     let flat = scene.indenter == Indenter::Flat;
-    if grid.is_line() || !flat || scene.drive.turn_of_u0().is_none() {
+    if grid.is_line() || !flat || scene.turn_of_atlas().is_none() {
         return Vec::new();
     }
     let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));

@@ -15,7 +15,7 @@ fn why(cause: Cause) -> &'static str {
     match cause {
         Cause::FlatLimit => {
             "The flat surface could not stay flat: with depth the pull grew faster there than the \
-             longest wave of the cell resists."
+             softest wave of the body resists."
         }
         Cause::Fold => {
             "The pattern came to its end: beyond this u₀ there is no equilibrium of its kind."

@@ -150,7 +150,7 @@ impl Tab for Valleys {
         let falls = self.fall.as_ref().map(|fall| fall.from);
         let Some(here) = falls.or_else(|| {
             let now = state.run.state.as_ref();
-            now.map(|now| Standing::of(now, state.scene.drive.control))
+            now.map(|now| Standing::of(now, state.scene.control()))
         }) else {
             return;
         };
@@ -202,13 +202,13 @@ impl Valleys {
         let Some(jump) = record.jumps.last().filter(|_| new) else {
             return;
         };
-        let near = BEFORE * state.scene.drive.control.unit(&state.model.law);
+        let near = BEFORE * state.scene.control().unit(&state.model.law);
         let off = |state: &&StateRecord| (state.stress - jump.stress_before).abs();
         let before = record.states.iter().rev().take(RECENT);
         let before = before.filter(|state| (state.control - jump.control).abs() < near);
         let before = before.min_by(|a, b| off(a).total_cmp(&off(b)));
         self.fall = before.map(|before| Fall {
-            from: Standing::of(before, state.scene.drive.control),
+            from: Standing::of(before, state.scene.control()),
             began: None,
         });
     }

@@ -96,7 +96,7 @@ impl Around {
             own.key == other.key && (a == b || goes)
         };
         key == self.key
-            && state.scene.drive.control.word() == self.machine
+            && state.scene.control().word() == self.machine
             && now.len() == self.numbers.len()
             && self.numbers.iter().zip(&now).all(same)
     }
@@ -218,7 +218,7 @@ impl Tab for Map {
             if seen {
                 let around = Around {
                     numbers: numbers(state),
-                    machine: state.scene.drive.control.word(),
+                    machine: state.scene.control().word(),
                     key: self.key,
                 };
                 let vary = self.value(state).map(|value| Vary {

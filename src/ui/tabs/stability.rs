@@ -178,7 +178,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, grou
             .allow_hover(false),
     );
     // Where what is driven is not u0, words say where.
-    if let Some(ahead) = ahead.filter(|_| !state.scene.drive.control.frees_mean()) {
+    if let Some(ahead) = ahead.filter(|_| !state.scene.control().frees_mean()) {
         bracket(plot, state, ahead, palette);
     }
     let panel = Panel {

@@ -280,7 +280,7 @@ impl ViewState {
                 self.plots.ghosts.pop_front();
             }
         }
-        self.run.record = LoopRecord::of(self.scene.drive.control);
+        self.run.record = LoopRecord::of(self.scene.control());
         self.run.closed_loop = None;
     }
 }

@@ -5,7 +5,7 @@ use super::ViewState;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
-use crate::scene::Drive;
+use crate::scene::Scene;
 use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
 use std::sync::Arc;
 
@@ -64,8 +64,8 @@ pub struct Selection {
 
 impl RunView {
     /// A run at rest at the start of its drive, from where it is asked to go to `target`.
-    pub(super) fn new(id: RunId, drive: &Drive, target: f64) -> Self {
-        let start = drive.start;
+    pub(super) fn new(id: RunId, scene: &Scene, target: f64) -> Self {
+        let (start, control) = (scene.drive.start, scene.control());
         let mut run = Self {
             id,
             ready: None,
@@ -75,7 +75,7 @@ impl RunView {
             paused: false,
             motion: 0,
             state: None,
-            record: LoopRecord::of(drive.control),
+            record: LoopRecord::of(control),
             curve: Curve::default(),
             stiffness: Curve::default(),
             closed_loop: None,

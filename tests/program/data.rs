@@ -1,0 +1,294 @@
+//! What other programs read and send: scenes through a pipe, and fields for numpy.
+
+use crate::binary::{errors, fig2_with, folder, run, tackscope};
+use npyz::{Deserialize, NpyFile};
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use tackscope::physics::system::System;
+use tackscope::storage::{presets, scene_file};
+use zip::ZipArchive;
+
+/// The binary with a text on its standard input.
+fn piped(arguments: &[&str], text: &str) -> Output {
+    let mut child = tackscope()
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    let mut input = child.stdin.take().expect("piped");
+    input.write_all(text.as_bytes()).expect("it reads");
+    drop(input);
+    child.wait_with_output().expect("it ends")
+}
+
+fn told(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}", errors(output));
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+/// A table of a run without its times.
+fn table(folder: &Path, name: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(folder.join(name)).expect(name);
+    let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
+    // Quoted cells, which hold commas, stand before the times.
+    let times = head
+        .iter()
+        .rev()
+        .position(|column| *column == "milliseconds");
+    text.lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.rsplit(',').map(str::to_owned).collect();
+            times.map(|i| cells.remove(i));
+            cells.reverse();
+            cells
+        })
+        .collect()
+}
+
+const COARSE: [&str; 5] = ["--points", "16", "--step", "0.4", "--quiet"];
+
+#[test]
+fn a_scene_from_standard_input_has_the_loop_of_its_preset() {
+    let home = folder();
+    let (by_name, by_pipe) = (home.path().join("name"), home.path().join("pipe"));
+    assert!(run("fig2", &by_name, &COARSE).status.success());
+    let out = by_pipe.display().to_string();
+    let arguments = [&["run", "-", "--out", &out], &COARSE[..]].concat();
+    told(&piped(&arguments, presets::find("fig2").unwrap().text));
+    for name in ["loop.csv", "events.csv"] {
+        assert_eq!(table(&by_pipe, name), table(&by_name, name));
+    }
+}
+
+#[test]
+fn a_refused_scene_from_standard_input_is_named_so() {
+    let text = presets::find("fig2").unwrap().text;
+    let text = text.replacen("length = 256.0", "length = -1", 1);
+    for command in ["run", "diagram", "chart"] {
+        let output = piped(&[command, "-", "--out", "nowhere"], &text);
+        assert_eq!(output.status.code(), Some(2));
+        let sentence = errors(&output);
+        for part in ["standard input", "cell.length = -1"] {
+            assert!(sentence.contains(part), "{sentence}");
+        }
+    }
+}
+
+/// What is printed holds numbers in place of what was left to the program, and opens to the same
+/// model.
+#[test]
+fn a_printed_scene_is_decided_and_has_the_loop_of_the_one_it_was_made_of() {
+    let auto = [("points = 64", "points = \"auto\"")];
+    let coarse = [
+        ("range = 1.0", "mu_rho = 0.5"),
+        ("points = 64", "points = 16"),
+    ];
+    let layer = [
+        (
+            "[law]",
+            "[body]\nkind = \"layer\"\nthickness = 90\npoisson = 0.5\n[law]",
+        ),
+        ("points = 64", "points = [32, 1]"),
+    ];
+    for replacements in [&auto[..], &coarse, &layer] {
+        let (scene, home) = fig2_with(replacements);
+        let given = scene_file::load(Path::new(&scene)).unwrap();
+        let text = told(&tackscope().args(["scene", &scene]).output().unwrap());
+        assert!(!text.contains("auto") && !text.contains("mu_rho"), "{text}");
+        let printed = scene_file::parse(&text, "printed").unwrap();
+        let (old, new) = (given.model().unwrap(), printed.model().unwrap());
+        assert_eq!((old.grid, old.law, old.body), (new.grid, new.law, new.body));
+        assert_eq!((old.indenter, old.mu_rho), (new.indenter, new.mu_rho));
+        assert_eq!((given.drive, given.seed), (printed.drive, printed.seed));
+        assert_eq!(
+            told(&piped(&["scene", "-"], &text)),
+            text,
+            "it prints itself"
+        );
+        let json = told(
+            &tackscope()
+                .args(["scene", &scene, "--json"])
+                .output()
+                .unwrap(),
+        );
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let toml: toml::Table = text.parse().unwrap();
+        assert_eq!(json, serde_json::to_value(&toml).unwrap());
+        if old.grid.nx > 32 {
+            continue;
+        }
+        let (one, other) = (home.path().join("one"), home.path().join("other"));
+        let step = ["--step", "0.4", "--quiet"];
+        assert!(run(&scene, &one, &step).status.success());
+        let arguments = [
+            &["run", "-", "--out", &other.display().to_string()],
+            &step[..],
+        ];
+        told(&piped(&arguments.concat(), &text));
+        assert_eq!(table(&one, "loop.csv"), table(&other, "loop.csv"));
+    }
+}
+
+/// An array of an archive: its shape and values.
+fn array<T: Deserialize>(file: &Path, name: &str) -> (Vec<u64>, Vec<T>) {
+    let mut archive = ZipArchive::new(File::open(file).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    let mut entry = archive.by_name(&format!("{name}.npy")).expect(name);
+    entry.read_to_end(&mut bytes).unwrap();
+    let array = NpyFile::new(&bytes[..]).unwrap();
+    (array.shape().to_vec(), array.into_vec().unwrap())
+}
+
+fn text(file: &Path, name: &str) -> String {
+    array(file, name).1.remove(0)
+}
+
+/// A column of `loop.csv`, of the tables' last columns or first ones.
+fn column(folder: &Path, index: usize) -> Vec<String> {
+    let rows = table(folder, "loop.csv");
+    rows[1..].iter().map(|row| row[index].clone()).collect()
+}
+
+#[test]
+fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
+    for (replacements, points) in [
+        (vec![("points = 64", "points = 16")], [16, 16]),
+        (
+            vec![
+                (
+                    "[law]",
+                    "[body]\nkind = \"layer\"\nthickness = 40\npoisson = 0.4\n[law]",
+                ),
+                (
+                    "kind = \"flat\"",
+                    "kind = \"wave\"\namplitude = 0.5\nperiods = 2",
+                ),
+                ("points = 64", "points = [32, 1]"),
+                ("start = 4.2", "start = 50.0"),
+                ("turn = 0.2", "turn = -50.0"),
+                ("step = 0.02", "step = 4.0"),
+            ],
+            [1, 32],
+        ),
+    ] {
+        let (scene, home) = fig2_with(&replacements);
+        let out = home.path().join("out");
+        let more = ["--model", "whole", "--fields", "all", "--quiet"];
+        let output = run(&scene, &out, &more);
+        assert!(output.status.success(), "{}", errors(&output));
+        let file = out.join("fields.npz");
+        let (shape, gap): (_, Vec<f64>) = array(&file, "gap");
+        let u0: Vec<f64> = array(&file, "mean_displacement").1;
+        let stress: Vec<f64> = array(&file, "stress").1;
+        let displacement: Vec<f64> = array(&file, "displacement").1;
+        let traction: Vec<f64> = array(&file, "traction").1;
+        let branch: Vec<String> = array(&file, "branch").1;
+        assert_eq!(shape, [u0.len() as u64, points[0], points[1]]);
+        assert_eq!(branch, column(&out, 0));
+        let cells = column(&out, 1);
+        let same = cells
+            .iter()
+            .zip(&u0)
+            .all(|(cell, u0)| cell.parse() == Ok(*u0));
+        assert!(same && cells.len() == u0.len());
+
+        // The scene inside, and the archive's own stiffness of each wave.
+        let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
+        let model = scene.model().unwrap();
+        let system = System::new(model.grid, model.law, &model.indenter).with_body(model.body);
+        let stiffness: Vec<f64> = array(&file, "wave_stiffness").1;
+        let (ny, nx) = model.grid.shape();
+        for k in 0..=nx / 2 {
+            for l in 0..ny {
+                let (a, b) = (system.elastic()[2 * (k * ny + l)], stiffness[l * nx + k]);
+                assert!((a - b).abs() <= 1e-14 * a, "{k} {l}: {a} {b}");
+            }
+        }
+        let mut ws = system.workspace();
+        let points = model.grid.points();
+        let of = |all: &[f64], i: usize| {
+            let field = all[i * points..(i + 1) * points].to_vec();
+            ndarray::Array2::from_shape_vec((ny, nx), field).unwrap()
+        };
+        for (i, u0) in u0.iter().enumerate() {
+            let field = of(&displacement, i);
+            assert!((field.mean().unwrap() - u0).abs() < 1e-12);
+            let amplitudes = system.amplitudes(&field, &mut ws);
+            let at = system.at(amplitudes, *u0, &mut ws);
+            assert!(system.residual(&at, &mut ws) < 1e-6, "{u0}");
+            assert!((at.state.stress - stress[i]).abs() < 1e-12, "{u0}");
+            let off = &at.fields.gap - &of(&gap, i);
+            assert!(off.iter().all(|off| off.abs() < 1e-10), "{u0}");
+            assert!((of(&traction, i).mean().unwrap() - stress[i]).abs() < 1e-12);
+        }
+        assert_eq!(
+            text(&file, "program"),
+            concat!("tackscope ", env!("CARGO_PKG_VERSION"))
+        );
+        assert_eq!(array::<i64>(&file, "format"), (vec![], vec![1]));
+        assert_eq!(array(&file, "length"), (vec![], vec![model.grid.length]));
+    }
+}
+
+#[test]
+fn every_nth_state_or_those_around_jumps_can_be_kept_instead() {
+    let home = folder();
+    let kept = |keep: &str, name: &str| {
+        let out = home.path().join(name);
+        let more = [&COARSE[..], &["--fields", keep]].concat();
+        assert!(run("fig2", &out, &more).status.success());
+        let file = out.join("fields.npz");
+        let states: Vec<i64> = array(&file, "state").1;
+        let events: Vec<bool> = array(&file, "event").1;
+        let all = column(&out, 0).len();
+        (states, events, all, table(&out, "events.csv").len() - 1)
+    };
+    let (states, _, all, _) = kept("every=7", "every");
+    assert_eq!(states, (0..all as i64).step_by(7).collect::<Vec<_>>());
+    let (states, events, _, jumps) = kept("jumps", "jumps");
+    assert!(jumps > 3);
+    assert_eq!(events.iter().filter(|event| **event).count(), jumps);
+    for (pair, event) in states.windows(2).zip(&events[1..]) {
+        assert!(!event || pair[1] == pair[0] + 1, "{states:?}");
+    }
+    let refused = run("fig2", &home.path().join("no"), &["--fields", "every=0"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(errors(&refused).contains("every=N"), "{}", errors(&refused));
+}
+
+/// The lines of the README, but for the picture.
+#[test]
+fn the_lines_of_python_in_the_readme_find_every_state_in_equilibrium() {
+    let python = |script: &str, folder: &Path| {
+        let mut python = Command::new("python3");
+        python.args(["-c", script]).current_dir(folder).output()
+    };
+    let home = folder();
+    if !python("import numpy", home.path()).is_ok_and(|output| output.status.success()) {
+        eprintln!("skipped: there is no python3 with numpy");
+        return;
+    }
+    let readme = fs::read_to_string("README.md").expect("the README is there");
+    let (_, rest) = readme.split_once("```python\n").expect("some Python");
+    let (script, _) = rest.split_once("```").expect("its end");
+    let lines: Vec<&str> = (script.lines())
+        .filter(|line| !line.contains("plt"))
+        .collect();
+    assert!(lines.len() >= 4, "{script}");
+    let more = [
+        "--points", "32", "--step", "0.2", "--model", "whole", "--fields", "all",
+    ];
+    let output = run("fig2", &home.path().join("results"), &more);
+    assert!(output.status.success(), "{}", errors(&output));
+    let output = python(&lines.join("\n"), home.path()).expect("it runs");
+    let found = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    let residual: f64 = found
+        .parse()
+        .unwrap_or_else(|_| panic!("{found} {}", errors(&output)));
+    // States are found to 1e-6 of sigma_max, to which the largest traction comes within 2 %.
+    assert!(residual > 0.0 && residual < 1.02e-6, "{residual}");
+}
