@@ -3,7 +3,6 @@
 use super::{Branch, Kind, Point};
 use crate::follow::atlas::{self, Support};
 use crate::physics::control::Control;
-use crate::physics::system::State;
 
 /// Stable pieces of two branches with the same energy at the same value of the control.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,10 +24,10 @@ const HALVINGS: usize = 60;
 
 /// All crossings of the energies of stable pieces.
 pub(super) fn all(branches: &[Branch], control: Control) -> Vec<EqualEnergy> {
-    let pieces: Vec<(&str, Vec<&Point>)> = branches
+    let pieces: Vec<(&str, Vec<Support>)> = branches
         .iter()
         .flat_map(|branch| {
-            stable(branch)
+            stable(branch, control)
                 .into_iter()
                 .map(|piece| (&*branch.name, piece))
         })
@@ -36,8 +35,8 @@ pub(super) fn all(branches: &[Branch], control: Control) -> Vec<EqualEnergy> {
     let mut found = Vec::new();
     for (i, (name, a)) in pieces.iter().enumerate() {
         for (other, b) in &pieces[i + 1..] {
-            for value in crossings(a, b, control) {
-                let points = [a, b].map(|piece| at(piece, value, control));
+            for value in crossings(a, b) {
+                let points = [a, b].map(|piece| at(piece, value));
                 let places = points.map(|point| control.place(value, point.stress));
                 found.push(EqualEnergy {
                     branches: [*name, *other].map(str::to_owned),
@@ -54,8 +53,8 @@ pub(super) fn all(branches: &[Branch], control: Control) -> Vec<EqualEnergy> {
 }
 
 /// The pieces of a branch without negative eigenvalues, by growing values of the control.
-fn stable(branch: &Branch) -> Vec<Vec<&Point>> {
-    let mut pieces: Vec<Vec<&Point>> = Vec::new();
+fn stable(branch: &Branch, control: Control) -> Vec<Vec<Support>> {
+    let mut pieces: Vec<Vec<Support>> = Vec::new();
     let mut open = false;
     for point in &branch.points {
         let [before, after] = point.index;
@@ -66,11 +65,11 @@ fn stable(branch: &Branch) -> Vec<Vec<&Point>> {
         if (before == 0 || after == 0)
             && let Some(piece) = pieces.last_mut()
         {
-            piece.push(point);
+            piece.push(support(point, control));
         }
     }
     for piece in &mut pieces {
-        if piece.first().map(|p| place(p)) > piece.last().map(|p| place(p)) {
+        if piece.first().map(|s| s.u0) > piece.last().map(|s| s.u0) {
             piece.reverse();
         }
     }
@@ -78,55 +77,45 @@ fn stable(branch: &Branch) -> Vec<Vec<&Point>> {
     pieces
 }
 
-fn place(point: &Point) -> f64 {
-    point.state.control
+/// A point with the control in place of u0, and the derivative of the energy with that in place of
+/// the stress.
+fn support(point: &Point, control: Control) -> Support {
+    let (state, [du, ds]) = (&point.state, point.rates);
+    Support {
+        u0: state.control,
+        energy: state.energy,
+        stress: control.conjugate(state.mean_displacement, state.stress),
+        slope: match point.kind {
+            Kind::Fold => f64::INFINITY,
+            _ => control.conjugate(du, ds) / control.balanced(du, ds)[0],
+        },
+    }
 }
 
-/// Energy of a piece where the control has this `value`, and its derivative with that, which is to
-/// any control what the stress is to u0.
-fn at(piece: &[&Point], value: f64, control: Control) -> atlas::Point {
+/// Energy of a piece where the control has this `value`, and its derivative with that.
+fn at(piece: &[Support], value: f64) -> atlas::Point {
     let i = piece
-        .partition_point(|p| place(p) <= value)
+        .partition_point(|s| s.u0 <= value)
         .clamp(1, piece.len() - 1);
-    let support = |p: &Point| {
-        let (
-            State {
-                mean_displacement,
-                stress,
-                energy,
-                ..
-            },
-            [du, ds],
-        ) = (&p.state, p.rates);
-        Support {
-            u0: place(p),
-            energy: *energy,
-            stress: control.conjugate(*mean_displacement, *stress),
-            slope: match p.kind {
-                Kind::Fold => f64::INFINITY,
-                _ => control.conjugate(du, ds) / control.balanced(du, ds)[0],
-            },
-        }
-    };
-    support(piece[i - 1]).to(support(piece[i]), value)
+    piece[i - 1].to(piece[i], value)
 }
 
 /// Where the energies of two pieces cross.
-fn crossings(a: &[&Point], b: &[&Point], control: Control) -> Vec<f64> {
-    let low = place(a[0]).max(place(b[0]));
-    let high = place(a[a.len() - 1]).min(place(b[b.len() - 1]));
+fn crossings(a: &[Support], b: &[Support]) -> Vec<f64> {
+    let low = a[0].u0.max(b[0].u0);
+    let high = a[a.len() - 1].u0.min(b[b.len() - 1].u0);
     if !(low < high) {
         return Vec::new();
     }
     let mut places: Vec<f64> = a
         .iter()
         .chain(b)
-        .map(|p| place(p))
+        .map(|s| s.u0)
         .filter(|value| low < *value && *value < high)
         .collect();
     places.extend([low, high]);
     places.sort_by(f64::total_cmp);
-    let apart = |value: f64| at(a, value, control).energy - at(b, value, control).energy;
+    let apart = |value: f64| at(a, value).energy - at(b, value).energy;
     let mut found = Vec::new();
     for pair in places.windows(2) {
         let (mut low, mut high) = (pair[0], pair[1]);
