@@ -10,6 +10,7 @@ use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::RivalLoop;
 use crate::numerics::cancel::Cancel;
 use crate::physics::body::Body;
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
@@ -22,6 +23,9 @@ use std::f64::consts::PI;
 
 /// States sampled along one branch.
 const SAMPLES: usize = 64;
+/// States of one pattern that at the same control are no farther apart ([`Sample::apart`]) are of
+/// one branch.
+const SAME: f64 = 0.05;
 /// Most points along a side: beyond it a loop takes too long to be live.
 const POINTS_MAX: usize = 192;
 
@@ -93,6 +97,8 @@ pub struct Leg {
 pub struct LiveLoop {
     /// The law it belongs to, for the scales.
     pub law: Law,
+    /// What is driven.
+    pub control: Control,
     /// The branches it visits.
     pub segments: Vec<Segment>,
     /// Its pieces in order.
@@ -240,10 +246,11 @@ impl LiveLoop {
     }
 
     /// Of which nothing is known but the mesh.
-    fn empty(law: &Law, length: f64, points: usize, strategy: Strategy) -> Self {
+    fn empty(law: &Law, control: Control, length: f64, points: usize, strategy: Strategy) -> Self {
         let mu_rho = mesh_rule::mu_rho(law, length / points as f64);
         Self {
             law: *law,
+            control,
             segments: Vec::new(),
             legs: Vec::new(),
             jumps: Vec::new(),
@@ -265,7 +272,7 @@ impl LiveLoop {
         let mut this = Self {
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
-            ..Self::empty(&law, length, square, Strategy::Atlas)
+            ..Self::empty(&law, Control::Displacement, length, square, Strategy::Atlas)
         };
         let mut known: Vec<(Place, bool)> = Vec::new();
         for leg in &cycle.legs {
@@ -324,15 +331,18 @@ impl LiveLoop {
     /// with all jumps on the way. `None` if `now` is on none of the loop's branches, or the loop
     /// does not know the way.
     pub fn reading(&self, now: &StateRecord, target: f64) -> Option<(Pattern, Sample)> {
-        let (here, margin) = (now.control, 0.01 * self.law.range);
-        let off = |s: &Segment| (s.at(here).stress - now.stress).abs();
+        let (here, margin) = (now.control, 0.01 * self.control.unit(&self.law));
+        let off = |s: &Segment| {
+            s.at(here)
+                .apart([now.mean_displacement, now.stress], &self.law)
+        };
         let same = |s: &&Segment| s.pattern == now.pattern && s.covers(here, margin);
         let start = self
             .segments
             .iter()
             .filter(same)
             .min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        if off(start) > 0.05 * self.law.traction_max() {
+        if off(start) > SAME {
             return None;
         }
         let side = usize::from(target > here);
@@ -354,6 +364,15 @@ impl LiveLoop {
             }
         }
         None
+    }
+}
+
+impl Sample {
+    /// How far another state, by u0 and stress, is from this one: in ranges, or in units of the
+    /// largest traction, whichever is more.
+    fn apart(&self, [u0, stress]: [f64; 2], law: &Law) -> f64 {
+        let [du, ds] = [self.mean_displacement - u0, self.stress - stress];
+        (du.abs() / law.range).max(ds.abs() / law.traction_max())
     }
 }
 

@@ -60,7 +60,7 @@ fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves()
     assert_eq!(bench.state().foreseen(), None);
     bench.enter("Target", "2.0");
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
-    assert_eq!((pattern, sample.mean_displacement), (Pattern::Ridge, 2.0));
+    assert_eq!((pattern, sample.control), (Pattern::Ridge, 2.0));
     assert!(
         bench.names().contains("ahead: ridge, stable"),
         "{}",

@@ -140,17 +140,13 @@ fn flat_state(scene: &Scene, model: &Model, control: Control) -> Branch {
         let soft: usize = soft.map(|(_, many)| many).sum();
         soft + usize::from(control.softens([1.0, stiffness]))
     };
-    let both = |(low, high): (f64, f64), kind| [(low, kind), (high, kind)];
-    let folds = flat::limits(&law, PI / control.stiffness());
+    // A machine softens as the longest wave of some cell does.
     let mut places: Vec<(f64, Kind)> = waves
         .iter()
-        .filter_map(|(length, _)| flat::limits(&law, *length))
-        .flat_map(|limits| both(limits, Kind::Bifurcation))
-        .chain(
-            folds
-                .into_iter()
-                .flat_map(|limits| both(limits, Kind::Fold)),
-        )
+        .map(|(length, _)| (*length, Kind::Bifurcation))
+        .chain([(PI / control.stiffness(), Kind::Fold)])
+        .filter_map(|(length, kind)| Some((flat::limits(&law, length)?, kind)))
+        .flat_map(|((low, high), kind)| [(low, kind), (high, kind)])
         .filter(|(u0, _)| turn < *u0 && *u0 < start)
         .chain([(start, Kind::Regular), (turn, Kind::Regular)])
         .collect();

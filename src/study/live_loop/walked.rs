@@ -2,7 +2,7 @@
 //! which the atlas knows, and each would have to be released anew: the walk does just that, in
 //! about a second on the mesh of the hand.
 
-use super::{Leg, LiveLoop, SAMPLES, Sample, Segment, unmapped};
+use super::{Leg, LiveLoop, SAME, SAMPLES, Sample, Segment, unmapped};
 use crate::follow::atlas::Unmapped;
 use crate::follow::record::{Direction, JumpRecord, StateRecord};
 use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
@@ -11,10 +11,6 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::Pattern;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Range, Scene};
-
-/// States of one pattern and direction this near to each other, in ranges and in units of the
-/// largest traction, at the same value of the control are of one branch.
-const SAME: f64 = 0.05;
 
 /// The loop of a scene's drive on so many points a side of its quarter; `is_stale` interrupts it.
 ///
@@ -61,8 +57,8 @@ pub(super) fn walked(
     let Some(dissipated_energy) = ledger.dissipated_energy() else {
         return Err(unmapped("the loop is not closed"));
     };
-    let strategy = Strategy::QUARTER;
-    let mut this = LiveLoop::empty(&model.law, model.grid.length, points, strategy);
+    let (control, length) = (scene.drive.control, model.grid.length);
+    let mut this = LiveLoop::empty(&model.law, control, length, points, Strategy::QUARTER);
     this.dissipated_energy = dissipated_energy;
     for piece in pieces(&run, &before) {
         this.take(piece);
@@ -143,15 +139,12 @@ impl LiveLoop {
     fn take(&mut self, piece: Piece) {
         let [from, to] = [0, piece.samples.len() - 1].map(|i| piece.samples[i].control);
         let new = Segment::of(piece.pattern, piece.samples);
-        let (rho, top) = (self.law.range, self.law.traction_max());
         let same = |known: &Segment| {
             let ([a, b], [c, d]) = (known.extent().into(), <[f64; 2]>::from(new.extent()));
             let (low, high) = (a.max(c), b.min(d));
             let [p, q] = [known, &new].map(|segment| segment.at(0.5 * (low + high)));
-            let apart = (p.mean_displacement - q.mean_displacement).abs() / rho;
-            known.pattern == new.pattern
-                && low <= high
-                && apart.max((p.stress - q.stress).abs() / top) < SAME
+            let apart = p.apart([q.mean_displacement, q.stress], &self.law);
+            known.pattern == new.pattern && low <= high && apart < SAME
         };
         let known = self.segments.iter().position(same);
         let segment = known.unwrap_or(self.segments.len());
