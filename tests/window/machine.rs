@@ -49,4 +49,17 @@ fn a_click_on_the_map_opens_the_scene_of_that_range_and_the_map_stays() {
     assert!(after < 0.9 * before && after > 0.5 * before, "{after}");
     // It holds this scene too: nothing is begun anew.
     bench.window.get_by_label("Map of patterns: approach");
+    // The loop under the pointer lies in the plot while it is there.
+    let preview = |bench: &Bench| bench.state().plots.preview.clone();
+    bench.window.hover_at(map.lerp_inside(egui::vec2(0.6, 0.3)));
+    bench.settle();
+    let shown = preview(&bench).expect("a loop");
+    assert!(shown.name.starts_with("ρ = ") && shown.points.len() > 100);
+    bench.window.hover_at(egui::pos2(2.0, 2.0));
+    bench.settle();
+    assert!(preview(&bench).is_none());
+    // Of another law it says nothing.
+    bench.click("law cosine");
+    let maps = bench.window.query_all_by_label("Map of patterns: approach");
+    assert_eq!(maps.count(), 0);
 }

@@ -34,11 +34,11 @@ pub(super) fn walked(
         ..WalkOptions::default()
     };
     let cancel = cancel.part();
-    // States before each jump, beside the first, which is not told.
-    let (mut count, mut before) = (1, Vec::new());
+    // States before each jump.
+    let (mut count, mut before) = (0, Vec::new());
     let run = run_loop(&coarser, options, &cancel, &mut |report| {
         match report {
-            Report::State { .. } => count += 1,
+            Report::State { index, .. } => count = index + 1,
             Report::Jump(_) => before.push(count),
         }
         if is_stale() {
@@ -57,7 +57,7 @@ pub(super) fn walked(
     let Some(dissipated_energy) = ledger.dissipated_energy() else {
         return Err(unmapped("the loop is not closed"));
     };
-    let (control, length) = (scene.drive.control, model.grid.length);
+    let (control, length) = (scene.control(), model.grid.length);
     let mut this = LiveLoop::empty(&model.law, control, length, points, Strategy::QUARTER);
     this.dissipated_energy = dissipated_energy;
     for piece in pieces(&run, &before) {

@@ -56,11 +56,12 @@ pub struct Valleys {
     missing: Option<String>,
 }
 
-/// A jump that is shown: the state that gave way, and since when its landscape is seen (seconds of
-/// the window).
+/// A jump that is shown: the state that gave way, since when its landscape is seen (seconds of the
+/// window), and whether the ball is down: there it stays until the next landscape is known.
 struct Fall {
     from: Standing,
     began: Option<f64>,
+    is_down: bool,
 }
 
 impl Tab for Valleys {
@@ -134,20 +135,22 @@ impl Tab for Valleys {
             };
         }
         self.picture(state);
-        if let Some((_, job)) = &mut self.job {
+        if let Some((of, job)) = &mut self.job {
             if let Some(Err(why)) = job.poll() {
                 self.missing = Some(why);
             }
             if let Some(found) = job.so_far.take() {
                 self.extent = self.extent.with(&found, &state.model.law);
                 (self.shown, self.told) = (Some(found), true);
+                self.fall.take_if(|fall| fall.is_down && fall.from != *of);
             }
         }
         let Some(diagram) = state.plots.branches.clone().filter(|_| with.seen) else {
             return;
         };
         self.hear_of_jumps(state);
-        let falls = self.fall.as_ref().map(|fall| fall.from);
+        let falls = self.fall.as_ref().filter(|fall| !fall.is_down);
+        let falls = falls.map(|fall| fall.from);
         let Some(here) = falls.or_else(|| {
             let now = state.run.state.as_ref();
             now.map(|now| Standing::of(now, state.scene.control()))
@@ -210,22 +213,24 @@ impl Valleys {
         self.fall = before.map(|before| Fall {
             from: Standing::of(before, state.scene.control()),
             began: None,
+            is_down: false,
         });
     }
 
     /// The share of the way that the ball is down, 0 to 1, while it rolls.
     fn roll(&mut self, ui: &Ui) -> Option<f64> {
         let fall = self.fall.as_mut()?;
-        let known = self.job.as_ref().is_some_and(|(of, _)| *of == fall.from);
-        if !(known && self.told) {
+        if fall.is_down {
+            return Some(1.0);
+        }
+        let is_of_it = |(of, _): &(Standing, _)| *of == fall.from;
+        if !(self.told && self.job.as_ref().is_some_and(is_of_it)) {
             return Some(0.0);
         }
         ui.ctx().request_repaint_after(Duration::from_millis(16));
         let now = ui.input(|input| input.time);
         let share = (now - *fall.began.get_or_insert(now)) / FALL;
-        if share >= 1.0 {
-            self.fall = None;
-        }
+        fall.is_down |= share >= 1.0;
         Some(share.min(1.0).powi(2))
     }
 

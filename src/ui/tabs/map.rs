@@ -21,7 +21,8 @@ const ROWS: [usize; 2] = [9, 73];
 /// How far the parameter goes to either side, as a factor.
 const REACH: f64 = 2.0;
 
-/// What may go, with its value: the numbers of law, cell, ground and machine that are above zero.
+/// What may go, with its value: the numbers of law, cell, body, ground and machine that are above
+/// zero.
 fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
     let (law, control) = (&state.model.law, state.scene.drive.control);
     let mut all = vec![
@@ -29,8 +30,9 @@ fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
         (&parameter::LENGTH, state.model.grid.length),
         (&parameter::SURFACE_ENERGY, law.surface_energy),
     ];
-    let (shape, ground) = (law.shape, state.model.indenter);
+    let (shape, body, ground) = (law.shape, state.model.body, state.model.indenter);
     let own = shape.parameters().iter().zip(shape.values());
+    let own = own.chain(body.parameters().iter().zip(body.values()));
     let own = own.chain(ground.parameters().iter().zip(ground.values()));
     all.extend(own.filter_map(|(parameter, value)| match value {
         Value::Number(value) if value > 0.0 => Some((parameter, value)),
@@ -40,6 +42,17 @@ fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
         all.push((&parameter::STIFFNESS, stiffness));
     }
     all
+}
+
+/// Law, body, ground and machine.
+fn kinds(state: &ViewState) -> [&'static str; 4] {
+    let model = &state.model;
+    [
+        model.law.shape.word(),
+        model.body.word(),
+        model.indenter.word(),
+        state.scene.drive.control.word(),
+    ]
 }
 
 /// The tab.
@@ -67,7 +80,7 @@ impl Default for Map {
 /// Around what a map is made.
 struct Around {
     numbers: Vec<(&'static Parameter, f64)>,
-    machine: &'static str,
+    kinds: [&'static str; 4],
     key: &'static str,
 }
 
@@ -79,11 +92,10 @@ impl Map {
         around.holds(state, self.key).then_some(map)
     }
 
-    /// The present value of what goes.
-    fn value(&self, state: &ViewState) -> Option<f64> {
-        let all = numbers(state).into_iter();
-        let mut all = all.filter(|(parameter, _)| parameter.key == self.key);
-        all.next().map(|(_, value)| value)
+    /// What goes, with its present value.
+    fn goes(&self, state: &ViewState) -> Option<(&'static Parameter, f64)> {
+        let is_it = |(parameter, _): &(&Parameter, f64)| parameter.key == self.key;
+        numbers(state).into_iter().find(is_it)
     }
 }
 
@@ -96,7 +108,7 @@ impl Around {
             own.key == other.key && (a == b || goes)
         };
         key == self.key
-            && state.scene.control().word() == self.machine
+            && kinds(state) == self.kinds
             && now.len() == self.numbers.len()
             && self.numbers.iter().zip(&now).all(same)
     }
@@ -136,9 +148,8 @@ impl Tab for Map {
             return;
         };
         let [mut approach, mut retraction, loss] = map_panels(map);
-        let value = self.value(state);
-        let now = state.run.state.as_ref().zip(value);
-        let here = now.map(|(now, value)| [now.mean_displacement / state.rho(), value]);
+        let now = state.run.state.as_ref().zip(self.goes(state));
+        let here = now.map(|(now, (_, value))| [now.mean_displacement / state.rho(), value]);
         for panel in [&mut approach, &mut retraction] {
             let at = here.into_iter().collect();
             let here = Series::symbols("", Symbol::Plus, Colour::Ink, at);
@@ -201,7 +212,8 @@ impl Tab for Map {
         let pointed = self.pointed.take().filter(|_| seen);
         state.plots.preview = pointed.and_then(|(value, _)| {
             let row = self.shown(state)?.nearest(value)?;
-            loop_of(row, &format!("at {:.4}", row.value))
+            let (parameter, _) = self.goes(state)?;
+            loop_of(row, &format!("{} = {:.4}", parameter.symbol, row.value))
         });
         if let Some((value, true)) = pointed {
             let edited = edit::with_parameter(&state.scene, &state.model, self.key, value);
@@ -209,7 +221,7 @@ impl Tab for Map {
                 state.edit_scene(scene);
             }
         }
-        if self.value(state).is_none() {
+        if self.goes(state).is_none() {
             self.key = parameter::RANGE.key;
         }
         let holds = |(around, _): &(Around, _)| around.holds(state, self.key);
@@ -218,10 +230,10 @@ impl Tab for Map {
             if seen {
                 let around = Around {
                     numbers: numbers(state),
-                    machine: state.scene.control().word(),
+                    kinds: kinds(state),
                     key: self.key,
                 };
-                let vary = self.value(state).map(|value| Vary {
+                let vary = self.goes(state).map(|(_, value)| Vary {
                     key: self.key.to_owned(),
                     from: value / REACH,
                     to: value * REACH,
