@@ -10,8 +10,11 @@ use tackscope::follow::diagram::Diagram;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::fourier::Fourier;
 use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Scene};
+use tackscope::scene::{Points, Range, Scene};
 use tackscope::storage::presets;
+use tackscope::study::landscape::{Ground, Landscape, Standing};
+use tackscope::study::live_loop::{Fineness, LiveLoops};
+use tackscope::study::map::PatternMap;
 
 /// Runs of each row, of which the median counts.
 const RUNS: usize = 9;
@@ -46,6 +49,57 @@ fn main() {
             },
         );
     }
+    loops_of_a_parameter(pair);
+    landscape(pair);
+}
+
+/// One loop after the other while the range goes, and a map of a hundred.
+fn loops_of_a_parameter(pair: Duration) {
+    let mut scene = fig2(64);
+    let mut live = LiveLoops::default();
+    row("Fig. 2, live loop, range changed by 1 %", pair, || {
+        let was = scene.law.range == Range::Length(1.0);
+        scene.law.range = Range::Length(if was { 1.01 } else { 1.0 });
+        let model = scene.model().expect("allowed");
+        let found = live.next(&scene, &model, Fineness::Coarse, &|| false);
+        found.expect("a loop");
+        0
+    });
+    row("Fig. 2, map of 100 loops, range .8 to 1.2", pair, || {
+        let vary = "law.range=0.8..1.2".parse().expect("a parameter");
+        let cancel = &Cancel::default();
+        let map = PatternMap::of(&fig2(64), &vary, 100, cancel, &mut |_, _| {});
+        assert_eq!(map.expect("allowed").missing().count(), 0);
+        0
+    });
+}
+
+/// The saddles around the bulge with their paths, and the same with the barriers along the drive.
+fn landscape(pair: Duration) {
+    let (scene, cancel) = (fig2(48), Cancel::default());
+    let model = scene.model().expect("allowed");
+    let report = &mut |_: &str, _: usize, _: f64| {};
+    let diagram = Diagram::of(&scene, Part::Whole, &cancel, report).expect("allowed");
+    let ground = Ground {
+        scene: &scene,
+        model: &model,
+        diagram: &diagram,
+        cancel: &cancel,
+    };
+    row("Fig. 2, n = 48, saddles and paths at 3.5", pair, || {
+        let saddles = ground.saddles(3.5).expect("not cancelled");
+        assert_eq!(saddles.found.len(), 2);
+        0
+    });
+    let bulge = diagram
+        .pieces(0)
+        .find(|piece| piece.holds(3.5) && piece.branch.name == "square");
+    let bulge = Standing::on(&bulge.expect("it is there"), 3.5);
+    row("the same with the barriers along the drive", pair, || {
+        let found = Landscape::around(ground, bulge, None, &mut |_, _| {});
+        assert_eq!(found.expect("not cancelled").passes.len(), 2);
+        0
+    });
 }
 
 fn fig2(n: usize) -> Scene {
@@ -76,7 +130,7 @@ fn median(mut time: impl FnMut() -> Duration) -> Duration {
     times[RUNS / 2]
 }
 
-/// Prints what `work` takes; it returns its transforms.
+/// Prints what `work` takes; it returns its transforms, 0 where they are not counted.
 fn row(name: &str, pair: Duration, mut work: impl FnMut() -> usize) {
     let mut transforms = 0;
     let time = median(|| {

@@ -8,7 +8,7 @@
 use super::Lost;
 use super::branch::distance;
 use super::mechanics::Mechanics;
-use super::newton::{NewtonEnd, NewtonLimits, NewtonState, solve};
+use super::newton::{NewtonEnd, NewtonLimits, solve};
 use crate::numerics::krylov::{CgEnd, CgLimits, conjugate_gradients};
 use crate::numerics::vector::{add, norm};
 use crate::physics::system::Evaluation;
@@ -35,7 +35,7 @@ const WITHIN: f64 = 3.0;
 
 /// Goes down from the saddle along its `mode` (norm 1, the way it points) to the minimum, or to the
 /// saddle of another symmetry, where that leads. `observe` hears of every place with its arc length
-/// from the saddle (length), the end included.
+/// from the saddle (length), the end included, and says whether to go on.
 ///
 /// # Errors
 /// No end was found within a hundred ranges, the energy does not fall along the mode, or somebody
@@ -44,14 +44,17 @@ pub fn descend(
     mechanics: &mut Mechanics,
     saddle: &Evaluation,
     mode: &[f64],
-    observe: &mut dyn FnMut(&Evaluation, f64),
-) -> Result<NewtonState, Lost> {
+    observe: &mut dyn FnMut(&Evaluation, f64) -> bool,
+) -> Result<Evaluation, Lost> {
     let range = mechanics.system.law().range;
     let mut step = FIRST * range;
     let mut at = off(mechanics, saddle, mode, &mut step)?;
     let mut arc = step;
-    observe(&at, arc);
+    let mut goes_on = observe(&at, arc);
     for _ in 0..STEPS {
+        if !goes_on {
+            return Ok(at);
+        }
         if mechanics.cancel.requested() {
             return Err(Lost::Cancelled);
         }
@@ -67,12 +70,12 @@ pub fn descend(
         let moved = distance(&next.state.amplitudes, &at.state.amplitudes);
         at = next;
         arc += moved;
-        observe(&at, arc);
+        goes_on = observe(&at, arc);
         if moved < NEAR * step
             && let Some(end) = settled(mechanics, &at, WITHIN * step)?
         {
-            arc += distance(&end.at.state.amplitudes, &at.state.amplitudes);
-            observe(&end.at, arc);
+            arc += distance(&end.state.amplitudes, &at.state.amplitudes);
+            observe(&end, arc);
             return Ok(end);
         }
         step = (GROWTH * step).min(LONGEST * range);
@@ -149,7 +152,7 @@ fn settled(
     mechanics: &mut Mechanics,
     at: &Evaluation,
     within: f64,
-) -> Result<Option<NewtonState>, Lost> {
+) -> Result<Option<Evaluation>, Lost> {
     let state = &at.state;
     let limits = NewtonLimits::of(&mechanics.system);
     let found = solve(mechanics, state.amplitudes.clone(), state.control, limits);
@@ -158,7 +161,7 @@ fn settled(
         && found.at.state.energy <= state.energy + rounding;
     match found.end {
         NewtonEnd::Cancelled => Err(Lost::Cancelled),
-        NewtonEnd::Converged if near => Ok(Some(found)),
+        NewtonEnd::Converged if near => Ok(Some(found.at)),
         _ => Ok(None),
     }
 }

@@ -34,6 +34,8 @@ const SAME: f64 = 5e-3;
 const COPY: f64 = 1e-9;
 /// Unstable states that a path may come to by symmetry before it is given up.
 const LEGS: usize = 4;
+/// Largest traction over the load below which a body is off.
+const OFF: f64 = 0.05;
 /// Most points along a side of a picture.
 const PICTURE: usize = 128;
 /// A state nearer than this to where it ends (units of the control) is looked at so far before it:
@@ -441,15 +443,25 @@ impl<'s> Ground<'s> {
     }
 }
 
-/// Down from a saddle to a minimum of all modes, in the order of the way.
+/// Down from a saddle to a minimum of all modes, in the order of the way; under a load that lifts
+/// the body off as far as it is held.
 fn down(mechanics: &mut Mechanics, saddle: &Evaluation, mode: &[f64]) -> Result<Vec<Place>, Lost> {
     let system = mechanics.system.clone();
     let mut places: Vec<Place> = Vec::new();
     let (mut from, mut mode) = (saddle.clone(), mode.to_vec());
+    let (is_load, mut is_off) = (system.control() == Control::Load, false);
     for _ in 0..LEGS {
         let before = places.last().map_or(0.0, |place| place.arc);
-        let mut observe = |at: &Evaluation, arc: f64| places.push(seen(&system, at, before + arc));
-        from = descend(mechanics, &from, &mode, &mut observe)?.at;
+        let mut observe = |at: &Evaluation, arc: f64| {
+            places.push(seen(&system, at, before + arc));
+            let pull = at.fields.traction.iter().copied().fold(0.0, f64::max);
+            is_off = is_load && pull < OFF * at.state.control;
+            !is_off
+        };
+        from = descend(mechanics, &from, &mode, &mut observe)?;
+        if is_off {
+            return Ok(places);
+        }
         // Where symmetry keeps the path it may end on another saddle.
         let Some(next) = negative_modes(mechanics, &from)?.into_iter().next() else {
             return Ok(places);

@@ -368,6 +368,40 @@ fn a_block_on_a_soft_spring_is_held_by_the_barrier_of_its_closed_form() {
 }
 
 #[test]
+fn under_a_load_a_body_in_contact_is_held_by_the_barrier_to_where_the_traction_is_the_load_again() {
+    let mut scene = flat_ground(Shape::Morse(Morse), 1.05, Points::Square(16));
+    let law = scene.model().unwrap().law;
+    let longest = PI / scene.cell.length;
+    // Where the law softens, but less than the longest wave is stiff.
+    let inflexion = law.equilibrium_gap() + 2.0 * LN_2 * law.range;
+    let softer = |u0: f64| law.at(u0).stiffness + 0.5 * longest;
+    let top = root(law.equilibrium_gap(), inflexion, softer);
+    let load = law.at(top).traction;
+    let near = root(law.equilibrium_gap(), law.contact_gap(), |u0| {
+        law.at(u0).traction - load
+    });
+    scene.drive.control = Control::Load;
+    scene.drive.start = 1.1 * law.traction_max();
+    scene.drive.turn = Turn::At(-0.1 * law.traction_max());
+    let known = Known::of(scene);
+    let energy = |u0: f64| law.at(u0).energy - load * u0;
+    let state = Standing {
+        control: load,
+        stress: load,
+        energy: energy(near),
+    };
+    let found = Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
+    assert!(found.missing.is_empty(), "{:?}", found.missing);
+    let pass = &found.passes[0];
+    let error = (pass.barrier - energy(top) + energy(near)).abs() / law.surface_energy;
+    assert!(error < 1e-9, "{error:e}");
+    assert_is_a_pass(pass);
+    // It is let go of far from the ground.
+    let end = &pass.path[pass.path.len() - 1];
+    assert!(law.at(end.mean_displacement).traction < 0.05 * load);
+}
+
+#[test]
 fn a_search_that_is_cancelled_ends_at_once() {
     let known = Known::fig2();
     let state = known.state("flat", 3.5);
