@@ -340,16 +340,20 @@ impl<'s> Ground<'s> {
             branch,
             barrier,
             released,
-            to: self.pattern(&neighbour),
+            to: self.pattern(&neighbour, state.control),
             path: inward.chain(outward).collect(),
             saddle,
             barriers: Vec::new(),
         })
     }
 
-    /// The pattern at a place.
-    pub fn pattern(self, place: &Place) -> Pattern {
+    /// The pattern at a place; a body that a load lifts off is flat before long.
+    pub fn pattern(self, place: &Place, control: f64) -> Pattern {
         let is_flat = self.model.indenter == Indenter::Flat;
+        let is_load = self.scene.control() == Control::Load;
+        if is_flat && is_load && place.stress < OFF * control {
+            return Pattern::Flat;
+        }
         classify(place.gap.view(), &self.model.law, is_flat)
     }
 

@@ -399,6 +399,7 @@ fn under_a_load_a_body_in_contact_is_held_by_the_barrier_to_where_the_traction_i
     // It is let go of far from the ground.
     let end = &pass.path[pass.path.len() - 1];
     assert!(law.at(end.mean_displacement).traction < 0.05 * load);
+    assert_eq!(pass.to, Pattern::Flat);
 }
 
 #[test]

@@ -32,9 +32,9 @@ pub fn write_barriers_csv(
                 number(saddle.place.mean_displacement),
                 saddle.branch.clone(),
                 number(saddle.place.stress),
-                ground.pattern(from).to_string(),
+                ground.pattern(from, *control).to_string(),
                 number(barrier / gamma),
-                ground.pattern(to).to_string(),
+                ground.pattern(to, *control).to_string(),
                 number(released / gamma),
             ]
         })
