@@ -242,6 +242,8 @@ impl Valleys {
                 .unwrap_or_else(|| "The branches come first: saddles are on them.".to_owned());
         };
         let gamma = state.model.law.surface_energy;
+        let branches = state.plots.branches.as_ref();
+        let complete = branches.is_some_and(|branches| branches.is_complete());
         let mut words = match shown.passes.first() {
             _ if self.fall.is_some() => "The barrier is gone.".to_owned(),
             Some(pass) => format!(
@@ -249,7 +251,8 @@ impl Valleys {
                 pass.barrier / gamma,
                 pass.to
             ),
-            None => "No saddle: no other state is within reach.".to_owned(),
+            None if complete => "No saddle: no other state is within reach.".to_owned(),
+            None => "No saddle is known here: not every branch was followed.".to_owned(),
         };
         for missing in &shown.missing {
             words.push_str(&format!("; missing: {missing}"));
