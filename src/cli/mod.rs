@@ -64,9 +64,9 @@ struct CommandLine {
 enum Command {
     /// Compute a closed loop without a window
     ///
-    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png, with --fields fields.npz, and at
-    /// last summary.json into the folder, in place of those of an earlier run, which are removed at the start. Until all
-    /// is written summary.json says "running".
+    /// Writes loop.csv, events.csv, loop.svg, loop.png, gaps/*.png, with --fields fields.npz, and
+    /// at last summary.json into the folder, in place of those of an earlier run, which are removed
+    /// at the start. Until all is written summary.json says "running".
     Run(RunArguments),
     /// Follow every branch of equilibria of a scene, stable and unstable
     ///

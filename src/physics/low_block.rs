@@ -24,9 +24,9 @@ pub enum Class {
     Symmetric,
     /// Even, v(x, y) = -v(y, x): where such a mode goes soft the symmetry breaks.
     Antisymmetric,
-    /// On a line system: even in x times a wave cos(2 pi k y/L), outside the system itself if k > 0;
-    /// where such a mode with k = 1 goes soft a ridge breaks up. (On a half-space one with more
-    /// waves along y is always stiffer.)
+    /// On a line system: even in x times a wave cos(2 pi k y/L), outside the system itself if
+    /// k > 0; where such a mode with k = 1 goes soft a ridge breaks up. (On a half-space one with
+    /// more waves along y is always stiffer.)
     Varicose(usize),
     /// The same, odd in x: where such a mode with k = 1 goes soft a ridge meanders. With k = 0 the
     /// ridge slides.

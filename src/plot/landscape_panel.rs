@@ -28,10 +28,10 @@ impl Extent {
         for pass in &landscape.passes {
             let longest = pass.path.last().map_or(0.0, |end| end.arc / law.range);
             let barriers = pass.barriers.iter().map(|[_, energy]| *energy);
-            let highest = barriers.fold(pass.barrier, f64::max) / gamma;
+            let highest = barriers.fold(pass.barrier(), f64::max) / gamma;
             all = Self {
                 arc: grown(all.arc, longest),
-                deepest: grown(all.deepest, pass.released / gamma),
+                deepest: grown(all.deepest, pass.released() / gamma),
                 highest: grown(all.highest, highest),
             };
         }
@@ -97,7 +97,7 @@ pub fn barrier_panel(
         Series::line("", Role::Simulation, Colour::of_pattern(pass.to), points)
     };
     let now = landscape.passes.iter();
-    let now = now.map(|pass| place(&[landscape.control, pass.barrier]));
+    let now = now.map(|pass| place(&[landscape.control, pass.barrier()]));
     let here = Series::symbols("", Symbol::Circle, Colour::Ink, now.collect()).filled();
     Panel {
         title: "barrier".to_owned(),

@@ -90,8 +90,8 @@ pub fn branches(curve: &Curve) -> [Series; 2] {
     })
 }
 
-/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable under
-/// its control; none on uneven ground.
+/// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable
+/// under its control; none on uneven ground.
 pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<Series> {
     let mut pieces: Vec<Series> = Vec::new();
     if model.indenter != Indenter::Flat {

@@ -20,8 +20,8 @@ use rand_pcg::Pcg64;
 
 /// Longest reach of the blocks: beyond it a look over all waves is cheaper than to factorise.
 const MOST_REACH: f64 = 16.0;
-/// Eigenvalues of a block below this, over [`System::stiffness_unit`], are looked at over all waves:
-/// the block is too stiff by 0.013 at the reach of Fig. 2.
+/// Eigenvalues of a block below this, over [`System::stiffness_unit`], are looked at over all
+/// waves: the block is too stiff by 0.013 at the reach of Fig. 2.
 const DOUBT: f64 = 0.1;
 /// How closely: residual over eigenvalue where the sign is asked, and in units of q1 where the
 /// place of the zero is. The error of the eigenvalue is the square of the residual over the

@@ -84,10 +84,6 @@ pub struct Landscape {
 pub struct Pass {
     /// The name of the saddle's branch in the diagram.
     pub branch: String,
-    /// Energy per area of the saddle less that of the state (E* times length).
-    pub barrier: f64,
-    /// Energy per area of the state less that of its neighbour: what is released (E* times length).
-    pub released: f64,
     /// The neighbour's pattern.
     pub to: Pattern,
     /// From the state over the saddle to the neighbour.
@@ -97,6 +93,18 @@ pub struct Pass {
     /// The barrier along the control, as far as this saddle leads from this state: the control's
     /// value, and energy per area.
     pub barriers: Vec<[f64; 2]>,
+}
+
+impl Pass {
+    /// Energy per area of the saddle less that of the state (E* times length).
+    pub fn barrier(&self) -> f64 {
+        self.path[self.saddle].energy - self.path[0].energy
+    }
+
+    /// Energy per area of the state less that of its neighbour: what is released (E* times length).
+    pub fn released(&self) -> f64 {
+        self.path[0].energy - self.path[self.path.len() - 1].energy
+    }
 }
 
 /// A place on a path.
@@ -185,21 +193,18 @@ impl Landscape {
         };
         let Saddles { found, missing } = ground.saddles(state.control)?;
         landscape.missing = missing;
-        let mut pieces = Vec::new();
-        for (saddle, piece) in found {
-            if let Some(mut pass) = ground.pass(saddle, state) {
-                let known = before.and_then(|before| before.barriers(&pass, state.control));
-                pass.barriers = known.unwrap_or_default();
-                pieces.push((pass.barrier, piece));
-                landscape.passes.push(pass);
-            }
-        }
-        pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
-        landscape
-            .passes
-            .sort_by(|a, b| a.barrier.total_cmp(&b.barrier));
+        let passes = found.into_iter().filter_map(|(saddle, piece)| {
+            let mut pass = ground.pass(saddle, state)?;
+            let known = before.and_then(|before| before.barriers(&pass, state.control));
+            pass.barriers = known.unwrap_or_default();
+            Some((pass, piece))
+        });
+        let mut passes: Vec<(Pass, Piece<'_>)> = passes.collect();
+        passes.sort_by(|(a, _), (b, _)| a.barrier().total_cmp(&b.barrier()));
+        let pieces: Vec<Piece<'_>>;
+        (landscape.passes, pieces) = passes.into_iter().unzip();
         let count = pieces.len() as f64;
-        for (i, (_, piece)) in pieces.iter().enumerate() {
+        for (i, piece) in pieces.iter().enumerate() {
             observe(i as f64 / count, &landscape);
             let pass = &mut landscape.passes[i];
             if pass.barriers.is_empty() {
@@ -282,9 +287,9 @@ impl<'s> Ground<'s> {
 
     /// The saddle of a piece at a value of the control, with both sides.
     fn saddle(self, piece: &Piece<'_>, control: f64) -> Result<Saddle, Lost> {
-        let saddle = self.top(piece, control)?;
         let driven = self.scene.control();
         let mut mechanics = piece.branch.on_whole_cell(self.model, driven, self.cancel);
+        let saddle = self.top(piece, control, &mut mechanics)?;
         let modes = negative_modes(&mut mechanics, &saddle)?;
         let [mode] = &modes[..] else {
             return Err(Lost::Unstable);
@@ -324,23 +329,19 @@ impl<'s> Ground<'s> {
         } else {
             [other, one]
         };
-        let end = |way: &[Place]| way[way.len() - 1].clone();
-        let (start, neighbour) = (end(&near), end(&beyond));
-        let saddle = near.len();
-        let (barrier, released) = (top.energy - start.energy, start.energy - neighbour.energy);
-        let outward = [top].into_iter().chain(beyond).map(|place| Place {
-            arc: start.arc + place.arc,
+        let (saddle, length) = (near.len(), near[near.len() - 1].arc);
+        let to = self.pattern(&beyond[beyond.len() - 1], state.control);
+        let inward = near.into_iter().rev().map(|place| Place {
+            arc: length - place.arc,
             ..place
         });
-        let inward = near.into_iter().rev().map(|place| Place {
-            arc: start.arc - place.arc,
+        let outward = [top].into_iter().chain(beyond).map(|place| Place {
+            arc: length + place.arc,
             ..place
         });
         Some(Pass {
             branch,
-            barrier,
-            released,
-            to: self.pattern(&neighbour, state.control),
+            to,
             path: inward.chain(outward).collect(),
             saddle,
             barriers: Vec::new(),
@@ -399,9 +400,14 @@ impl<'s> Ground<'s> {
         Ok((0..=CURVE).map(at).collect())
     }
 
-    /// The equilibrium of a piece at the `value` of the control, in the system so driven.
-    fn top(self, piece: &Piece<'_>, value: f64) -> Result<Evaluation, Lost> {
-        let control = self.scene.control();
+    /// The equilibrium of a piece at the `value` of the control, in the mechanics so `driven`.
+    fn top(
+        self,
+        piece: &Piece<'_>,
+        value: f64,
+        driven: &mut Mechanics,
+    ) -> Result<Evaluation, Lost> {
+        let control = driven.system.control();
         let mut fixed = piece
             .branch
             .on_whole_cell(self.model, Control::Displacement, self.cancel);
@@ -428,8 +434,6 @@ impl<'s> Ground<'s> {
             } = knot.state;
             let now = off(&knot.state);
             if now.abs() < PLACED * control.unit(&self.model.law) {
-                let mut driven =
-                    Mechanics::new(fixed.system.clone().with_control(control), fixed.slides);
                 let [value, mean] = control.balanced(mean_displacement, stress);
                 let mut z = knot.state.amplitudes;
                 z[0] = mean;

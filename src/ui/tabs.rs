@@ -88,7 +88,7 @@ impl Default for Tabs {
             Box::new(event_list::EventList),
             Box::<stability::Stability>::default(),
             Box::<branches::Branches>::default(),
-            Box::<landscape::Valleys>::default(),
+            Box::<landscape::LandscapeTab>::default(),
             Box::<map::Map>::default(),
             Box::<accuracy::Accuracy>::default(),
             Box::<paper::Paper>::default(),

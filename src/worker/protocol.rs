@@ -151,6 +151,19 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Of a state that somebody looks at while the control stays at this value.
+    pub fn of_a_branch(control: f64, [u0, stress]: [f64; 2], gap: Arc<Array2<f64>>) -> Self {
+        Self {
+            control,
+            mean_displacement: u0,
+            stress,
+            gap,
+            soft_mode: None,
+            relaxing: false,
+            state: None,
+        }
+    }
+
     /// True of a state that somebody chose on a branch: the walk does not stand on it.
     pub fn is_of_a_branch(&self) -> bool {
         self.state.is_none() && !self.relaxing

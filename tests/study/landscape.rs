@@ -88,7 +88,7 @@ impl Known {
             .map(|i| {
                 let far = first * 0.5f64.powi(i) * self.model.law.range;
                 let found = self.around(branch, end + side * far);
-                found.passes[0].barrier
+                found.passes[0].barrier()
             })
             .collect();
         let powers = barriers.windows(2).map(|pair| (pair[0] / pair[1]).log2());
@@ -97,11 +97,11 @@ impl Known {
 }
 
 /// True if these powers tend to `goal`: each is nearer than the one before, or as near as located
-/// ends allow, and the last is near.
-fn tends(powers: &[f64], goal: f64) -> bool {
+/// ends allow, and the last is `near`.
+fn tends(powers: &[f64], goal: f64, near: f64) -> bool {
     let off: Vec<f64> = powers.iter().map(|power| (power - goal).abs()).collect();
-    let nearer = |pair: &[f64]| pair[1] < pair[0].max(5e-3);
-    off.windows(2).all(nearer) && off[off.len() - 1] < 0.05
+    let nearer = |pair: &[f64]| pair[1] < pair[0].max(3e-3);
+    off.windows(2).all(nearer) && off[off.len() - 1] < near
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn a_barrier_vanishes_as_the_square_of_the_distance_to_a_subcritical_bifurcation
         ("square", bulge, 1.0),
     ] {
         let powers = known.powers(branch, end, side, 0.02);
-        assert!(tends(&powers, 2.0), "{branch} at {end}: {powers:?}");
+        assert!(tends(&powers, 2.0, 0.04), "{branch} at {end}: {powers:?}");
     }
 }
 
@@ -125,7 +125,7 @@ fn a_barrier_vanishes_as_the_distance_to_a_fold_to_the_power_of_three_halves() {
     let folds = known.events("square", Kind::Fold);
     for (end, side) in [(folds[0], -1.0), (folds[3], 1.0)] {
         let powers = known.powers("square", end, side, 0.04);
-        assert!(tends(&powers, 1.5), "at {end}: {powers:?}");
+        assert!(tends(&powers, 1.5, 6e-3), "at {end}: {powers:?}");
     }
 }
 
@@ -149,13 +149,16 @@ fn a_tip_is_held_by_barriers_that_vanish_at_both_its_folds() {
                     let found =
                         Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
                     assert_eq!(found.passes.len(), 1);
-                    found.passes[0].barrier
+                    found.passes[0].barrier()
                 });
                 lowest.fold(f64::INFINITY, f64::min)
             })
             .collect();
         let powers: Vec<f64> = barriers.windows(2).map(|p| (p[0] / p[1]).log2()).collect();
-        assert!(tends(&powers, 1.5), "at {end}: {barriers:?} {powers:?}");
+        assert!(
+            tends(&powers, 1.5, 2e-3),
+            "at {end}: {barriers:?} {powers:?}"
+        );
     }
 }
 
@@ -168,9 +171,7 @@ fn assert_is_a_pass(pass: &Pass) {
     assert!(arcs && rises && falls && pass.path[0].arc == 0.0);
     let (first, last) = (&pass.path[0], &pass.path[pass.path.len() - 1]);
     let top = &pass.path[pass.saddle];
-    assert_eq!(pass.barrier, top.energy - first.energy);
-    assert_eq!(pass.released, first.energy - last.energy);
-    assert!(pass.barrier > 0.0);
+    assert!(top.energy > first.energy && top.energy > last.energy);
 }
 
 #[test]
@@ -194,16 +195,9 @@ fn every_stable_state_of_fig_2_has_its_neighbours_and_energy_falls_on_both_sides
             assert_is_a_pass(pass);
             // The path begins where the state is, on whatever mesh its branch was followed.
             let off = (pass.path[0].energy - state.energy).abs() / known.model.law.surface_energy;
-            assert!(off < 1e-5, "{branch} at {u0}: {off:e}");
+            assert!(off < 1e-6, "{branch} at {u0}: {off:e}");
         }
     }
-    // What is on the other side says the same.
-    let [up, down] = [known.around("flat", 3.5), known.around("square", 3.5)];
-    let back = down.passes.iter().find(|pass| pass.to == Pattern::Flat);
-    let (there, back) = (&up.passes[0], back.unwrap());
-    let gamma = known.model.law.surface_energy;
-    assert!((there.barrier + there.released - back.barrier).abs() < 1e-9 * gamma);
-    assert!((there.released + back.released).abs() < 1e-9 * gamma);
 }
 
 /// The derivative of the energy at a place of a flat square cell.
@@ -239,7 +233,7 @@ fn the_path_goes_against_the_gradient() {
         let along = if uphill { cosine } else { -cosine };
         assert!(along > 0.995, "{along} at {}", three[1].arc / range);
         // And arc length is the distance of whole surfaces.
-        assert!((norm(&chord) / way - 1.0).abs() < 0.01);
+        assert!((norm(&chord) / way - 1.0).abs() < 5e-3);
         compared += 1;
     }
     assert!(compared > 15, "{compared}");
@@ -281,10 +275,10 @@ fn a_barrier_changes_with_u0_by_the_stress_of_the_saddle_less_that_of_the_state(
     for (branch, u0) in [("flat", 3.5), ("square", 3.2), ("ridge", 2.0)] {
         let [below, here, above] = [-step, 0.0, step].map(|by| known.around(branch, u0 + by));
         for (i, pass) in here.passes.iter().enumerate() {
-            let [low, high] = [&below, &above].map(|found| found.passes[i].barrier);
+            let [low, high] = [&below, &above].map(|found| found.passes[i].barrier());
             let rate = (high - low) / (2.0 * step);
             let expected = pass.path[pass.saddle].stress - pass.path[0].stress;
-            assert!((rate / expected - 1.0).abs() < 1e-4, "{rate} {expected}");
+            assert!((rate / expected - 1.0).abs() < 1e-6, "{rate} {expected}");
         }
     }
 }
@@ -304,8 +298,8 @@ fn the_curve_of_a_barrier_goes_through_it_and_ends_at_zero_where_the_state_gives
     let next = curve.partition_point(|[u0, _]| *u0 < 3.5);
     let [a, b] = [curve[next - 1], curve[next]];
     let between = a[1] + (3.5 - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
-    let off = (between - found.passes[0].barrier).abs() / gamma;
-    assert!(off < 2e-5, "{off:e}");
+    let off = (between - found.passes[0].barrier()).abs() / gamma;
+    assert!(off < 2e-6, "{off:e}");
 }
 
 /// Where `value` falls below zero between two gaps.
@@ -356,9 +350,9 @@ fn a_block_on_a_soft_spring_is_held_by_the_barrier_of_its_closed_form() {
         let pass = found.passes.iter().find(|pass| pass.branch == "flat");
         let pass = pass.expect("the block's own saddle");
         let exact = [energy(top) - energy(u0), energy(u0) - energy(other)];
-        for (computed, exact) in [pass.barrier, pass.released].into_iter().zip(exact) {
+        for (computed, exact) in [pass.barrier(), pass.released()].into_iter().zip(exact) {
             let error = (computed - exact).abs() / law.surface_energy;
-            assert!(error < 1e-9, "{computed} {exact}");
+            assert!(error < 1e-10, "{computed} {exact}");
         }
         assert_is_a_pass(pass);
         // All of the body moves by as much.
@@ -393,8 +387,8 @@ fn under_a_load_a_body_in_contact_is_held_by_the_barrier_to_where_the_traction_i
     let found = Landscape::around(known.ground(), state, None, &mut |_, _| {}).unwrap();
     assert!(found.missing.is_empty(), "{:?}", found.missing);
     let pass = &found.passes[0];
-    let error = (pass.barrier - energy(top) + energy(near)).abs() / law.surface_energy;
-    assert!(error < 1e-9, "{error:e}");
+    let error = (pass.barrier() - energy(top) + energy(near)).abs() / law.surface_energy;
+    assert!(error < 1e-12, "{error:e}");
     assert_is_a_pass(pass);
     // It is let go of far from the ground.
     let end = &pass.path[pass.path.len() - 1];

@@ -52,7 +52,7 @@ fn the_landscape_says_the_lowest_barrier_and_follows_the_surface() {
     let gamma = bench.model.law.surface_energy;
     let words = format!(
         "The lowest barrier is {:.2e} γL², to bulge",
-        found.passes[0].barrier / gamma
+        found.passes[0].barrier() / gamma
     );
     assert!(bench.names().contains(&words), "{}", bench.names());
     bench.settle();

@@ -5,7 +5,8 @@ use super::{Branch, Diagram, Kind, Point};
 use crate::follow::atlas::Support;
 use crate::physics::system::State;
 
-/// Points of one branch in a row, by the growing control, between two of its ends, folds and bifurcations.
+/// Points of one branch in a row, by the growing control, between two of its ends, folds and
+/// bifurcations.
 #[derive(Clone, Debug)]
 pub struct Piece<'d> {
     /// The branch.

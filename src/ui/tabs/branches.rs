@@ -146,15 +146,9 @@ impl Branches {
         let Some((branch, point)) = shown.and_then(|shown| shown.point(at)) else {
             return;
         };
-        let frame = Arc::new(Frame {
-            control: state.run.actual,
-            mean_displacement: point.state.mean_displacement,
-            stress: point.state.stress,
-            gap: Arc::new(branch.picture(point, &state.model.grid)),
-            soft_mode: None,
-            relaxing: false,
-            state: None,
-        });
+        let at_point = [point.state.mean_displacement, point.state.stress];
+        let gap = Arc::new(branch.picture(point, &state.model.grid));
+        let frame = Arc::new(Frame::of_a_branch(state.run.actual, at_point, gap));
         state.frame = Some(frame.clone());
         let input = (self.diagram(), at, state.model.clone());
         let modes = solver.job(input, modes);

@@ -34,7 +34,7 @@ const SHARES: [f32; 2] = [0.62, 0.38];
 
 /// The tab.
 #[derive(Default)]
-pub struct Valleys {
+pub struct LandscapeTab {
     /// The scene it speaks of.
     scene: Option<Arc<Scene>>,
     /// What is computed around which state.
@@ -64,11 +64,10 @@ struct Fall {
     is_down: bool,
 }
 
-impl Tab for Valleys {
+impl Tab for LandscapeTab {
     fn title(&self) -> Title {
         let what = "what holds the surface: the barriers around it, and the ways over them";
         Title {
-            short: "Energy",
             tall: true,
             ..Title::new("Landscape", what)
         }
@@ -196,7 +195,7 @@ fn compute(
     Ok(())
 }
 
-impl Valleys {
+impl LandscapeTab {
     /// Begins a fall for the newest jump, from the state that gave way.
     fn hear_of_jumps(&mut self, state: &ViewState) {
         let record = &state.run.record;
@@ -248,7 +247,7 @@ impl Valleys {
             _ if self.fall.is_some() => "The barrier is gone.".to_owned(),
             Some(pass) => format!(
                 "The lowest barrier is {:.2e} γL², to {}",
-                pass.barrier / gamma,
+                pass.barrier() / gamma,
                 pass.to
             ),
             None if complete => "No saddle: no other state is within reach.".to_owned(),
@@ -283,15 +282,9 @@ impl Valleys {
                 _ => return,
             },
         };
-        let shown = Arc::new(Frame {
-            control: before.control,
-            mean_displacement: place.mean_displacement,
-            stress: place.stress,
-            gap: place.gap.clone(),
-            soft_mode: None,
-            relaxing: false,
-            state: None,
-        });
+        let at = [place.mean_displacement, place.stress];
+        let shown = Frame::of_a_branch(before.control, at, place.gap.clone());
+        let shown = Arc::new(shown);
         state.frame = Some(shown.clone());
         self.pictured = Some([shown, before]);
     }

@@ -2,7 +2,6 @@
 //! cross; a click opens the scene there.
 
 use super::{Tab, Title, Update, doing};
-use crate::physics::control::Control;
 use crate::physics::parameter::{Parameter, Value};
 use crate::plot::map_panel::{loop_of, map_panels};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
@@ -21,27 +20,20 @@ const ROWS: [usize; 2] = [9, 73];
 /// How far the parameter goes to either side, as a factor.
 const REACH: f64 = 2.0;
 
-/// What may go, with its value: the numbers of law, cell, body, ground and machine that are above
-/// zero.
+/// What may go, with its value: the numbers of the scene that are above zero, but for those that
+/// say how it is driven and computed.
 fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
-    let (law, control) = (&state.model.law, state.scene.drive.control);
-    let mut all = vec![
-        (&parameter::RANGE, law.range),
-        (&parameter::LENGTH, state.model.grid.length),
-        (&parameter::SURFACE_ENERGY, law.surface_energy),
-    ];
-    let (shape, body, ground) = (law.shape, state.model.body, state.model.indenter);
-    let own = shape.parameters().iter().zip(shape.values());
-    let own = own.chain(body.parameters().iter().zip(body.values()));
-    let own = own.chain(ground.parameters().iter().zip(ground.values()));
-    all.extend(own.filter_map(|(parameter, value)| match value {
+    let decided = edit::decided(&state.scene, &state.model);
+    let goes = |parameter: &Parameter| match parameter.key.split_once('.') {
+        Some(("drive" | "accuracy", _)) => parameter.key == parameter::STIFFNESS.key,
+        _ => true,
+    };
+    let numbers = decided.numbers().into_iter();
+    let positive = numbers.filter_map(|(parameter, value)| match value {
         Value::Number(value) if value > 0.0 => Some((parameter, value)),
         _ => None,
-    }));
-    if let Control::Spring { stiffness } = control {
-        all.push((&parameter::STIFFNESS, stiffness));
-    }
-    all
+    });
+    positive.filter(|(parameter, _)| goes(parameter)).collect()
 }
 
 /// Law, body, ground and machine.
