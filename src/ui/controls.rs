@@ -18,6 +18,8 @@ use egui::{ComboBox, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// The panel's contents; it scrolls where the window is low.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    // The scroll bar covers nothing.
+    ui.spacing_mut().scroll.floating_allocated_width = 8.0;
     egui::ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {

@@ -10,7 +10,7 @@ use crate::scene::part::{Part, Strategy};
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
-use egui::{Label, RichText, Ui};
+use egui::{RichText, Ui};
 
 /// The bar; a failure takes a line of its own.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
@@ -45,10 +45,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         if let Some(live) = &state.plots.live {
             part(ui, "");
             let colour = theme::palette(ui).live;
-            // In the rest of the line: a longer reason would move everything above.
-            let words = live.words();
-            let label = Label::new(RichText::new(&words).color(colour)).truncate();
-            ui.add(label).on_hover_text(words);
+            ui.label(RichText::new(live.words()).color(colour));
         }
     });
 }
