@@ -8,7 +8,7 @@ use super::{
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
 use crate::paper::figure::Finding;
-use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task};
+use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task, UNDER_LOAD};
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
 use crate::storage::{Failure, drawing, export};
@@ -20,17 +20,26 @@ const ROOM: u64 = 1_000_000;
 const SUMMED_UP: [&str; 2] = ["findings.csv", "report.html"];
 
 /// The entries that a word names, the longest first so that none is left alone at the end.
-fn chosen(word: &str) -> Result<Vec<&'static Entry>, Failure> {
+fn chosen(
+    FigureArguments {
+        figure: word, load, ..
+    }: &FigureArguments,
+) -> Result<Vec<&'static Entry>, Failure> {
+    let gallery = if *load { UNDER_LOAD } else { GALLERY };
     if word == "all" {
-        return Ok(paper::longest_first());
+        return Ok(paper::longest_first(gallery));
     }
     let number = word.parse::<usize>().ok();
-    match GALLERY.iter().find(|entry| Some(entry.number) == number) {
+    match gallery.iter().find(|entry| Some(entry.number) == number) {
         Some(entry) => Ok(vec![entry]),
         None => Err(unknown(
-            "figure",
+            if *load {
+                "figure under a load"
+            } else {
+                "figure"
+            },
             word,
-            GALLERY.iter().map(|entry| entry.number),
+            gallery.iter().map(|entry| entry.number),
             " or all",
         )),
     }
@@ -55,7 +64,7 @@ struct Gathered {
 /// # Errors
 /// An unknown number, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
-    let entries = chosen(&arguments.figure)?;
+    let entries = chosen(arguments)?;
     let output = &arguments.output;
     let out = &output.out;
     let size = if arguments.quick {

@@ -126,6 +126,9 @@ struct FigureArguments {
     /// Coarse meshes and few points: seconds in place of minutes
     #[arg(long)]
     quick: bool,
+    /// Drive the tips of Figs 12 and 13 by a load in place of a displacement
+    #[arg(long)]
+    load: bool,
 }
 
 /// What `tackscope table` is told.

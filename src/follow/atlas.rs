@@ -13,26 +13,27 @@ mod explorer;
 mod trace;
 
 pub(super) use curve::Support;
-pub use curve::{Branch, Point};
+pub use curve::{Branch, End, Point};
 pub(super) use cycle::Traversal;
 pub use cycle::{Cycle, Leg, Place};
-pub(super) use explorer::{Explorer, Rest};
-pub use trace::End;
+pub(super) use explorer::{Explorer, Form, Rest};
 
 use super::contest::{Share, shares};
+use super::flat_branch::FlatBranch;
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::{System, carried};
-use crate::physics::theory::flat;
+use crate::physics::system::{State, System, carried};
 use crate::scene::mesh::next_fast;
+use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::sector::{NODE, Node, Sector, Side};
 use std::fmt;
-use trace::trace;
+use trace::both_ways;
 
 /// What an atlas is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,8 @@ pub struct Meshes {
     pub square: usize,
     /// Points along the whole line, for ridges; a multiple of 4.
     pub line: usize,
+    /// What drives the body.
+    pub control: Control,
 }
 
 impl Meshes {
@@ -55,14 +58,23 @@ impl Meshes {
             law: *law,
             square: n,
             line: next_fast(n + n / 3),
+            control: Control::Displacement,
         }
+    }
+
+    /// The same of a body that is driven by `control`.
+    pub fn under(self, control: Control) -> Self {
+        Self { control, ..self }
     }
 }
 
-/// How a surface is helped over an edge to see where it falls: how far beyond it (ranges). Right at
-/// the edge it lands where it would; further on it falls also from where the edge is not known so
-/// well, but may miss what lives only next to it.
+/// How a surface is helped over an edge to see where it falls: how far beyond it, in units of the
+/// control. Right at the edge it lands where it would; further on it falls also from where the edge
+/// is not known so well, but may miss what lives only next to it.
 const ATTEMPTS: [f64; 4] = [0.0, 0.002, 0.02, 0.1];
+/// States of one pattern at one control that are no farther apart (ranges of u0) are of one branch:
+/// between two branches lies what is unstable.
+const SAME: f64 = 0.1;
 
 /// Why an atlas cannot answer: the walk can.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,7 +121,7 @@ pub struct Atlas {
     pub(super) ridge: Sector,
     pub(super) square: Sector,
     explorer: Explorer,
-    flat_limits: Option<(f64, f64)>,
+    flat: FlatBranch,
     cancel: Cancel,
     pub(super) branches: Vec<Branch>,
     /// Where the surface lands: lower and upper limit of the flat state, then lower and upper end
@@ -127,22 +139,28 @@ impl Atlas {
             law,
             square,
             line,
+            control,
         } = meshes;
         Self {
             meshes,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
-            explorer: Explorer::new(System::even(
-                Grid::square(length, square),
-                law,
-                &Indenter::Flat,
-            )),
-            flat_limits: flat::limits(&law, length),
+            explorer: Explorer::new(
+                System::even(Grid::square(length, square), law, &Indenter::Flat)
+                    .with_control(control),
+            ),
+            flat: FlatBranch::new(law, length, control),
             cancel: Cancel::default(),
             branches: Vec::new(),
             landings: vec![[None; 2]],
             from_limits: Default::default(),
         }
+    }
+
+    /// The atlas of a scene on its own mesh.
+    pub fn of(scene: &Scene, model: &Model) -> Self {
+        let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
+        Self::new(meshes.under(scene.control()))
     }
 
     /// Lets `cancel` interrupt every solve from now on; what is under way is then lost.
@@ -174,9 +192,9 @@ impl Atlas {
         .map(Mechanics::transforms)
     }
 
-    /// Lower and upper limit of the flat state (length); `None` where it is always stable.
-    pub fn flat_limits(&self) -> Option<(f64, f64)> {
-        self.flat_limits
+    /// The flat state.
+    pub fn flat(&self) -> &FlatBranch {
+        &self.flat
     }
 
     /// Where the surface lands when `place` ends on the way up or down.
@@ -188,27 +206,25 @@ impl Atlas {
         if let Some(known) = self.landings[row][end] {
             return Ok(known);
         }
-        let (u0, energy) = self.end_point(place, side);
-        let onwards = side.sign() * self.meshes.law.range;
-        let mut refusal = Unmapped::at(u0, "the surface falls nowhere");
-        // The limits of the flat state are known exactly.
-        let attempts = if place == Place::Flat {
-            &ATTEMPTS[..1]
-        } else {
-            &ATTEMPTS[..]
-        };
+        let from = self.end_state(place, side);
+        let onwards = side.sign() * self.meshes.control.unit(&self.meshes.law);
+        let mut refusal = Unmapped::at(from.mean_displacement, "the surface falls nowhere");
+        // Where waves soften the limits of the flat state are known exactly.
+        let is_exact = matches!(place, Place::Flat(_)) && !self.flat.gives_way_as_a_block();
+        let attempts = if is_exact { &ATTEMPTS[..1] } else { &ATTEMPTS };
         for beyond in attempts {
             if self.cancel.requested() {
                 break;
             }
             let rest = match place {
-                Place::Flat => self.off_flat(side, u0 + beyond * onwards),
-                Place::On(i) => {
-                    let (z, mode) = self.kick(i, side)?;
-                    self.explorer.release(&z, &mode, u0 + beyond * onwards)
+                Place::Flat(_) if is_exact => self.off_flat(side, from.mean_displacement),
+                _ => {
+                    let (z, mode) = self.kick(place, side)?;
+                    let control = from.control + beyond * onwards;
+                    self.explorer.release(&z, &mode, control)
                 }
             };
-            match self.settle(u0, energy, rest) {
+            match self.settle(&from, rest) {
                 Ok(next) if next != place => {
                     self.landings[row][end] = Some(next);
                     return Ok(next);
@@ -220,23 +236,20 @@ impl Atlas {
         Err(refusal)
     }
 
-    /// u0 and energy where `place` ends.
-    fn end_point(&self, place: Place, side: Side) -> (f64, f64) {
+    /// The state where `place` ends, without its amplitudes.
+    fn end_state(&self, place: Place, side: Side) -> State {
         match place {
-            Place::Flat => {
-                let (low, high) = self.flat_limits.expect("an end was asked for");
+            Place::Flat(_) => {
+                let (low, high) = self.flat.limits().expect("an end was asked for");
                 // The upper limit ends the way down, the lower the way up.
-                let u0 = if side == Side::Upper { low } else { high };
-                (u0, self.meshes.law.at(u0).energy)
+                let limit = if side == Side::Upper { low } else { high };
+                self.at(place, limit)
             }
-            Place::On(i) => {
-                let node = self.branches[i].end(side);
-                (node.state.mean_displacement, node.state.energy)
-            }
+            Place::On(i) => self.branches[i].end(side).state.under(self.meshes.control),
         }
     }
 
-    /// Where most mixtures of the soft modes lead from a limit of the flat state; all are
+    /// Where most mixtures of the soft modes lead from a limit `u0` of the flat state; all are
     /// remembered.
     fn off_flat(&mut self, side: Side, u0: f64) -> Rest {
         let rests = self.explorer.off_flat(u0);
@@ -267,8 +280,8 @@ impl Atlas {
             let all = self.from_limits[side.index()].clone();
             for (share, rest) in if all.len() > 1 { all } else { Vec::new() } {
                 let usual = self.landings[0][side.index()];
-                let (u0, energy) = self.end_point(Place::Flat, side);
-                let cycle = self.settle(u0, energy, rest).and_then(|place| {
+                let from = self.end_state(Place::Flat(side.opposite()), side);
+                let cycle = self.settle(&from, rest).and_then(|place| {
                     self.landings[0][side.index()] = Some(place);
                     self.cycle(start, turn)
                 });
@@ -282,26 +295,30 @@ impl Atlas {
     /// Where a limit of the flat state leads, if that is contested.
     fn contested(&self, place: Place, side: Side) -> Vec<Share> {
         let all = &self.from_limits[side.index()];
-        if place == Place::Flat && all.len() > 1 {
+        if matches!(place, Place::Flat(_)) && all.len() > 1 {
             all.iter().map(|(share, _)| *share).collect()
         } else {
             Vec::new()
         }
     }
 
-    /// The state at the end of branch `i` and the mode along which it gives way, on the mesh for
-    /// releases.
-    fn kick(&self, i: usize, side: Side) -> Result<(Vec<f64>, Vec<f64>), Unmapped> {
-        let explorer = &self.explorer;
+    /// The state at the end of a place and the mode along which it gives way, on the mesh for
+    /// releases: of the flat state as a block.
+    fn kick(&self, place: Place, side: Side) -> Result<(Vec<f64>, Vec<f64>), Unmapped> {
+        let (explorer, control) = (&self.explorer, self.meshes.control);
+        let Place::On(i) = place else {
+            let from = self.end_state(place, side);
+            let mut z = vec![0.0; explorer.system().dimension()];
+            let mut block = z.clone();
+            [_, z[0]] = control.balanced(from.mean_displacement, from.stress);
+            block[0] = 1.0;
+            return Ok((z, block));
+        };
         let branch = &self.branches[i];
         let node = branch.end(side);
-        let sector = if branch.is_ridge {
-            &self.ridge
-        } else {
-            &self.square
-        };
+        let sector = self.sector_of(branch);
         let own = sector.system();
-        let mode = match branch.ends[side.index()] {
+        let mut mode = match branch.ends[side.index()] {
             End::Fold => carried(&node.tangent, own, explorer.system()),
             End::Breaking if node.breaks_oddly => {
                 let u0 = node.state.mean_displacement;
@@ -312,27 +329,28 @@ impl Atlas {
             }
             End::Breaking => sector.breaking_mode(node, explorer.system()),
         };
-        Ok((
-            carried(&node.state.amplitudes, own, explorer.system()),
-            mode,
-        ))
+        let mut z = carried(&node.state.amplitudes, own, explorer.system());
+        [_, z[0]] = control.balanced(node.state.mean_displacement, node.state.stress);
+        // A tangent is per unit of u0.
+        if control.frees_mean() && branch.ends[side.index()] == End::Fold {
+            mode[0] = 1.0;
+        }
+        Ok((z, mode))
     }
 
-    /// The place of a state at rest: a known branch, or a new one traced from it both ways.
-    fn settle(&mut self, u0: f64, energy_before: f64, rest: Rest) -> Result<Place, Unmapped> {
-        let gamma = self.meshes.law.surface_energy;
-        let (is_ridge, pattern, landed) = match rest {
-            Rest::Flat => {
-                let stable = flat::stiffness_min(&self.meshes.law, self.meshes.length, u0) > 0.0;
-                return if stable {
-                    Ok(Place::Flat)
-                } else {
-                    Err(Unmapped::at(u0, "no rest was found"))
-                };
+    /// The place of a state at rest, fallen `from` another at the same control: a known branch, or a
+    /// new one traced from it both ways.
+    fn settle(&mut self, from: &State, rest: Rest) -> Result<Place, Unmapped> {
+        let (law, control, u0) = (self.meshes.law, from.control, rest.mean_displacement);
+        let most = from.energy + 1e-6 * law.surface_energy;
+        let (is_ridge, pattern, landed) = match rest.form {
+            Form::Flat if self.flat.is_stable(u0) || self.meshes.control.is_apart(&law, u0) => {
+                return Ok(Place::Flat(self.flat.side_of(u0)));
             }
-            Rest::Ridge(line) => (true, Pattern::Ridge, line),
-            Rest::Square(pattern, z) => (false, pattern, z),
-            Rest::Other => {
+            Form::Flat => return Err(Unmapped::at(u0, "no rest was found")),
+            Form::Ridge(line) => (true, Pattern::Ridge, line),
+            Form::Square(pattern, z) => (false, pattern, z),
+            Form::Other => {
                 return Err(Unmapped::at(
                     u0,
                     "the surface comes to rest without the symmetry of a known pattern",
@@ -340,17 +358,19 @@ impl Atlas {
             }
         };
         let known = (0..self.branches.len()).find(|&i| {
-            let b = &self.branches[i];
+            let (b, there) = (&self.branches[i], self.at(Place::On(i), control));
             b.is_ridge == is_ridge
                 && b.pattern == pattern
-                && b.covers(u0)
-                && b.at(u0).energy <= energy_before + 1e-6 * gamma
+                && self.covers(i, control)
+                && (there.mean_displacement - u0).abs() < SAME * law.range
+                && there.energy <= most
         });
         if let Some(i) = known {
             // Where Newton fails from so good a guess, the interpolated energy stands.
-            let _ = self.pin(i, u0);
+            let _ = self.pin(i, control);
             return Ok(Place::On(i));
         }
+        let driven = self.meshes.control;
         let sector = if is_ridge {
             &mut self.ridge
         } else {
@@ -367,7 +387,12 @@ impl Atlas {
         let (mut first, fields) = settled
             .and_then(|z| sector.node(u0, z, None, NODE))
             .map_err(lost)?;
-        if !(first.state.energy <= energy_before + 1e-6 * gamma) || first.own <= 0.0 {
+        let there = first.state.under(driven);
+        // On its own mesh it is a little beside the control of the release.
+        let beside = control - there.control;
+        let energy = there.energy + beside * driven.conjugate(u0, there.stress);
+        let unstable = first.own <= 0.0 || driven.softens([1.0, first.slope]);
+        if !(energy <= most) || unstable {
             return Err(Unmapped::at(
                 u0,
                 format!("the {pattern} is not what the release found"),
@@ -377,45 +402,29 @@ impl Atlas {
         if first.breaking < 0.0 {
             return Err(Unmapped::at(u0, format!("the {pattern} is unstable")));
         }
-        let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
-        let ((mut nodes, below), (after, above)) = match trace(sector, &first, None, Side::Lower) {
-            Ok(down) => {
-                let up =
-                    trace(sector, &first, regular(&down.0).as_ref(), Side::Upper).map_err(lost)?;
-                (down, up)
-            }
-            // Right above a fold only the way up is open, and tells where the fold is.
-            Err(_) => {
-                let up = trace(sector, &first, None, Side::Upper).map_err(lost)?;
-                (
-                    trace(sector, &first, regular(&up.0).as_ref(), Side::Lower).map_err(lost)?,
-                    up,
-                )
-            }
-        };
-        nodes.reverse();
-        nodes.push(first);
-        nodes.extend(after);
+        let (nodes, ends) = both_ways(sector, driven, first).map_err(lost)?;
         self.branches.push(Branch {
             pattern,
             is_ridge,
             nodes,
-            ends: [below, above],
+            ends,
         });
         self.landings.push([None; 2]);
         Ok(Place::On(self.branches.len() - 1))
     }
 
-    /// Makes `u0`, whose energy enters a jump, a node of branch `i`, unless there is one close by.
-    fn pin(&mut self, i: usize, u0: f64) -> Result<(), Lost> {
+    /// Makes the state of branch `i` at this value of the control, whose energy enters a jump, a
+    /// node, unless there is one close by.
+    fn pin(&mut self, i: usize, control: f64) -> Result<(), Lost> {
         let near = 1e-3 * self.meshes.law.range;
+        if !self.covers(i, control) {
+            return Ok(());
+        }
         let branch = &self.branches[i];
-        if !branch.covers(u0)
-            || branch
-                .nodes
-                .iter()
-                .any(|n| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near)
-        {
+        let u0 = branch.place(self.meshes.control, control);
+        let is_near =
+            |n: &Node| n.slope.is_finite() && (n.state.mean_displacement - u0).abs() < near;
+        if branch.nodes.iter().any(is_near) {
             return Ok(());
         }
         let guess = branch.guess(u0);

@@ -7,6 +7,7 @@ use crate::physics::theory::boundary;
 use crate::physics::theory::flat::{limits, stiffness_min};
 use crate::solver::Stop;
 use crate::solver::equilibrium::{Cost, Equilibrium, Stiffness};
+use crate::solver::sector::Side;
 use std::f64::consts::PI;
 
 /// The flat branch of a law in a cell under its control.
@@ -47,7 +48,7 @@ impl FlatBranch {
     }
 
     /// The smallest eigenvalue at gap `u0` (E* per length).
-    fn stiffness(&self, u0: f64) -> f64 {
+    pub fn stiffness(&self, u0: f64) -> f64 {
         match self.control {
             Control::Load => self.law.at(u0).stiffness,
             _ => stiffness_min(&self.law, self.length, u0) / self.length,
@@ -64,6 +65,33 @@ impl FlatBranch {
             Control::Load => (held(lower), 0.0),
             _ => (held(lower), held(upper)),
         })
+    }
+
+    /// The (lower, upper) end of the gaps at which it is unstable; `None` where there are none.
+    pub fn unstable_gaps(&self) -> Option<(f64, f64)> {
+        self.unstable
+    }
+
+    /// On which side of what is unstable a gap lies: towards the ground, or off it.
+    pub fn side_of(&self, gap: f64) -> Side {
+        match self.unstable {
+            Some((lower, _)) if gap <= lower => Side::Lower,
+            _ => Side::Upper,
+        }
+    }
+
+    /// The gap of the flat state on a `side` of what is unstable where the control has this
+    /// `value`, or the end of that side if it lies nearer.
+    pub fn gap_on(&self, side: Side, value: f64) -> f64 {
+        let from = match (self.control, side) {
+            (Control::Displacement, _) => return value,
+            (Control::Load, Side::Upper) => return Control::stop(&self.law),
+            // The spring is stretched there: the gap is smaller.
+            (_, Side::Upper) => value + self.law.range,
+            (_, Side::Lower) => self.law.equilibrium_gap(),
+        };
+        self.at_control(from, value)
+            .unwrap_or_else(|(stable, _)| stable)
     }
 
     /// True if the body gives way as a block, before any wave does.

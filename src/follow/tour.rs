@@ -2,12 +2,11 @@
 //! walk's.
 
 use super::atlas::{Atlas, End, Leg, Place, Traversal, Unmapped};
-use super::flat_branch::FlatBranch;
 use super::record::{Direction, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
+use super::walk::apart::apart;
 use super::walk::symmetry::{Guard, slides_on};
 use crate::numerics::cancel::Cancel;
-use crate::physics::control::Control;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
 use crate::scene::part::Part;
@@ -21,13 +20,18 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 
-/// Distance from a jump of the last state before it, in ranges: half the walk's bracket, and more
-/// than the jump is uncertain.
+/// Distance from a jump of the last state before it, in units of the control: half the walk's
+/// bracket, and more than the jump is uncertain.
 const HAIR: f64 = 5e-5;
 /// An eigenvalue (E*/L) below which a branch is at its end.
 const SOFT: f64 = 0.02;
 /// Residual of every recorded state.
 const TOLERANCE: f64 = 1e-6;
+/// How often a state is sought at fixed u0 until its control is the one that was asked for, as far
+/// as the residual lets its stress be known.
+const ROUNDS: usize = 8;
+/// Longest step in that search, in ranges.
+const NEXT: f64 = 1e-2;
 
 impl Atlas {
     /// The closed loop of `scene` from its start to `turn` and back in the scene's steps, every
@@ -50,7 +54,7 @@ impl Atlas {
         let mut traversal = Traversal::new(self, start, turn)?;
         self.obey(cancel);
         let mut whole = Mechanics::new(
-            System::new(model.grid, model.law, &model.indenter),
+            System::new(model.grid, model.law, &model.indenter).with_control(scene.control()),
             slides_on(model),
         );
         whole.cancel = cancel.clone();
@@ -58,21 +62,22 @@ impl Atlas {
             atlas: self,
             model,
             guard: Guard::new(whole, tracker),
-            flat: FlatBranch::new(law, model.grid.length, Control::Displacement),
             last: None,
         };
         let mut run = LoopRun::empty();
         while let Some(leg) = traversal.leg(tour.atlas) {
-            let edge = traversal.jumps_next().then_some(HAIR * law.range);
-            for (i, u0) in
+            let edge = traversal
+                .jumps_next()
+                .then_some(HAIR * scene.control().unit(&law));
+            for (i, value) in
                 stations(&leg, start, scene.drive.step, edge, tour.fold(&leg)).enumerate()
             {
-                let told = tour.state(&leg, u0);
+                let told = tour.state(&leg, value);
                 if cancel.requested() {
                     break;
                 }
                 let (state, gap) = told?;
-                let half = (start - u0) / (start - turn);
+                let half = (start - value) / (start - turn);
                 let fraction = 0.5
                     * if leg.direction == Direction::Approach {
                         half
@@ -87,11 +92,10 @@ impl Atlas {
                 });
                 run.counts.patterned_increments += usize::from(state.pattern != Pattern::Flat);
                 if i == 0 && leg.begins {
-                    let (direction, pattern) = (state.direction, state.pattern);
                     run.landings.push(Landing {
-                        direction,
-                        mean_displacement: u0,
-                        pattern,
+                        direction: state.direction,
+                        mean_displacement: state.mean_displacement,
+                        pattern: state.pattern,
                         gap,
                     });
                 }
@@ -121,7 +125,6 @@ struct Tour<'a> {
     atlas: &'a mut Atlas,
     model: &'a Model,
     guard: Guard,
-    flat: FlatBranch,
     /// Place and node of the state before.
     last: Option<(Place, Node)>,
 }
@@ -137,22 +140,23 @@ impl Tour<'_> {
             return false;
         };
         let branch = &self.atlas.branches[i];
-        let (low, high) = branch.extent();
+        let [low, high] = self.atlas.extent(i);
         (leg.to == low && branch.ends[0] == End::Fold)
             || (leg.to == high && branch.ends[1] == End::Fold)
     }
 
-    /// The state of `leg` at `u0`, with its gap field.
-    fn state(&mut self, leg: &Leg, u0: f64) -> Result<(StateRecord, Array2<f64>), Unmapped> {
+    /// The state of `leg` where the control has this `value`, with its gap field.
+    fn state(&mut self, leg: &Leg, value: f64) -> Result<(StateRecord, Array2<f64>), Unmapped> {
         let began = Instant::now();
         let spent = self.transforms();
         let mut record = StateRecord {
             direction: leg.direction,
-            ..StateRecord::placeholder(u0)
+            control: value,
+            ..StateRecord::placeholder(self.atlas.at(leg.place, value).mean_displacement)
         };
         let gap = match leg.place {
-            Place::Flat => self.flat(&mut record),
-            Place::On(i) => self.patterned(i, &mut record)?,
+            Place::Flat(_) => self.flat(&mut record),
+            Place::On(i) => self.patterned(i, leg, &mut record)?,
         };
         record.stress_over_max = record.stress / self.model.law.traction_max();
         record.contact_area = contact_area(gap.view(), &self.model.law);
@@ -161,21 +165,78 @@ impl Tour<'_> {
         Ok((record, gap))
     }
 
-    fn flat(&self, record: &mut StateRecord) -> Array2<f64> {
-        let flat = self
-            .flat
-            .state(&self.guard.mechanics.system, record.mean_displacement);
+    fn flat(&mut self, record: &mut StateRecord) -> Array2<f64> {
+        let mechanics = &mut self.guard.mechanics;
+        let u0 = record.mean_displacement;
+        let flat = if mechanics.system.control().is_apart(&self.model.law, u0) {
+            apart(mechanics, record.control)
+        } else {
+            self.atlas.flat().state(&mechanics.system, u0)
+        };
         let stiffness = flat.stiffness_min.expect("closed form");
-        (record.stress, record.energy, record.residual) =
-            (flat.state.stress, flat.state.energy, flat.residual);
-        (record.stiffness_min, record.stiffness_error) =
-            (stiffness.value * self.model.grid.length, stiffness.error);
+        let driven = self.atlas.meshes().control;
+        (record.stress, record.energy, record.residual) = (
+            flat.state.stress,
+            flat.state.body_energy(driven),
+            flat.residual,
+        );
+        (record.stiffness_min, record.stiffness_error) = (
+            stiffness.value * self.model.grid.length,
+            stiffness.error * self.model.grid.length,
+        );
         (record.pattern, record.part, record.stop) = (Pattern::Flat, Part::Flat, flat.stop);
         flat.fields.gap
     }
 
-    fn patterned(&mut self, i: usize, record: &mut StateRecord) -> Result<Array2<f64>, Unmapped> {
-        let (u0, length) = (record.mean_displacement, self.model.grid.length);
+    /// The state of branch `i` with the control of `record`, with its evidence.
+    fn found(
+        &mut self,
+        i: usize,
+        before: Option<&Node>,
+        record: &mut StateRecord,
+    ) -> Result<Measured, Unmapped> {
+        let control = self.atlas.meshes().control;
+        let near = TOLERANCE * control.unit(&self.model.law);
+        let branch = &self.atlas.branches[i];
+        let u0 = record.mean_displacement;
+        // d control/du0, which vanishes where the control turns back; then by secants.
+        let [mut rate, _] = control.balanced(1.0, branch.at(u0).slope);
+        let mut last: Option<[f64; 2]> = None;
+        let mut guess = branch.guess(u0);
+        let sector = if branch.is_ridge {
+            &mut self.atlas.ridge
+        } else {
+            &mut self.atlas.square
+        };
+        for _ in 0..ROUNDS {
+            let u0 = record.mean_displacement;
+            let measured = sector
+                .measure(u0, guess, before, TOLERANCE)
+                .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))?;
+            let [value, _] = control.balanced(u0, measured.node.state.stress);
+            let off = record.control - value;
+            if off.abs() <= near {
+                return Ok(measured);
+            }
+            if let Some([u, value_then]) = last {
+                rate = (value - value_then) / (u0 - u);
+            }
+            last = Some([u0, value]);
+            let longest = NEXT * self.model.law.range;
+            record.mean_displacement += (off / rate).clamp(-longest, longest);
+            guess = measured.node.state.amplitudes;
+        }
+        let u0 = record.mean_displacement;
+        Err(Unmapped::at(u0, "the state was not found at its control"))
+    }
+
+    fn patterned(
+        &mut self,
+        i: usize,
+        leg: &Leg,
+        record: &mut StateRecord,
+    ) -> Result<Array2<f64>, Unmapped> {
+        let length = self.model.grid.length;
         let before = self
             .last
             .take()
@@ -184,29 +245,24 @@ impl Tour<'_> {
         if before.is_none() {
             self.guard.reset();
         }
-        let branch = &self.atlas.branches[i];
-        let (guess, is_ridge) = (branch.guess(u0), branch.is_ridge);
-        let sector = if is_ridge {
-            &mut self.atlas.ridge
-        } else {
-            &mut self.atlas.square
-        };
         let Measured {
             node,
             residual,
             mut stiffness,
             ..
-        } = sector
-            .measure(u0, guess, before.as_ref(), TOLERANCE)
-            .map_err(|lost| Unmapped::at(u0, format!("the state was not found ({lost:?})")))?;
+        } = self.found(i, before.as_ref(), record)?;
+        let (u0, is_ridge) = (record.mean_displacement, self.atlas.branches[i].is_ridge);
+        let driven = self.atlas.meshes().control;
         let square = self.atlas.square.system();
         let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
-        let all = self.guard.check(&gap, u0);
+        let all = self.guard.check(&gap, [u0, node.state.stress]);
         let cancelled = self.guard.mechanics.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the
         // branch.
-        let at_end = stiffness.value * length <= SOFT;
+        let edge = 2.0 * HAIR * driven.unit(&self.model.law);
+        let at_end = stiffness.value * length <= SOFT
+            || driven.frees_mean() && (record.control - leg.to).abs() <= edge;
         if all.value < 0.0 && !at_end && !cancelled {
             return Err(Unmapped::at(
                 u0,
@@ -239,7 +295,7 @@ impl Tour<'_> {
     }
 }
 
-/// The u0 of a leg's states: where it begins (a landing, or the start), the points start - k x
+/// The control of a leg's states: where it begins (a landing, or the start), the points start - k x
 /// step, and where it ends. The turning point is not repeated. Where the leg ends in a jump the
 /// last state stands the distance `edge` before it: at the edge itself an eigenvalue vanishes, and
 /// beyond there may be nothing. Towards a `fold`, where the stress falls off like a square root,

@@ -6,7 +6,7 @@
 //! for everything faster.
 
 mod advance;
-mod apart;
+pub(super) mod apart;
 mod landing;
 mod mesh_jumps;
 mod progress;

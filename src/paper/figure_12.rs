@@ -2,8 +2,8 @@
 
 use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
-use super::tips::{self, TIP, Tip};
-use super::{Entry, scenes};
+use super::tips::{self, TIP, Tip, TipDrive};
+use super::{Entry, figure_13, scenes};
 use crate::physics::theory::units::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
 use crate::plot::scale::steps;
@@ -15,9 +15,21 @@ pub(super) const ENTRY: Entry = Entry {
         let the tip come closer before it is pulled in. From mu_rho = 1 on the edge of the contact \
         moves point by point, and at 1.5 and 2 the sawtooth is all there is.",
     scene: || scenes::tip(128, 0.5),
-    compute,
+    compute: |task| driven(&ENTRY, task, TipDrive::ToZeroLoad),
 };
 
+/// The same under a load, which the paper does not show.
+pub(super) const UNDER_LOAD: Entry = Entry {
+    title: "A Hertzian tip under a load: force against displacement",
+    look_for: "Two jumps at a constant force: into contact at hardly any load, and off where the \
+        driven loop has its largest tension. Between the two ends of the load's branch the driven \
+        tip still holds on.",
+    compute: |task| driven(&UNDER_LOAD, task, TipDrive::Load),
+    ..ENTRY
+};
+
+/// u0 of a tip that is far off (R).
+const FAR: f64 = 0.05;
 /// Points of a theory line.
 const POINTS: usize = 200;
 
@@ -29,33 +41,44 @@ const COLOURS: [Colour; 5] = [
     Colour::Teal,
 ];
 
-fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
+fn driven(entry: &Entry, task: &mut Task<'_>, drive: TipDrive) -> Result<Figure, Stopped> {
     let fine: &[usize] = task.choose(&[32, 64], &[32, 64, 128, 256, 512]);
     let coarse: &[usize] = task.choose(&[32], &[32, 64, 128]);
-    let tips = tips::run_all(
-        &tips::orders(&[(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)]),
-        task,
-    )?;
+    let list = [(0.5, fine), (1.0, coarse), (1.5, coarse), (2.0, coarse)];
+    let tips = tips::run_all(&tips::orders(&list, drive), task)?;
     let panels = [0.5, 1.0, 1.5, 2.0]
         .iter()
         .zip("abcd".chars())
         .map(|(mu, letter)| {
             let loops: Vec<&Tip> = tips.iter().filter(|tip| tip.mu_rho == *mu).collect();
-            panel(&format!("({letter}) mu_rho = {mu}"), &loops)
+            panel(&format!("({letter}) mu_rho = {mu}"), &loops, drive)
         });
-    let words = "Force over the pull-off force of JKR, positive in compression, against the height \
-        u₀ of the undeformed surface above the apex, driven by displacement to zero load and back \
+    let by = match drive {
+        TipDrive::Load => {
+            "by a load, from pull-off to a little compression and back: into contact and out of it \
+             the body jumps at a constant force"
+        }
+        _ => "by displacement to zero load and back",
+    };
+    let words = format!(
+        "Force over the pull-off force of JKR, positive in compression, against the height \
+        u₀ of the undeformed surface above the apex, driven {by} \
         (L = R, γ = 0.5859e-3 E*R). Black: JKR; grey: the same with the periodic images of the \
         cell, in closed form. Up to mu_rho = 0.7 an even quarter of the cell is solved, with all \
         other modes watched; above, the quarter is held mirror-symmetric, so that single points \
         jump in fours or eights, and their jumps are located within a fortieth of the range. At \
         mu_rho = 1.5 and 2 the loops also depend on that, and on how far the tip is driven, as the \
-        paper says: Fig. 13 lists by how much.";
-    Ok(ENTRY.figure(panels.collect(), words, findings(&tips)))
+        paper says: Fig. 13 lists by how much."
+    );
+    let findings = match drive {
+        TipDrive::Load => figure_13::pull_offs(&tips),
+        _ => findings(&tips),
+    };
+    Ok(entry.figure(panels.collect(), words, findings))
 }
 
-fn panel(title: &str, loops: &[&Tip]) -> Panel {
-    let (jkr, images) = theory();
+fn panel(title: &str, loops: &[&Tip], drive: TipDrive) -> Panel {
+    let (jkr, images) = theory(drive);
     let mut series = vec![
         Series::line("JKR", Role::Theory, Colour::Ink, jkr),
         Series::line("JKR, periodic", Role::Theory, Colour::Grey, images),
@@ -67,14 +90,20 @@ fn panel(title: &str, loops: &[&Tip]) -> Panel {
         series.push(line(format!("n = {}", tip.points), &tip.approach));
         series.push(line(String::new(), &tip.retraction));
     }
+    // Under a load the body flies far off.
+    let held = |p: &&[f64; 2]| p[1] < -0.1 && (drive != TipDrive::Load || p[0] < FAR);
     let end = loops
         .iter()
-        .flat_map(|tip| tip.retraction.iter().filter(|p| p[1] < -0.1))
+        .flat_map(|tip| tip.retraction.iter().filter(held))
         .fold(0.013, |most: f64, p| most.max(p[0]));
+    let mut y = Axis::linear("force F/F_{pull,JKR}");
+    if drive == TipDrive::Load {
+        y = y.from_to(-1.6, 0.2);
+    }
     Panel {
         title: title.to_owned(),
         x: Axis::linear("displacement u₀/R").from_to(-0.0145, end + 0.002),
-        y: Axis::linear("force F/F_{pull,JKR}"),
+        y,
         series,
         ..Panel::default()
     }
@@ -82,18 +111,22 @@ fn panel(title: &str, loops: &[&Tip]) -> Panel {
 
 /// The two loops without range, the second with images: away from contact, the touch, the branch in
 /// contact, the snap-off.
-fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
-    let (far, pull) = (0.05, TIP.pull_off_force());
-    let path = |touch: f64, end: f64, contact: &dyn Fn(f64) -> [f64; 2]| {
+fn theory(drive: TipDrive) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+    let (far, pull, by_load) = (FAR, TIP.pull_off_force(), drive == TipDrive::Load);
+    let path = |[touch, end]: [f64; 2], contact: &dyn Fn(f64) -> [f64; 2]| {
         // A little into compression.
         let last = 0.206;
         let branch = steps(end, last, POINTS).map(contact);
         let away = [
             [far, 0.0],
-            [0.0, 0.0],
+            [if by_load { far } else { 0.0 }, 0.0],
             contact(touch),
             [f64::NAN; 2],
-            [contact(end)[0], 0.0],
+            if by_load {
+                [far, contact(end)[1]]
+            } else {
+                [contact(end)[0], 0.0]
+            },
         ];
         away.into_iter().chain(branch).collect::<Vec<_>>()
     };
@@ -106,14 +139,21 @@ fn theory() -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
         let state = periodic.contact(a);
         [state.mean_displacement, -state.force / pull]
     };
-    (
-        path(TIP.touch().radius, TIP.end_of_displacement().radius, &alone),
-        path(
-            periodic.touch().radius,
-            periodic.end_of_displacement().radius,
-            &with_images,
-        ),
-    )
+    let ends = if by_load {
+        [
+            [TIP.zero_load().radius, TIP.end_under_force().radius],
+            [periodic.zero_load().radius, periodic.pull_off().radius],
+        ]
+    } else {
+        [
+            [TIP.touch().radius, TIP.end_of_displacement().radius],
+            [
+                periodic.touch().radius,
+                periodic.end_of_displacement().radius,
+            ],
+        ]
+    };
+    (path(ends[0], &alone), path(ends[1], &with_images))
 }
 
 fn findings(tips: &[Tip]) -> Vec<Finding> {

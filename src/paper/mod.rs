@@ -51,12 +51,15 @@ pub const GALLERY: &[Entry] = &[
     figure_14::ENTRY,
 ];
 
+/// Those of tips under a load in place of a driven displacement.
+pub const UNDER_LOAD: &[Entry] = &[figure_12::UNDER_LOAD, figure_13::UNDER_LOAD];
+
 /// Figures that take longest at full size, the longest first; the others take seconds.
 const LONG: [usize; 5] = [13, 12, 14, 3, 11];
 
-/// The figures with the long ones first: the order in which several are soonest done together.
-pub fn longest_first() -> Vec<&'static Entry> {
-    let mut list: Vec<&'static Entry> = GALLERY.iter().collect();
+/// The figures of a gallery with the long ones first: the order in which several are soonest done together.
+pub fn longest_first(gallery: &'static [Entry]) -> Vec<&'static Entry> {
+    let mut list: Vec<&'static Entry> = gallery.iter().collect();
     list.sort_by_key(|entry| {
         LONG.iter()
             .position(|number| *number == entry.number)

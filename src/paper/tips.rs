@@ -5,10 +5,11 @@ use super::scenes;
 use super::task::{Stopped, Task};
 use crate::follow::record::Direction;
 use crate::follow::walk::WalkOptions;
+use crate::physics::control::Control;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
-use crate::scene::Turn;
 use crate::scene::part::Part;
+use crate::scene::{Drive, Turn};
 
 /// The tip of Sect. 4, R = 1.
 pub(super) const TIP: Jkr = Jkr {
@@ -81,8 +82,19 @@ pub struct Order {
     pub points: usize,
     /// Which part of the cell is solved; of the whole the apex lies on a point.
     pub part: Part,
-    /// Where the drive turns.
-    pub turn: Turn,
+    /// What drives it.
+    pub drive: TipDrive,
+}
+
+/// How a tip is driven to the ground and back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TipDrive {
+    /// By displacement, to zero load.
+    ToZeroLoad,
+    /// By displacement, to this u0.
+    To(f64),
+    /// By a load, from four times the pull-off force of JKR to a tenth of it in compression.
+    Load,
 }
 
 impl Order {
@@ -92,7 +104,7 @@ impl Order {
             mu_rho,
             points,
             part: part_for(mu_rho),
-            turn: Turn::ZeroLoad,
+            drive: TipDrive::ToZeroLoad,
         }
     }
 
@@ -115,10 +127,14 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         mu_rho,
         points,
         part,
-        turn,
+        drive,
     } = *order;
     let mut scene = scenes::tip(points, mu_rho);
-    scene.drive.turn = turn;
+    match drive {
+        TipDrive::ToZeroLoad => {}
+        TipDrive::To(turn) => scene.drive.turn = Turn::At(turn),
+        TipDrive::Load => scene.drive = by_load(),
+    }
     scene.title += &format!(", n = {points}");
     let range = scene
         .model()
@@ -148,11 +164,13 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
         range,
         approach: curve(Direction::Approach),
         retraction: curve(Direction::Retraction),
-        pull_off: record
-            .states
-            .iter()
-            .map(|s| s.stress / force)
-            .fold(0.0, f64::max),
+        pull_off: match drive {
+            TipDrive::Load => record.jumps.last().map_or(f64::NAN, |j| j.control / force),
+            _ => {
+                let stresses = record.states.iter().map(|s| s.stress / force);
+                stresses.fold(0.0, f64::max)
+            }
+        },
         released: record.released_energy_sum() * TIP.surface_energy / energy,
         integral: record.work() / energy,
         jumps: record
@@ -163,15 +181,30 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     })
 }
 
+/// A load in the tip's cell, L = 1, where a mean stress is a force.
+fn by_load() -> Drive {
+    let force = TIP.pull_off_force();
+    Drive {
+        control: Control::Load,
+        start: 4.0 * force,
+        turn: Turn::At(-0.1 * force),
+        step: 0.05 * force,
+    }
+}
+
 /// Runs all these loops, several at a time.
 pub(super) fn run_all(orders: &[Order], task: &mut Task<'_>) -> Result<Vec<Tip>, Stopped> {
     task.each(orders, Order::cost, run)
 }
 
 /// The loops of a list of (mu_rho, meshes).
-pub(super) fn orders(list: &[(f64, &[usize])]) -> Vec<Order> {
+pub(super) fn orders(list: &[(f64, &[usize])], drive: TipDrive) -> Vec<Order> {
+    let order = |mu: f64, n: usize| Order {
+        drive,
+        ..Order::new(mu, n)
+    };
     list.iter()
-        .flat_map(|(mu, meshes)| meshes.iter().map(|n| Order::new(*mu, *n)))
+        .flat_map(|(mu, meshes)| meshes.iter().map(move |n| order(*mu, *n)))
         .collect()
 }
 

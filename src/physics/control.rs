@@ -82,6 +82,11 @@ impl Control {
         boundary(near, near + width, felt)
     }
 
+    /// True if a body at `u0` is on that stop, or has flown beyond it.
+    pub fn is_apart(&self, law: &Law, u0: f64) -> bool {
+        *self == Self::Load && u0 >= Self::stop(law)
+    }
+
     /// True if u0 is an unknown.
     pub fn frees_mean(&self) -> bool {
         *self != Self::Displacement

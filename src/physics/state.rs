@@ -41,6 +41,21 @@ impl State {
         self.energy += control.energy(self.control, self.mean_displacement);
     }
 
+    /// The same of an equilibrium of fixed u0, without its amplitudes.
+    pub fn under(&self, control: Control) -> Self {
+        let mut state = Self {
+            amplitudes: Vec::new(),
+            ..*self
+        };
+        state.put_under(control);
+        state
+    }
+
+    /// Energy per area of body and cohesion, without that of the machine (E* times length).
+    pub fn body_energy(&self, control: Control) -> f64 {
+        self.energy - control.energy(self.control, self.mean_displacement)
+    }
+
     /// Root mean square of u - u0 (length).
     pub fn roughness(&self) -> f64 {
         norm(&self.amplitudes[1..])

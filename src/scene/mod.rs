@@ -176,9 +176,13 @@ impl Scene {
         }
     }
 
-    /// The same if an atlas may hold the drive: it knows the patterns of a half-space.
+    /// Value of the control at which the approach turns, if an atlas may hold the drive: it knows
+    /// the patterns of a half-space.
     pub fn turn_of_atlas(&self) -> Option<f64> {
-        self.turn_of_u0().filter(|_| self.body == Body::HalfSpace)
+        match (self.body, self.drive.turn) {
+            (Body::HalfSpace, Turn::At(turn)) => Some(turn),
+            _ => None,
+        }
     }
 
     /// Where the approach is to go (length): to the turning point, or, where the sign of the stress

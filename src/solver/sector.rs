@@ -15,6 +15,7 @@ use crate::numerics::cancel::Cancel;
 use crate::numerics::eigen::{EigenLimits, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits};
 use crate::numerics::vector::dot;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -27,7 +28,7 @@ use crate::physics::system::{Evaluation, Fields, State, System, carried};
 /// in this.
 pub const NODE: f64 = 2e-4;
 /// The same for the ends, whose place must be known, and for states that are shown.
-const SHARP: f64 = 1e-8;
+pub const SHARP: f64 = 1e-8;
 /// Longest step while settling, root mean square in ranges.
 const SETTLING: f64 = 0.2;
 /// Descents of six steps while settling.
@@ -41,7 +42,7 @@ const PRODUCTS: usize = 40;
 const MOST_REACH: f64 = 20.0;
 
 /// An end of a branch along u0, and the way towards it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// Smaller u0.
     Lower,
@@ -56,6 +57,15 @@ impl Side {
     /// Place in a pair of ends.
     pub fn index(self) -> usize {
         self as usize
+    }
+
+    /// The other one.
+    pub fn opposite(self) -> Self {
+        if self == Side::Upper {
+            Side::Lower
+        } else {
+            Side::Upper
+        }
     }
 
     /// Sign of du0 on the way.
@@ -90,6 +100,17 @@ pub struct Node {
 }
 
 impl Node {
+    /// The smallest eigenvalue under `control` (E* per length). With u0 free no more than that along
+    /// the branch, (S + k)/(1 + |dz/du0|^2), which vanishes with it where the control turns back.
+    pub fn softness(&self, control: Control) -> f64 {
+        let fixed = self.own.min(self.breaking);
+        if !control.frees_mean() {
+            return fixed;
+        }
+        let along = 1.0 + dot(&self.tangent, &self.tangent);
+        fixed.min((self.slope + control.stiffness()) / along)
+    }
+
     /// A node whose softness is not measured yet.
     fn bare(state: State, slope: f64, tangent: Vec<f64>) -> Self {
         Self {

@@ -12,7 +12,7 @@ pub use crate::numerics::precision::Precision;
 pub use judge::{Errors, Judged, Reference, Verdict, front};
 pub use points::{Effort, Point, points};
 
-use crate::follow::atlas::{Atlas, Leg, Meshes, Place, Unmapped};
+use crate::follow::atlas::{Atlas, Leg, Place, Unmapped};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{LoopRecord, StateRecord};
 use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
@@ -361,8 +361,7 @@ const ALMOST: f64 = 0.99;
 /// and says why.
 fn read_off(scene: &Scene, model: &Model) -> LoopRun {
     // As the live loop does.
-    let meshes = Meshes::new(&model.law, model.grid.length, model.grid.nx);
-    let mut atlas = Atlas::new(meshes);
+    let mut atlas = Atlas::of(scene, model);
     let start = scene.drive.start;
     let cycle = match scene.turn_of_atlas() {
         Some(turn) => atlas.cycle(start, turn),
@@ -416,14 +415,14 @@ fn states(atlas: &Atlas, leg: &Leg, start: f64, step: f64, model: &Model) -> Vec
     });
     places
         .iter()
-        .map(|&u0| state(atlas, leg, u0, model))
+        .map(|&value| state(atlas, leg, value, model))
         .collect()
 }
 
-fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
-    let at = atlas.at(leg.place, u0);
+fn state(atlas: &Atlas, leg: &Leg, value: f64, model: &Model) -> StateRecord {
+    let at = atlas.at(leg.place, value);
     let (pattern, part) = match leg.place {
-        Place::Flat => (Pattern::Flat, Part::Flat),
+        Place::Flat(_) => (Pattern::Flat, Part::Flat),
         Place::On(i) => {
             let branch = &atlas.branches()[i];
             (
@@ -440,10 +439,11 @@ fn state(atlas: &Atlas, leg: &Leg, u0: f64, model: &Model) -> StateRecord {
         direction: leg.direction,
         stress: at.stress,
         stress_over_max: at.stress / model.law.traction_max(),
-        energy: at.energy,
+        energy: at.body_energy(atlas.meshes().control),
         pattern,
         part,
         stop: Stop::ReadOff,
-        ..StateRecord::placeholder(u0)
+        control: value,
+        ..StateRecord::placeholder(at.mean_displacement)
     }
 }

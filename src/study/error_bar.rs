@@ -5,7 +5,7 @@
 //! finer mesh tells. The error falls exponentially with the number of points, so that of the finer
 //! mesh hardly counts beside that of the loop.
 
-use crate::follow::atlas::{Atlas, Meshes};
+use crate::follow::atlas::Atlas;
 use crate::follow::ledger::LOSS_MIN;
 use crate::follow::record::JumpRecord;
 use crate::follow::run::{LoopRun, Outcome, run_loop};
@@ -77,7 +77,7 @@ pub fn read_off(scene: &Scene, cancel: &Cancel) -> Option<Vec<Vec<JumpRecord>>> 
     if model.grid.is_line() {
         return None;
     }
-    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, model.grid.nx));
+    let mut atlas = Atlas::of(scene, &model);
     atlas.obey(cancel);
     let usual = atlas.cycle(scene.drive.start, turn).ok()?.jumps;
     let contested = atlas

@@ -1,8 +1,5 @@
-//! A whole loop read off the atlas, or walked on a coarse mesh under a spring or a load, as plain
-//! data: quick enough to follow a hand that drags a parameter, and to say where the surface will
-//! stand before the walk has gone there.
-
-mod walked;
+//! A whole loop read off the atlas, as plain data: quick enough to follow a hand that drags a
+//! parameter, and to say where the surface will stand before the walk has gone there.
 
 use super::plan::{OF_HALF_SPACES, rivals};
 use crate::follow::atlas::{Atlas, Cycle, Meshes, Place, Unmapped};
@@ -15,10 +12,9 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::flat;
 use crate::scene::mesh;
-use crate::scene::part::Strategy;
 use crate::scene::{Model, Scene};
+use crate::solver::sector::Side;
 use std::f64::consts::PI;
 
 /// States sampled along one branch.
@@ -114,8 +110,6 @@ pub struct LiveLoop {
     pub predicted_error: f64,
     /// Points along a side of the mesh it was computed on.
     pub points: usize,
-    /// How it was computed.
-    pub strategy: Strategy,
 }
 
 /// Live loops one after the other: where law and cell are only a little different the last atlas is
@@ -135,34 +129,12 @@ impl LiveLoops {
         }
     }
 
-    /// The loop of a scene's drive, of a driven displacement off the atlas, else walked until
-    /// `is_stale`.
-    ///
-    /// # Errors
-    /// Why there is none.
-    pub fn next(
-        &mut self,
-        scene: &Scene,
-        model: &Model,
-        fineness: Fineness,
-        is_stale: &dyn Fn() -> bool,
-    ) -> Result<LiveLoop, Unmapped> {
-        if model.body != Body::HalfSpace {
-            return Err(unmapped(OF_HALF_SPACES));
-        }
-        if scene.control().frees_mean() {
-            let points = points_of(model, fineness)?;
-            return walked::walked(scene, model, points, &self.cancel, is_stale);
-        }
-        self.read_off(scene, model, fineness)
-    }
-
-    /// The loop of a drive of u0 off the atlas. A fine one is always made afresh: landings that
-    /// were taken over are then learnt again.
+    /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over
+    /// are then learnt again.
     ///
     /// # Errors
     /// Why the atlas does not hold this scene; the walk does.
-    pub fn read_off(
+    pub fn next(
         &mut self,
         scene: &Scene,
         model: &Model,
@@ -203,8 +175,10 @@ const NEAR: f64 = 1.03;
 
 fn is_near(a: &Meshes, b: &Meshes) -> bool {
     let close = |a: f64, b: f64| (a / b).max(b / a) <= NEAR;
-    let same = a.law.shape == b.law.shape;
-    same && close(a.law.range, b.law.range)
+    let kind = |meshes: &Meshes| meshes.control.word();
+    let same = a.law.shape == b.law.shape && kind(a) == kind(b);
+    same && (!a.control.frees_mean() || close(a.control.unit(&a.law), b.control.unit(&b.law)))
+        && close(a.law.range, b.law.range)
         && close(a.law.surface_energy, b.law.surface_energy)
         && close(a.length, b.length)
 }
@@ -215,25 +189,22 @@ fn places(cycle: &Cycle) -> Vec<Place> {
 
 /// The atlas that a scene asks for, and where its drive turns.
 fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes, f64), Unmapped> {
+    if model.body != Body::HalfSpace {
+        return Err(Unmapped::anywhere(OF_HALF_SPACES));
+    }
     let Some(turn) = scene.turn_of_atlas() else {
-        return Err(unmapped("the drive has no fixed turning point of u0"));
+        return Err(Unmapped::anywhere("the drive has no fixed turning point"));
     };
-    let points = points_of(model, fineness)?;
-    Ok((Meshes::new(&model.law, model.grid.length, points), turn))
-}
-
-/// Points along a side for the loop of a scene.
-fn points_of(model: &Model, fineness: Fineness) -> Result<usize, Unmapped> {
     if model.indenter != Indenter::Flat || model.grid.is_line() {
-        return Err(unmapped("it is of square cells on flat ground"));
+        return Err(Unmapped::anywhere("it is of square cells on flat ground"));
     }
     let points = fineness.points(&model.law, model.grid.length);
     if points > POINTS_MAX {
-        return Err(unmapped(&format!(
-            "a live loop would need {points} points a side"
-        )));
+        let why = format!("a live loop would need {points} points a side");
+        return Err(Unmapped::anywhere(why));
     }
-    Ok(points)
+    let meshes = Meshes::new(&model.law, model.grid.length, points).under(scene.control());
+    Ok((meshes, turn))
 }
 
 impl LiveLoop {
@@ -242,24 +213,7 @@ impl LiveLoop {
     /// # Errors
     /// As of [`LiveLoops::next`].
     pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
-        LiveLoops::default().next(scene, model, fineness, &|| false)
-    }
-
-    /// Of which nothing is known but the mesh.
-    fn empty(law: &Law, control: Control, length: f64, points: usize, strategy: Strategy) -> Self {
-        let mu_rho = mesh_rule::mu_rho(law, length / points as f64);
-        Self {
-            law: *law,
-            control,
-            segments: Vec::new(),
-            legs: Vec::new(),
-            jumps: Vec::new(),
-            dissipated_energy: 0.0,
-            rivals: Vec::new(),
-            predicted_error: mesh::flat_error(&Body::HalfSpace, law, length, mu_rho),
-            points,
-            strategy,
-        }
+        LiveLoops::default().next(scene, model, fineness)
     }
 
     fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
@@ -267,25 +221,28 @@ impl LiveLoop {
             law,
             length,
             square,
+            control,
             ..
         } = *atlas.meshes();
+        let mu_rho = mesh_rule::mu_rho(&law, length / square as f64);
         let mut this = Self {
+            law,
+            control,
+            segments: Vec::new(),
+            legs: Vec::new(),
             jumps: cycle.jumps.clone(),
             dissipated_energy: cycle.dissipated_energy,
-            ..Self::empty(&law, Control::Displacement, length, square, Strategy::Atlas)
+            rivals: Vec::new(),
+            predicted_error: mesh::flat_error(&Body::HalfSpace, &law, length, mu_rho),
+            points: square,
         };
-        let mut known: Vec<(Place, bool)> = Vec::new();
+        let mut known: Vec<Place> = Vec::new();
         for leg in &cycle.legs {
-            // The flat state is stable far away and pressed, and nothing in between.
-            let pressed = leg.place == Place::Flat
-                && atlas
-                    .flat_limits()
-                    .is_some_and(|(low, _)| leg.from.min(leg.to) <= low);
-            let key = (leg.place, pressed);
-            let segment = known.iter().position(|k| *k == key).unwrap_or_else(|| {
-                known.push(key);
+            let segment = known.iter().position(|place| *place == leg.place);
+            let segment = segment.unwrap_or_else(|| {
+                known.push(leg.place);
                 this.segments
-                    .push(segment(atlas, leg.place, pressed, turn, start));
+                    .push(segment_of(atlas, leg.place, turn, start));
                 known.len() - 1
             });
             this.legs.push(Leg {
@@ -411,45 +368,30 @@ impl Segment {
     }
 }
 
-fn unmapped(why: &str) -> Unmapped {
-    Unmapped::anywhere(why)
-}
-
 /// Samples a place, densely towards both ends, where folds are steep.
-fn segment(atlas: &Atlas, place: Place, pressed: bool, turn: f64, start: f64) -> Segment {
-    let meshes = *atlas.meshes();
-    let (pattern, low, high) = match (place, atlas.flat_limits()) {
-        (Place::On(i), _) => {
-            let (low, high) = atlas.branches()[i].extent();
-            (atlas.branches()[i].pattern, low, high)
-        }
-        (Place::Flat, Some((low, _))) if pressed => (Pattern::Flat, turn, low),
-        (Place::Flat, Some((_, high))) => (Pattern::Flat, high, start),
-        (Place::Flat, None) => (Pattern::Flat, turn, start),
+fn segment_of(atlas: &Atlas, place: Place, turn: f64, start: f64) -> Segment {
+    let Meshes {
+        control, length, ..
+    } = *atlas.meshes();
+    let (pattern, [low, high]) = match (place, atlas.flat().limits()) {
+        (Place::On(i), _) => (atlas.branches()[i].pattern, atlas.extent(i)),
+        (Place::Flat(Side::Lower), Some((low, _))) => (Pattern::Flat, [turn, low]),
+        (Place::Flat(Side::Upper), Some((_, high))) => (Pattern::Flat, [high, start]),
+        (Place::Flat(_), None) => (Pattern::Flat, [turn, start]),
     };
     let stiffness = |u0: f64| match place {
-        Place::Flat => flat::stiffness_min(&meshes.law, meshes.length, u0),
-        Place::On(i) => {
-            let nodes = &atlas.branches()[i].nodes;
-            let k = nodes
-                .partition_point(|n| n.state.mean_displacement < u0)
-                .clamp(1, nodes.len() - 1);
-            let (a, b) = (&nodes[k - 1], &nodes[k]);
-            let t = ((u0 - a.state.mean_displacement)
-                / (b.state.mean_displacement - a.state.mean_displacement))
-                .clamp(0.0, 1.0);
-            let softest = |n: &crate::solver::sector::Node| n.own.min(n.breaking) * meshes.length;
-            softest(a) + t * (softest(b) - softest(a))
-        }
+        Place::Flat(_) => atlas.flat().stiffness(u0),
+        Place::On(i) => atlas.branches()[i].softness(control, u0),
     };
     let samples = (0..=SAMPLES)
         .map(|k| {
-            let u0 = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
+            let value = low + (high - low) * 0.5 * (1.0 - (PI * k as f64 / SAMPLES as f64).cos());
+            let at = atlas.at(place, value);
             Sample {
-                control: u0,
-                mean_displacement: u0,
-                stress: atlas.at(place, u0).stress,
-                stiffness_min: stiffness(u0),
+                control: value,
+                mean_displacement: at.mean_displacement,
+                stress: at.stress,
+                stiffness_min: stiffness(at.mean_displacement) * length,
             }
         })
         .collect();

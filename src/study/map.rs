@@ -6,6 +6,7 @@
 
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
+use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
@@ -14,7 +15,6 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::flat;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene, Turn, edit};
 
@@ -24,9 +24,9 @@ const DECADE: f64 = 2.0;
 const STEP: f64 = 0.1;
 /// Rows that are made afresh in any case lie so far apart.
 const APART: usize = 8;
-/// On flat ground the drive goes at least so many ranges beyond the limits of the flat state, so
-/// that the loop closes and holds every pattern; and no deeper than this share of the lower limit.
-/// The flat state beyond costs nothing.
+/// On flat ground the drive goes at least so many units of the control beyond the limits of the
+/// flat state, so that the loop closes and holds every pattern; and no deeper than this share of the
+/// lower limit. The flat state beyond costs nothing.
 const FARTHER: f64 = 8.0;
 const DEEPER: f64 = 0.5;
 const DEEPEST: f64 = 0.2;
@@ -276,16 +276,10 @@ fn found(
     cancel: &Cancel,
 ) -> Result<Found, String> {
     let mut wider = scene.clone();
-    let limits = flat::limits(&model.law, model.equivalent_length);
-    let on_flat_ground = model.indenter == Indenter::Flat;
-    if let (Some(turn), Some((lower, upper)), true) = (scene.turn_of_u0(), limits, on_flat_ground) {
-        // A Mie law has no gap at or below zero.
-        let deep = (lower - DEEPER * model.law.range).max(DEEPEST * lower);
-        wider.drive.turn = Turn::At(turn.min(deep));
-        let far = upper + FARTHER * model.law.range;
-        wider.drive.start = wider.drive.start.max(far);
+    if model.indenter == Indenter::Flat {
+        widen(&mut wider, model);
     }
-    if let Ok(live) = loops.read_off(&wider, model, Fineness::Coarse) {
+    if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
         return Ok(read(&live));
     }
     // What an atlas finds that it does not hold is walked as the plan would have it then.
@@ -306,6 +300,25 @@ fn found(
     };
     let run = run_loop(&walk, options, cancel, &mut |_| {}).map_err(|error| error.to_string())?;
     walked(&run, model, scene.drive.turn)
+}
+
+/// Makes the drive of a `scene` on flat ground go beyond the limits of the flat state.
+fn widen(scene: &mut Scene, model: &Model) {
+    let (law, control) = (&model.law, scene.control());
+    let flat = FlatBranch::new(*law, model.equivalent_length, control);
+    let (Turn::At(turn), Some(limits)) = (scene.drive.turn, flat.limits()) else {
+        return;
+    };
+    let Some((gap, _)) = flat.unstable_gaps() else {
+        return;
+    };
+    // A Mie law has no gap at or below zero.
+    let deep = (gap - DEEPER * law.range).max(DEEPEST * gap);
+    let [deep, _] = control.balanced(deep, law.at(deep).traction);
+    let unit = control.unit(law);
+    scene.drive.turn = Turn::At(turn.min(deep).min(limits.1 - DEEPER * unit));
+    let far = limits.0.max(limits.1) + FARTHER * unit;
+    scene.drive.start = scene.drive.start.max(far);
 }
 
 fn read(live: &LiveLoop) -> Found {

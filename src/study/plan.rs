@@ -33,7 +33,7 @@ pub struct Plan {
 }
 
 /// Why a drive has no atlas.
-const NOT_OF_U0: &str = "the atlas holds drives of u0 to a fixed turning point";
+const NO_TURN: &str = "the atlas holds drives to a fixed turning point";
 
 /// Why a layer has none.
 pub(super) const OF_HALF_SPACES: &str = "the atlas holds the patterns of a half-space";
@@ -153,7 +153,7 @@ fn no_atlas(scene: &Scene, model: &Model) -> Option<String> {
     } else if let Some(reason) = no_quarter(n) {
         Some(reason)
     } else if scene.turn_of_atlas().is_none() {
-        Some(NOT_OF_U0.to_owned())
+        Some(NO_TURN.to_owned())
     } else {
         None
     }
@@ -212,7 +212,7 @@ fn rival_loops(scene: &Scene, model: &Model, run: &LoopRun, cancel: &Cancel) -> 
     if run.record.jumps.iter().all(|jump| jump.landings.is_empty()) {
         return Vec::new();
     }
-    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, model.grid.nx));
+    let mut atlas = Atlas::of(scene, model);
     atlas.obey(cancel);
     // Its landings are known once it has been round.
     let _ = atlas.cycle(scene.drive.start, turn);
@@ -261,10 +261,10 @@ fn run_as_planned(
         );
     }
     let model = scene.model()?;
-    let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, model.grid.nx));
+    let mut atlas = Atlas::of(scene, &model);
     let toured = match scene.turn_of_atlas() {
         Some(turn) => atlas.tour(scene, turn, &model, cancel, observe),
-        None => Err(Unmapped::anywhere(NOT_OF_U0)),
+        None => Err(Unmapped::anywhere(NO_TURN)),
     };
     toured.or_else(|reason| {
         let run = run_loop(scene, method.into(), cancel, observe)?;

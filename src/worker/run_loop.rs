@@ -6,10 +6,9 @@ use super::job::{Wake, Work};
 use super::protocol::{Command, Envelope, Event, Failure, LiveState, RunId, SolverHandle};
 use super::session::Session;
 use super::system::{self, Instant, JoinHandle};
-use crate::follow::atlas::Unmapped;
 use crate::numerics::cancel::Cancel;
 use crate::scene::{Drive, Model, Scene};
-use crate::study::live_loop::{Fineness, LiveLoop, LiveLoops};
+use crate::study::live_loop::{Fineness, LiveLoops};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TryRecvError, bounded, unbounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -212,10 +211,6 @@ fn guarded(
 /// Silence after which the hand counts as resting.
 const REST: Duration = Duration::from_millis(150);
 
-/// How long a walk for a live loop goes on though another scene waits: that of Fig. 2 takes one
-/// second.
-const PATIENCE: Duration = Duration::from_secs(2);
-
 /// A scene whose loop is wanted, with its run.
 type Wanted = Envelope<Arc<Scene>>;
 
@@ -280,15 +275,10 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
         let same = known
             .take()
             .filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
-        let began = Instant::now();
-        let is_stale = || began.elapsed() > PATIENCE && !wanted.is_empty();
-        let mut compute =
-            |fineness| computed(|| loops.next(&scene, &model, fineness, &is_stale), fineness);
-        let mut state = same.map_or_else(|| compute(Fineness::Coarse), |(.., state)| state);
-        if state.found.is_err() && is_stale() {
-            next = wanted.recv().ok();
-            continue;
-        }
+        let mut state = same.map_or_else(
+            || computed(&mut loops, &scene, &model, Fineness::Coarse),
+            |(.., state)| state,
+        );
         tell(Envelope {
             run,
             message: Event::Live(state.clone()),
@@ -298,11 +288,7 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
                 Ok(newer) => next = Some(newer),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    state = compute(Fineness::Fine);
-                    if state.found.is_err() && is_stale() {
-                        next = wanted.recv().ok();
-                        continue;
-                    }
+                    state = computed(&mut loops, &scene, &model, Fineness::Fine);
                     tell(Envelope {
                         run,
                         message: Event::Live(state.clone()),
@@ -318,15 +304,17 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
 }
 
 fn computed(
-    next: impl FnOnce() -> Result<LiveLoop, Unmapped>,
+    loops: &mut LiveLoops,
+    scene: &Scene,
+    model: &Model,
     fineness: Fineness,
 ) -> Arc<LiveState> {
     let began = Instant::now();
-    let found = catch_unwind(AssertUnwindSafe(next));
+    let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
     let found = match found {
         Ok(found) => found.map_err(|error| error.to_string()),
         // What it holds after a panic is not to be trusted; `next` has taken it out.
-        Err(_) => Err("its computation stopped with a fault of its own".to_owned()),
+        Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
     };
     Arc::new(LiveState {
         found,

@@ -1,10 +1,11 @@
 //! An atlas for a law or a cell a little different: its ends and nodes found again from those of
 //! the old one.
 
-use super::curve::Branch;
-use super::trace::{End, recross};
+use super::curve::{Branch, End};
+use super::trace::{recross, returned};
 use super::{Atlas, Meshes, Place};
 use crate::numerics::vector::add;
+use crate::physics::control::Control;
 use crate::physics::system::carried;
 use crate::solver::Lost;
 use crate::solver::sector::{NODE, Node, Sector, Side};
@@ -26,7 +27,10 @@ impl Atlas {
         let landings = |i: usize| -> Vec<f64> {
             self.landed()
                 .filter(|l| l.2 == i)
-                .map(|l| self.end_point(l.0, l.1).0)
+                .map(|l| {
+                    let control = self.end_state(l.0, l.1).control;
+                    self.branches[i].place(self.meshes.control, control)
+                })
                 .collect()
         };
         for (i, old) in self.branches.iter().enumerate() {
@@ -36,15 +40,15 @@ impl Atlas {
             } else {
                 &mut new.square
             };
-            new.branches.push(adapt(old, &landings(i), from, to)?);
+            new.branches
+                .push(adapt(old, &landings(i), meshes.control, from, to)?);
         }
         new.landings.clone_from(&self.landings);
         for (place, side, i) in self.landed() {
-            if place == Place::Flat && new.flat_limits.is_none() {
+            if matches!(place, Place::Flat(_)) && new.flat.limits().is_none() {
                 return Err(Lost::Gone);
             }
-            let (u0, _) = new.end_point(place, side);
-            new.pin(i, u0)?;
+            new.pin(i, new.end_state(place, side).control)?;
         }
         Ok(new)
     }
@@ -52,28 +56,34 @@ impl Atlas {
     /// The known landings on branches: place, its end, and the branch landed on.
     fn landed(&self) -> impl Iterator<Item = (Place, Side, usize)> + '_ {
         self.landings.iter().enumerate().flat_map(|(row, ends)| {
-            let place = if row == 0 {
-                Place::Flat
-            } else {
-                Place::On(row - 1)
-            };
-            Side::BOTH
-                .into_iter()
-                .filter_map(move |side| match ends[side.index()] {
+            Side::BOTH.into_iter().filter_map(move |side| {
+                let place = match row {
+                    0 => Place::Flat(side.opposite()),
+                    _ => Place::On(row - 1),
+                };
+                match ends[side.index()] {
                     Some(Place::On(i)) => Some((place, side, i)),
                     _ => None,
-                })
+                }
+            })
         })
     }
 }
 
 /// The branch `old` found again; of its inner nodes those next to the u0 of `landings`, whose
 /// energies count, and a few more.
-fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Result<Branch, Lost> {
+fn adapt(
+    old: &Branch,
+    landings: &[f64],
+    control: Control,
+    from: &Sector,
+    to: &mut Sector,
+) -> Result<Branch, Lost> {
     let last = old.nodes.len() - 1;
     let mut end = |side: Side| {
         let node = moved(old.end(side), from, to);
         match old.ends[side.index()] {
+            End::Fold if control.frees_mean() => returned(to, control, &node),
             End::Fold => to.refold(&node, side).map(|(end, _)| end),
             End::Breaking => recross(to, &node),
         }
@@ -128,7 +138,7 @@ fn adapt(old: &Branch, landings: &[f64], from: &Sector, to: &mut Sector) -> Resu
     nodes.push(high);
     let stable = nodes[1..nodes.len() - 1]
         .iter()
-        .all(|n| n.own > 0.0 && n.breaking > 0.0);
+        .all(|n| n.own > 0.0 && n.breaking > 0.0 && !control.softens([1.0, n.slope]));
     let ordered = nodes
         .windows(2)
         .all(|w| w[0].state.mean_displacement < w[1].state.mean_displacement);

@@ -1,9 +1,19 @@
 //! A branch as a curve: stress and energy between nodes, and how well they fit together.
 
-use super::trace::{End, between};
-use crate::numerics::vector::add;
+use crate::numerics::vector::{add, hermite};
+use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
+use crate::physics::theory::boundary;
 use crate::solver::sector::{Node, Side};
+
+/// How a branch of stable states ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum End {
+    /// It turns back in what is driven.
+    Fold,
+    /// It goes on, unstable, where a mode of another symmetry has gone soft.
+    Breaking,
+}
 
 /// A branch of stable states between its two ends.
 #[derive(Clone, Debug)]
@@ -25,6 +35,8 @@ pub struct Point {
     pub stress: f64,
     /// Energy per area (E* times length).
     pub energy: f64,
+    /// d stress/du0 along the branch (E* per length).
+    pub slope: f64,
 }
 
 impl Branch {
@@ -77,30 +89,66 @@ impl Branch {
         Support::of(a).to(Support::of(b), u0)
     }
 
+    /// The smallest eigenvalue under `control` at `u0` (E* per length), linear between nodes.
+    pub fn softness(&self, control: Control, u0: f64) -> f64 {
+        let (a, b) = self.segment(u0);
+        let width = b.state.mean_displacement - a.state.mean_displacement;
+        let t = ((u0 - a.state.mean_displacement) / width).clamp(0.0, 1.0);
+        a.softness(control) + t * (b.softness(control) - a.softness(control))
+    }
+
+    /// u0 where the `control` has this `value`, which grows with u0 along what is stable; the nearer
+    /// end where it has it nowhere.
+    pub(super) fn place(&self, control: Control, value: f64) -> f64 {
+        if control == Control::Displacement {
+            return value;
+        }
+        let (low, high) = self.extent();
+        let below = |u0: f64| control.balanced(u0, self.at(u0).stress)[0] < value;
+        match (below(low), below(high)) {
+            (false, _) => low,
+            (_, true) => high,
+            _ => boundary(low, high, below),
+        }
+    }
+
     /// Amplitudes at `u0`, a guess that one Newton step makes a state.
     pub fn guess(&self, u0: f64) -> Vec<f64> {
         let (a, b) = self.segment(u0);
-        let (fold, regular) = match (a.slope.is_finite(), b.slope.is_finite()) {
-            (true, true) => return between(a, b, u0),
-            (true, false) => (b, a),
-            _ => (a, b),
-        };
-        // z = z_f + c1 s + c2 s^2 with s = sqrt((u0 - u_f)/(u_r - u_f)).
-        let width = regular.state.mean_displacement - fold.state.mean_displacement;
-        let s = ((u0 - fold.state.mean_displacement) / width)
-            .max(0.0)
-            .sqrt();
-        let mut z = fold.state.amplitudes.clone();
-        let mut change = regular.state.amplitudes.clone();
-        add(&mut change, -1.0, &fold.state.amplitudes);
-        if !regular.slope.is_finite() {
-            add(&mut z, s * s, &change);
-            return z;
-        }
-        add(&mut z, 2.0 * s - s * s, &change);
-        add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
-        z
+        guess(a, b, u0)
     }
+}
+
+/// Amplitudes at `u0` between two nodes: cubic Hermite, next to a fold in the root of the distance.
+pub(super) fn guess(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
+    let (fold, regular) = match (a.slope.is_finite(), b.slope.is_finite()) {
+        (true, true) => return between(a, b, u0),
+        (true, false) => (b, a),
+        _ => (a, b),
+    };
+    // z = z_f + c1 s + c2 s^2 with s = sqrt((u0 - u_f)/(u_r - u_f)).
+    let width = regular.state.mean_displacement - fold.state.mean_displacement;
+    let s = ((u0 - fold.state.mean_displacement) / width)
+        .max(0.0)
+        .sqrt();
+    let mut z = fold.state.amplitudes.clone();
+    let mut change = regular.state.amplitudes.clone();
+    add(&mut change, -1.0, &fold.state.amplitudes);
+    if !regular.slope.is_finite() {
+        add(&mut z, s * s, &change);
+        return z;
+    }
+    add(&mut z, 2.0 * s - s * s, &change);
+    add(&mut z, 2.0 * width * (s * s - s), &regular.tangent);
+    z
+}
+
+/// Cubic Hermite between two regular nodes, at any u0.
+pub fn between(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
+    let h = b.state.mean_displacement - a.state.mean_displacement;
+    let t = (u0 - a.state.mean_displacement) / h;
+    let (y, z) = (&a.state.amplitudes, &b.state.amplitudes);
+    hermite([y, &a.tangent, z, &b.tangent], h, t)
 }
 
 /// What is known of a branch at one u0.
@@ -117,7 +165,7 @@ pub(in crate::follow) struct Support {
 }
 
 impl Support {
-    fn of(node: &Node) -> Self {
+    pub(super) fn of(node: &Node) -> Self {
         Self {
             u0: node.state.mean_displacement,
             energy: node.state.energy,
@@ -137,6 +185,7 @@ impl Support {
                 Point {
                     stress: self.stress + t * (b.stress - self.stress),
                     energy: self.energy + t * (b.energy - self.energy),
+                    slope: (b.stress - self.stress) / (b.u0 - self.u0),
                 }
             }
         }
@@ -162,6 +211,7 @@ fn quintic(a: Support, b: Support, u0: f64) -> Point {
     Point {
         energy: a.energy + t * (p0 + t * (0.5 * s0 + t * (c3 + t * (c4 + t * c5)))),
         stress: (p0 + t * (s0 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5)))) / h,
+        slope: (s0 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))) / (h * h),
     }
 }
 
@@ -181,5 +231,6 @@ fn root(fold: Support, regular: Support, u0: f64) -> Point {
         stress: fold.stress + s * (c1 + s * (c2 + s * c3)),
         energy: fold.energy
             + width * s * s * (fold.stress + s * (2.0 / 3.0 * c1 + s * (0.5 * c2 + s * 0.4 * c3))),
+        slope: (0.5 * c1 / s + c2 + 1.5 * c3 * s) / width,
     }
 }

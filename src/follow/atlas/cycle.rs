@@ -1,16 +1,17 @@
 //! A loop read off the branches: for any drive the legs between jumps, and the energy each jump
 //! releases.
 
-use super::{Atlas, End, Point, Unmapped};
+use super::{Atlas, End, Unmapped};
 use crate::follow::record::{Cause, Direction, JumpRecord, LOCATED};
-use crate::physics::theory::flat;
+use crate::physics::control::Control;
+use crate::physics::system::State;
 use crate::solver::sector::Side;
 
 /// Where the surface is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Place {
-    /// On the flat state.
-    Flat,
+    /// On the flat state, on a side of what is unstable of it: towards the ground, or off it.
+    Flat(Side),
     /// On the branch with this index.
     On(usize),
 }
@@ -19,7 +20,7 @@ impl Place {
     /// Row of the landings.
     pub(in crate::follow) fn row(self) -> usize {
         match self {
-            Place::Flat => 0,
+            Place::Flat(_) => 0,
             Place::On(i) => i + 1,
         }
     }
@@ -32,9 +33,9 @@ pub struct Leg {
     pub direction: Direction,
     /// The branch.
     pub place: Place,
-    /// u0 where it begins (length).
+    /// The control where it begins.
     pub from: f64,
-    /// u0 where it ends (length).
+    /// The control where it ends.
     pub to: f64,
     /// True if it begins with a landing (or is the first); false where the drive only turned.
     pub begins: bool,
@@ -58,43 +59,58 @@ const LEAST_RELEASE: f64 = 1e-6;
 const JUMPS: usize = 64;
 
 impl Atlas {
-    /// Stress and energy of a place at `u0`.
-    pub fn at(&self, place: Place, u0: f64) -> Point {
-        match place {
-            Place::Flat => {
-                let response = self.meshes.law.at(u0);
-                Point {
-                    stress: response.traction,
-                    energy: response.energy,
-                }
+    /// The state of a place where the control has this `value`, without its amplitudes; meaningful
+    /// between its ends.
+    pub fn at(&self, place: Place, value: f64) -> State {
+        let control = self.meshes.control;
+        let (mean_displacement, stress, energy) = match place {
+            Place::Flat(side) => {
+                let gap = self.flat.gap_on(side, value);
+                let response = self.meshes.law.at(gap);
+                (gap, response.traction, response.energy)
             }
-            Place::On(i) => self.branches[i].at(u0),
+            Place::On(i) => {
+                let branch = &self.branches[i];
+                let u0 = branch.place(control, value);
+                let point = branch.at(u0);
+                (u0, point.stress, point.energy)
+            }
+        };
+        State {
+            control: value,
+            mean_displacement,
+            amplitudes: Vec::new(),
+            energy: energy + control.energy(value, mean_displacement),
+            stress,
         }
+    }
+
+    /// The control at the lower and the upper end of branch `i`.
+    pub fn extent(&self, i: usize) -> [f64; 2] {
+        Side::BOTH.map(|side| self.end_state(Place::On(i), side).control)
+    }
+
+    /// True if branch `i` has a state where the control has this `value`.
+    pub(super) fn covers(&self, i: usize, value: f64) -> bool {
+        let [low, high] = self.extent(i);
+        (low..=high).contains(&value)
     }
 
     /// Where the place ends on the way up or down; `None` if it does not.
-    fn end(&self, place: Place, from: f64, side: Side) -> Option<(f64, Cause)> {
-        match place {
-            Place::Flat => {
-                let (low, high) = self.flat_limits?;
-                match side {
-                    Side::Upper if from <= low => Some((low, Cause::FlatLimit)),
-                    Side::Lower if from >= high => Some((high, Cause::FlatLimit)),
-                    _ => None,
-                }
-            }
-            Place::On(i) => {
-                let (low, high) = self.branches[i].extent();
-                let cause = match self.branches[i].ends[side.index()] {
-                    End::Fold => Cause::Fold,
-                    End::Breaking => Cause::SymmetryBreaking,
-                };
-                Some((if side == Side::Upper { high } else { low }, cause))
-            }
-        }
+    fn end(&self, place: Place, side: Side) -> Option<(f64, Cause)> {
+        let cause = match place {
+            Place::Flat(on) if on == side || self.flat.limits().is_none() => return None,
+            Place::Flat(_) if self.flat.gives_way_as_a_block() => Cause::Fold,
+            Place::Flat(_) => Cause::FlatLimit,
+            Place::On(i) => match self.branches[i].ends[side.index()] {
+                End::Fold => Cause::Fold,
+                End::Breaking => Cause::SymmetryBreaking,
+            },
+        };
+        Some((self.end_state(place, side).control, cause))
     }
 
-    /// The closed loop from the flat state at `start` down to `turn` and back. Branches not known
+    /// The closed loop from the flat state at the control's `start` down to `turn` and back. Branches not known
     /// yet are traced on the way.
     ///
     /// # Errors
@@ -140,7 +156,14 @@ pub(in crate::follow) struct Traversal {
 
 impl Traversal {
     pub(in crate::follow) fn new(atlas: &Atlas, start: f64, turn: f64) -> Result<Self, Unmapped> {
-        if flat::stiffness_min(&atlas.meshes.law, atlas.meshes.length, start) < 0.0 {
+        let place = match (atlas.meshes.control, atlas.flat.limits()) {
+            (Control::Displacement, _) => Place::Flat(atlas.flat.side_of(start)),
+            _ => Place::Flat(Side::Upper),
+        };
+        if atlas
+            .end(place, Side::Lower)
+            .is_some_and(|(end, _)| start < end)
+        {
             return Err(Unmapped::at(
                 start,
                 "the flat state is not stable where the drive starts",
@@ -149,7 +172,7 @@ impl Traversal {
         let goals = vec![(Direction::Retraction, start), (Direction::Approach, turn)];
         Ok(Self {
             goals,
-            place: Place::Flat,
+            place,
             here: start,
             begins: true,
             end: None,
@@ -161,7 +184,7 @@ impl Traversal {
     pub(in crate::follow) fn leg(&mut self, atlas: &Atlas) -> Option<Leg> {
         let &(direction, goal) = self.goals.last()?;
         let side = end_of(direction);
-        self.end = atlas.end(self.place, self.here, side).filter(|(at, _)| {
+        self.end = atlas.end(self.place, side).filter(|(at, _)| {
             if side == Side::Upper {
                 *at < goal
             } else {
@@ -202,7 +225,7 @@ impl Traversal {
         let &(direction, _) = self.goals.last().expect("a leg was given");
         let next = atlas.landing(self.place, end_of(direction))?;
         if let Place::On(i) = next
-            && !atlas.branches[i].covers(at)
+            && !atlas.covers(i, at)
         {
             return Err(Unmapped::at(at, "a jump lands beside its branch"));
         }
@@ -220,21 +243,25 @@ impl Traversal {
                 format!("a jump would release {released_energy:.2e} gamma"),
             ));
         }
+        let control = atlas.meshes.control;
         let release_error = match self.place {
             // In closed form.
-            Place::Flat => 0.0,
+            Place::Flat(_) => 0.0,
             Place::On(_) => {
-                LOCATED * atlas.meshes.law.range * (before.stress - after.stress).abs()
+                let [one, other] = [&before, &after]
+                    .map(|state| control.conjugate(state.mean_displacement, state.stress));
+                LOCATED * control.unit(&atlas.meshes.law) * (one - other).abs()
                     / atlas.meshes.law.surface_energy
             }
         };
+        let [u0, landed] = [&before, &after].map(|state| state.mean_displacement);
         let jump = JumpRecord {
             direction,
             control: at,
-            mean_displacement: at,
-            mean_displacement_after: at,
-            from: atlas.pattern_at(self.place, at),
-            to: atlas.pattern_at(next, at),
+            mean_displacement: u0,
+            mean_displacement_after: landed,
+            from: atlas.pattern_at(self.place, u0),
+            to: atlas.pattern_at(next, landed),
             stress_before: before.stress,
             stress_after: after.stress,
             released_energy,
@@ -250,7 +277,7 @@ impl Traversal {
     /// The loop has come back to its start on another branch than it left.
     pub(in crate::follow) fn closed(&self) -> Result<(), Unmapped> {
         match self.place {
-            Place::Flat => Ok(()),
+            Place::Flat(_) => Ok(()),
             Place::On(_) => Err(Unmapped::anywhere(
                 "the loop does not close: drive.start is below the last jump of the retraction",
             )),

@@ -3,20 +3,31 @@
 
 use crate::follow::contest::{FLAT_KICK, KICK, angle, tried};
 use crate::numerics::vector::{add, norm, scale};
+use crate::physics::control::Control;
 use crate::physics::pattern::{Pattern, classify};
 use crate::physics::system::{Evaluation, State, System};
 use crate::solver::mechanics::{Mechanics, Slides};
-use crate::solver::newton::NewtonState;
 use crate::solver::release::{Release, Slice};
 
 /// Residual at which a fall ends: next to a saddle forces are small too.
 const TOLERANCE: f64 = 1e-6;
 /// Share of the amplitude below which a symmetry counts as kept.
 const TRACE: f64 = 2e-2;
+/// Time steps of a fall after which is asked whether the body has come apart.
+const SLICE: usize = 500;
 
-/// A place to rest.
+/// Where a surface came to rest.
 #[derive(Clone, Debug)]
-pub enum Rest {
+pub struct Rest {
+    /// u0 (length).
+    pub mean_displacement: f64,
+    /// What it is.
+    pub form: Form,
+}
+
+/// A form in which a surface can rest, by its symmetry.
+#[derive(Clone, Debug)]
+pub enum Form {
     /// The flat state.
     Flat,
     /// A ridge; amplitudes of the quarter cell, waves along x only.
@@ -30,11 +41,11 @@ pub enum Rest {
 impl Rest {
     /// Its pattern.
     pub fn pattern(&self) -> Pattern {
-        match self {
-            Rest::Flat => Pattern::Flat,
-            Rest::Ridge(_) => Pattern::Ridge,
-            Rest::Square(pattern, _) => *pattern,
-            Rest::Other => Pattern::Other,
+        match &self.form {
+            Form::Flat => Pattern::Flat,
+            Form::Ridge(_) => Pattern::Ridge,
+            Form::Square(pattern, _) => *pattern,
+            Form::Other => Pattern::Other,
         }
     }
 }
@@ -83,9 +94,9 @@ impl Explorer {
     }
 
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it
-    /// fall at fixed `u0`.
-    pub fn release(&mut self, z: &[f64], mode: &[f64], u0: f64) -> Rest {
-        self.kicked(z, mode, KICK, u0)
+    /// fall at a fixed `control`.
+    pub fn release(&mut self, z: &[f64], mode: &[f64], control: f64) -> Rest {
+        self.kicked(z, mode, KICK, control)
     }
 
     fn kicked(&mut self, z: &[f64], mode: &[f64], kick: f64, control: f64) -> Rest {
@@ -102,35 +113,50 @@ impl Explorer {
             one
         };
         self.mechanics.preconditioner.forget();
-        self.fall(start).map_or(Rest::Other, |found| {
-            let State {
-                amplitudes,
-                mean_displacement,
-                ..
-            } = found.at.state;
-            self.recognise(amplitudes, mean_displacement)
-        })
+        self.fall(start)
     }
 
-    /// Down to the next minimum at fixed control by the walk's own release; `None` if there is no
-    /// way.
-    fn fall(&mut self, start: Evaluation) -> Option<NewtonState> {
+    /// Down to the next minimum at fixed control by the walk's own release.
+    fn fall(&mut self, start: Evaluation) -> Rest {
         let mut release = Release::new(start).with_tolerance(TOLERANCE);
         loop {
-            match release.advance(&mut self.mechanics, 500) {
+            let slice = release.advance(&mut self.mechanics, SLICE);
+            let (system, u0) = (self.system(), release.at.state.mean_displacement);
+            match slice {
+                Slice::Moving if system.control().is_apart(system.law(), u0) => {
+                    return Rest {
+                        mean_displacement: Control::stop(system.law()),
+                        form: Form::Flat,
+                    };
+                }
                 Slice::Moving => {}
-                Slice::Settled(state) => return Some(*state),
-                Slice::Stuck | Slice::Cancelled => return None,
+                Slice::Settled(found) => {
+                    let State {
+                        amplitudes,
+                        mean_displacement,
+                        ..
+                    } = found.at.state;
+                    return Rest {
+                        mean_displacement,
+                        form: self.recognise(amplitudes, mean_displacement),
+                    };
+                }
+                Slice::Stuck | Slice::Cancelled => {
+                    return Rest {
+                        mean_displacement: u0,
+                        form: Form::Other,
+                    };
+                }
             }
         }
     }
 
     /// Which symmetry a state has, in its normal position: centre in the corner, ridges along y.
-    fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Rest {
+    fn recognise(&mut self, mut z: Vec<f64>, u0: f64) -> Form {
         z[0] = 0.0;
         let size = norm(&z);
         if size < 0.02 * self.system().law().range {
-            return Rest::Flat;
+            return Form::Flat;
         }
         let n = self.system().shape().0;
         let along_x: f64 = (1..n).map(|k| z[k * n].powi(2)).sum();
@@ -151,20 +177,20 @@ impl Explorer {
         let mut line = vec![0.0; z.len()];
         (0..n).for_each(|k| line[k * n] = z[k * n]);
         if (size * size - norm(&line).powi(2)).max(0.0).sqrt() < TRACE * size {
-            return Rest::Ridge(line);
+            return Form::Ridge(line);
         }
         let mut other = z.clone();
         transpose(&mut other, n);
         let mut odd = z.clone();
         add(&mut odd, -1.0, &other);
         if norm(&odd) > 2.0 * TRACE * size {
-            return Rest::Other;
+            return Form::Other;
         }
         add(&mut z, 1.0, &other);
         scale(&mut z, 0.5);
         match self.pattern(&z, u0) {
-            pattern @ (Pattern::Bulge | Pattern::Dimple) => Rest::Square(pattern, z),
-            _ => Rest::Other,
+            pattern @ (Pattern::Bulge | Pattern::Dimple) => Form::Square(pattern, z),
+            _ => Form::Other,
         }
     }
 }

@@ -1,21 +1,14 @@
 //! One branch followed to its end with long tangent steps; the end located directly.
 
+use super::curve::{End, Support, between, guess};
 use crate::follow::record::LOCATED;
-use crate::numerics::vector::{add, hermite, norm};
+use crate::numerics::vector::{add, norm};
+use crate::physics::control::Control;
 use crate::physics::system::Fields;
-use crate::physics::theory::flat;
+use crate::physics::theory::{boundary, flat};
 use crate::solver::Lost;
 use crate::solver::branch::distance;
-use crate::solver::sector::{NODE, Node, Sector, Side};
-
-/// How a branch of stable states ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum End {
-    /// It turns back.
-    Fold,
-    /// It goes on, unstable, where a mode of another symmetry has gone soft.
-    Breaking,
-}
+use crate::solver::sector::{NODE, Node, SHARP, Sector, Side};
 
 /// First step (ranges), and the longest: shorter than any branch of the paper's, so that none is
 /// jumped over.
@@ -30,6 +23,13 @@ const AIM: f64 = 0.03;
 const NEAR_FOLD: f64 = 0.15;
 /// At a fold, breaking eigenvalues below this share of q1 are computed over all waves of the mesh.
 const SOFT: f64 = 0.1;
+/// Accuracy (ranges) of u0 where a machine turns back: the control is then off by parts in a
+/// million.
+const TURN: f64 = 1e-3;
+/// A curve fits where it has the stress of a node between its supports to this share of sigma_max;
+/// and most nodes that are added for it.
+const FIT: f64 = 1e-6;
+const GRADES: usize = 8;
 /// Most Newton steps towards it.
 const CROSSINGS: usize = 24;
 /// Most nodes of one branch, one way.
@@ -38,14 +38,44 @@ const NODES: usize = 60;
 /// was found.
 const STRAY: f64 = 0.6;
 
-/// Follows the branch of `first`, whose `breaking` is known over all waves, towards growing u0 if
-/// `up`. Nodes in order, without `first`; the last is the end. A node `behind` the first one, if
-/// there is one, tells where the branch comes from.
+/// The whole branch of `first`, whose `breaking` is known over all waves: its nodes by growing u0,
+/// and how it ends below and above under `control`.
 ///
 /// # Errors
 /// The branch was lost before an end was found.
-pub fn trace(
+pub fn both_ways(
     sector: &mut Sector,
+    control: Control,
+    first: Node,
+) -> Result<(Vec<Node>, [End; 2]), Lost> {
+    let regular = |nodes: &[Node]| nodes.first().filter(|n| n.slope.is_finite()).cloned();
+    let mut go = |behind: Option<Node>, side| trace(sector, control, &first, behind.as_ref(), side);
+    let ((mut nodes, below), (after, above)) = match go(None, Side::Lower) {
+        Ok(down) => {
+            let up = go(regular(&down.0), Side::Upper)?;
+            (down, up)
+        }
+        // Right above a fold only the way up is open, and tells where the fold is.
+        Err(_) => {
+            let up = go(None, Side::Upper)?;
+            (go(regular(&up.0), Side::Lower)?, up)
+        }
+    };
+    nodes.reverse();
+    nodes.push(first);
+    nodes.extend(after);
+    Ok((nodes, [below, above]))
+}
+
+/// Follows the branch of `first`, whose `breaking` is known over all waves, to its end on a `side`
+/// under `control`. Nodes in order, without `first`; the last is the end. A node `behind` the first
+/// one, if there is one, tells where the branch comes from.
+///
+/// # Errors
+/// The branch was lost before an end was found.
+fn trace(
+    sector: &mut Sector,
+    control: Control,
     first: &Node,
     behind: Option<&Node>,
     side: Side,
@@ -75,6 +105,9 @@ pub fn trace(
                 }
                 let ahead = sign * (end.state.mean_displacement - here.state.mean_displacement);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
+                    if control.frees_mean() {
+                        return returns(sector, control, (first, nodes), (&here, &end));
+                    }
                     if end.breaking >= 0.0 {
                         end.own = 0.0;
                         nodes.push(end);
@@ -120,6 +153,9 @@ pub fn trace(
         if wall.is_finite() {
             wall -= h;
         }
+        if control.softens([1.0, node.slope]) {
+            return returns(sector, control, (first, nodes), (&here, &node));
+        }
         let broken = node.breaking < 0.0;
         nodes.push(node);
         if broken {
@@ -139,14 +175,6 @@ fn predict(before: Option<&Node>, here: &Node, u0: f64) -> Vec<f64> {
         return z;
     };
     between(before, here, u0)
-}
-
-/// Cubic Hermite between two regular nodes, at any u0.
-pub fn between(a: &Node, b: &Node, u0: f64) -> Vec<f64> {
-    let h = b.state.mean_displacement - a.state.mean_displacement;
-    let t = (u0 - a.state.mean_displacement) / h;
-    let (y, z) = (&a.state.amplitudes, &b.state.amplitudes);
-    hermite([y, &a.tangent, z, &b.tangent], h, t)
 }
 
 /// Distance beyond `here` at which `own`, whose square falls linearly before a fold, would vanish.
@@ -183,6 +211,111 @@ fn audit(from: &Node, to: &Node, range: f64, sector: &Sector) -> bool {
         <= 0.05 * ((to.state.stress - from.state.stress) * h).abs()
             + 1e-4 * law.surface_energy * (h / range).abs()
         && norm(&to.state.amplitudes) > 1e-3 * range
+}
+
+/// The nodes of a branch `so_far` (after the first one) with its end: where under `control` it
+/// turns back between two nodes, or where its symmetry breaks before that.
+fn returns(
+    sector: &mut Sector,
+    control: Control,
+    so_far: (&Node, Vec<Node>),
+    between: (&Node, &Node),
+) -> Result<(Vec<Node>, End), Lost> {
+    let (first, mut nodes) = so_far;
+    let (end, fields) = turn(sector, control, between.0, between.1)?;
+    if end.breaking < 0.0 {
+        nodes.push(end);
+        let end = cross(sector, first, &mut nodes, &fields)?;
+        nodes.push(end);
+        return Ok((nodes, End::Breaking));
+    }
+    nodes.extend(graded(sector, between.0, &end)?);
+    nodes.push(end);
+    Ok((nodes, End::Fold))
+}
+
+/// Nodes from one before an `end` to it, closer and closer until the curve between them fits: a
+/// fold of u0 lies beyond, towards which the stress falls off like a square root.
+fn graded(sector: &mut Sector, before: &Node, end: &Node) -> Result<Vec<Node>, Lost> {
+    let largest = sector.system().law().traction_max();
+    let mut nodes = Vec::new();
+    let mut last = before.clone();
+    for _ in 0..GRADES {
+        let [a, b] = [&last, end].map(Support::of);
+        let middle = 0.5 * (a.u0 + b.u0);
+        let (node, _) = sector.node(middle, guess(&last, end, middle), Some(&last), NODE)?;
+        let off = node.state.stress - a.to(b, middle).stress;
+        nodes.push(node.clone());
+        if off.abs() < FIT * largest {
+            break;
+        }
+        last = node;
+    }
+    Ok(nodes)
+}
+
+/// Where the control turns back between a node that it does not soften and one that it does, which
+/// may be a fold of u0: S = -k, physics of [`Control::softens`]. As the control is stationary there,
+/// its value and the energy are known to second order in what u0 is off.
+fn turn(
+    sector: &mut Sector,
+    control: Control,
+    stable: &Node,
+    beyond: &Node,
+) -> Result<(Node, Fields), Lost> {
+    let near = TURN * sector.system().law().range;
+    let (mut a, mut b) = (stable.clone(), beyond.clone());
+    let mut last = f64::INFINITY;
+    for _ in 0..CROSSINGS {
+        let (from, to) = (Support::of(&a), Support::of(&b));
+        let u0 = boundary(from.u0, to.u0, |u0| {
+            !control.softens([1.0, from.to(to, u0).slope])
+        });
+        let (mut node, fields) = sector.node(u0, guess(&a, &b, u0), None, SHARP)?;
+        if (u0 - last).abs() < near {
+            sector.sharpen(&mut node, &fields);
+            node.bend = (node.slope - a.slope) / (u0 - from.u0);
+            return Ok((node, fields));
+        }
+        last = u0;
+        if control.softens([1.0, node.slope]) {
+            b = node;
+        } else {
+            a = node;
+        }
+    }
+    Err(Lost::Gone)
+}
+
+/// The end where a machine turns back next to `near`, one of a slightly different law or cell.
+///
+/// # Errors
+/// It was not found.
+pub fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
+    let range = sector.system().law().range;
+    let (mut u0, mut z) = (near.state.mean_displacement, near.state.amplitudes.clone());
+    let mut rate = near.bend;
+    let mut last: Option<(f64, f64)> = None;
+    for _ in 0..CROSSINGS {
+        let (mut node, fields) = sector.node(u0, z, None, SHARP)?;
+        if let Some((u, slope)) = last {
+            rate = (node.slope - slope) / (u0 - u);
+        }
+        let correction = -(node.slope + control.stiffness()) / rate;
+        if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
+            break;
+        }
+        if correction.abs() < TURN * range {
+            sector.sharpen(&mut node, &fields);
+            node.bend = rate;
+            return Ok(node);
+        }
+        last = Some((u0, node.slope));
+        z = node.state.amplitudes.clone();
+        add(&mut z, correction, &node.tangent);
+        u0 += correction;
+    }
+    Err(Lost::Gone)
 }
 
 /// The node where the breaking eigenvalue vanishes over all waves of the mesh; `nodes` (after

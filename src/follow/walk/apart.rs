@@ -12,7 +12,7 @@ use crate::solver::mechanics::Mechanics;
 use std::f64::consts::PI;
 
 /// The flat body on the stop under the load `control`. Two transforms.
-pub(super) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
+pub(in crate::follow) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
     let system = &mechanics.system;
     let (law, length) = (*system.law(), system.equivalent_length());
     let mut z = vec![0.0; system.dimension()];
@@ -35,7 +35,7 @@ pub(super) fn apart(mechanics: &mut Mechanics, control: f64) -> Equilibrium {
 impl Walk {
     /// True if a body at `u0` is on the stop, or has flown beyond it.
     pub(super) fn is_apart(&self, u0: f64) -> bool {
-        self.control() == Control::Load && u0 >= Control::stop(&self.model.law)
+        self.control().is_apart(&self.model.law, u0)
     }
 
     /// One increment on the stop: it holds as long as the load does not push.

@@ -72,7 +72,7 @@ impl Walk {
             residual: self.here.residual,
             stiffness_min: stiffness.value * length,
             stiffness_error: stiffness.error * length,
-            energy: self.body_energy(&self.here),
+            energy: self.here.state.body_energy(self.control()),
             part: match self.options.part {
                 _ if uniform && self.flat.is_some() => Part::Flat,
                 part if self.model.grid.is_line() => part.of_line(),
@@ -131,20 +131,13 @@ impl Walk {
         }
     }
 
-    /// Energy per area of body and cohesion, without the machine (E* times length).
-    fn body_energy(&self, Equilibrium { state, .. }: &Equilibrium) -> f64 {
-        state.energy
-            - self
-                .control()
-                .energy(state.control, state.mean_displacement)
-    }
-
     /// True where the flat state is stable and `state` no more than a trace of a pattern on it,
     /// which the tolerance lets be.
     pub(super) fn is_as_good_as_flat(&self, flat: FlatBranch, state: &Equilibrium) -> bool {
         let (at, law) = (state.state.mean_displacement, &self.model.law);
         flat.is_stable(at)
-            && (self.body_energy(state) - law.at(at).energy).abs() <= EVENT * law.surface_energy
+            && (state.state.body_energy(self.control()) - law.at(at).energy).abs()
+                <= EVENT * law.surface_energy
     }
 
     /// Tells of a pattern that came out of the flat state, or went into it, on the way to the

@@ -66,12 +66,18 @@ impl Guard {
         self.tracker.reset();
     }
 
-    /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of
-    /// mean `u0`.
-    pub(in crate::follow) fn check(&mut self, displacement: &Array2<f64>, u0: f64) -> Stiffness {
+    /// The smallest eigenvalue over all modes of the whole cell, and u0 where it is free, at the
+    /// `displacement` field u of mean `u0` in equilibrium with the mean `stress`.
+    pub(in crate::follow) fn check(
+        &mut self,
+        displacement: &Array2<f64>,
+        [u0, stress]: [f64; 2],
+    ) -> Stiffness {
         let Self { mechanics, tracker } = self;
-        let z = mechanics.amplitudes(displacement);
-        let at = mechanics.at(z, u0);
+        let mut z = mechanics.amplitudes(displacement);
+        let control;
+        [control, z[0]] = mechanics.system.control().balanced(u0, stress);
+        let at = mechanics.at(z, control);
         mechanics.refresh(&at.fields);
         tracker.check(mechanics, &at.state.amplitudes, &at.fields).0
     }
@@ -96,7 +102,7 @@ impl Walk {
             displacement += &system.unfolded(height);
         }
         guard.mechanics.cancel = self.mechanics.cancel.clone();
-        let all = guard.check(&displacement, u0);
+        let all = guard.check(&displacement, [u0, found.state.stress]);
         if all.value < 0.0 && even.is_stable() {
             return Err(Stuck::LeavesSymmetry);
         }

@@ -27,7 +27,6 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
             let State {
                 mean_displacement,
                 stress,
-                energy,
                 control,
                 ..
             } = point.state;
@@ -36,7 +35,7 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
                 i.to_string(),
                 number(mean_displacement),
                 number(stress),
-                number(energy - diagram.control.energy(control, mean_displacement)),
+                number(point.state.body_energy(diagram.control)),
                 point.index[0].min(point.index[1]).to_string(),
                 point.pattern.to_string(),
                 point.kind.to_string(),

@@ -124,11 +124,8 @@ impl LiveView {
     pub fn words(&self) -> String {
         match &self.state.found {
             Ok(found) => format!(
-                "loop {:.4} γ in {:.0} ms ({}, {} points)",
-                found.dissipated_energy,
-                self.state.milliseconds,
-                found.strategy.word(),
-                found.points
+                "loop {:.4} γ in {:.0} ms (atlas, {} points)",
+                found.dissipated_energy, self.state.milliseconds, found.points
             ),
             Err(reason) => format!("no live loop: {reason}"),
         }
