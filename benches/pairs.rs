@@ -61,7 +61,7 @@ fn loops_of_a_parameter(pair: Duration) {
         let was = scene.law.range == Range::Length(1.0);
         scene.law.range = Range::Length(if was { 1.01 } else { 1.0 });
         let model = scene.model().expect("allowed");
-        let found = live.next(&scene, &model, Fineness::Coarse, &|| false);
+        let found = live.next(&scene, &model, Fineness::Coarse);
         found.expect("a loop");
         0
     });

@@ -24,6 +24,7 @@ pub(super) const UNDER_LOAD: Entry = Entry {
     look_for: "Two jumps at a constant force: into contact at hardly any load, and off where the \
         driven loop has its largest tension. Between the two ends of the load's branch the driven \
         tip still holds on.",
+    scene: || tips::by_load(scenes::tip(128, 0.5)),
     compute: |task| driven(&UNDER_LOAD, task, TipDrive::Load),
     ..ENTRY
 };
@@ -92,13 +93,14 @@ fn panel(title: &str, loops: &[&Tip], drive: TipDrive) -> Panel {
     }
     // Under a load the body flies far off.
     let held = |p: &&[f64; 2]| p[1] < -0.1 && (drive != TipDrive::Load || p[0] < FAR);
-    let end = loops
-        .iter()
-        .flat_map(|tip| tip.retraction.iter().filter(held))
-        .fold(0.013, |most: f64, p| most.max(p[0]));
+    let curves = loops.iter().flat_map(|tip| &tip.retraction).filter(held);
+    let end = curves.fold(0.013, |most: f64, p| most.max(p[0]));
     let mut y = Axis::linear("force F/F_{pull,JKR}");
     if drive == TipDrive::Load {
-        y = y.from_to(-1.6, 0.2);
+        let largest = loops
+            .iter()
+            .fold(1.0, |most: f64, tip| most.max(tip.pull_off));
+        y = y.from_to(-1.1 * largest, 0.15);
     }
     Panel {
         title: title.to_owned(),

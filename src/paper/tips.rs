@@ -3,13 +3,13 @@
 use super::loops::{refused, walked};
 use super::scenes;
 use super::task::{Stopped, Task};
-use crate::follow::record::Direction;
+use crate::follow::record::{Direction, StateRecord};
 use crate::follow::walk::WalkOptions;
 use crate::physics::control::Control;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
 use crate::scene::part::Part;
-use crate::scene::{Drive, Turn};
+use crate::scene::{Drive, Scene, Turn};
 
 /// The tip of Sect. 4, R = 1.
 pub(super) const TIP: Jkr = Jkr {
@@ -133,7 +133,7 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     match drive {
         TipDrive::ToZeroLoad => {}
         TipDrive::To(turn) => scene.drive.turn = Turn::At(turn),
-        TipDrive::Load => scene.drive = by_load(),
+        TipDrive::Load => scene = by_load(scene),
     }
     scene.title += &format!(", n = {points}");
     let range = scene
@@ -151,8 +151,13 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     let (force, energy) = (TIP.pull_off_force(), TIP.dissipation());
     let curve = |branch| {
         let states = record.states.iter().filter(|s| s.direction == branch);
+        // What is left of a load on a body apart the stop bears.
+        let applied = |s: &StateRecord| match drive {
+            TipDrive::Load => s.control,
+            _ => s.stress,
+        };
         let mut points: Vec<[f64; 2]> = states
-            .map(|s| [s.mean_displacement, -s.stress / force])
+            .map(|s| [s.mean_displacement, -applied(s) / force])
             .collect();
         // Next to a jump states crowd closer than any drawing tells them apart.
         points.dedup_by(|b, a| (b[0] - a[0]).abs() < 1e-5 && (b[1] - a[1]).abs() < 5e-3);
@@ -181,15 +186,16 @@ pub fn run(order: &Order, task: &mut Task<'_>) -> Result<Tip, Stopped> {
     })
 }
 
-/// A load in the tip's cell, L = 1, where a mean stress is a force.
-fn by_load() -> Drive {
+/// The `scene` of the tip, L = 1, where a mean stress is a force, driven by a load.
+pub(super) fn by_load(scene: Scene) -> Scene {
     let force = TIP.pull_off_force();
-    Drive {
+    let drive = Drive {
         control: Control::Load,
         start: 4.0 * force,
         turn: Turn::At(-0.1 * force),
         step: 0.05 * force,
-    }
+    };
+    Scene { drive, ..scene }
 }
 
 /// Runs all these loops, several at a time.

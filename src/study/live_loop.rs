@@ -114,10 +114,17 @@ pub struct LiveLoop {
 
 /// Live loops one after the other: where law and cell are only a little different the last atlas is
 /// taken over.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct LiveLoops {
-    last: Option<(Atlas, Vec<Place>)>,
+    last: Option<Last>,
     cancel: Cancel,
+}
+
+/// An atlas and the order of places in its loop, unless where they lead is to be learnt again.
+#[derive(Clone, Debug)]
+struct Last {
+    atlas: Atlas,
+    order: Option<Vec<Place>>,
 }
 
 impl LiveLoops {
@@ -127,6 +134,17 @@ impl LiveLoops {
             last: None,
             cancel: cancel.clone(),
         }
+    }
+
+    /// Forgets where branches lead, so that the next loop lets the surface fall at every end again;
+    /// false if no branch is known.
+    pub fn forget_landings(&mut self) -> bool {
+        let last = self.last.as_mut();
+        last.map(|last| {
+            last.atlas.forget_landings();
+            last.order = None;
+        })
+        .is_some()
     }
 
     /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over
@@ -145,11 +163,16 @@ impl LiveLoops {
         let last = self
             .last
             .take()
-            .filter(|(atlas, _)| fineness == Fineness::Coarse && is_near(atlas.meshes(), &meshes));
-        let adapted = last.and_then(|(atlas, order)| {
-            let mut atlas = atlas.adapted(meshes).ok()?;
+            .filter(|last| fineness == Fineness::Coarse && is_near(last.atlas.meshes(), &meshes));
+        let adapted = last.and_then(|Last { atlas, order }| {
+            let mut atlas = if *atlas.meshes() == meshes {
+                atlas
+            } else {
+                atlas.adapted(meshes).ok()?
+            };
             let cycle = atlas.cycle(start, turn).ok()?;
-            (places(&cycle) == order).then_some((atlas, cycle))
+            let same = order.is_none_or(|order| places(&cycle) == order);
+            same.then_some((atlas, cycle))
         });
         let (mut atlas, cycle) = match adapted {
             Some(found) => found,
@@ -164,7 +187,10 @@ impl LiveLoops {
         if fineness == Fineness::Fine {
             found.rivals = rivals(&mut atlas, &found.jumps, start, turn);
         }
-        self.last = Some((atlas, places(&cycle)));
+        self.last = Some(Last {
+            atlas,
+            order: Some(places(&cycle)),
+        });
         Ok(found)
     }
 }

@@ -22,7 +22,7 @@ use crate::scene::{Model, Scene, Turn, edit};
 const DECADE: f64 = 2.0;
 /// Step of a walk in place of an atlas, in ranges, at least.
 const STEP: f64 = 0.1;
-/// Rows that are made afresh in any case lie so far apart.
+/// Rows whose landings are learnt again in any case lie so far apart.
 const APART: usize = 8;
 /// On flat ground the drive goes at least so many units of the control beyond the limits of the
 /// flat state, so that the loop closes and holds every pattern; and no deeper than this share of the
@@ -197,42 +197,54 @@ struct Survey<'a> {
 }
 
 impl Survey<'_> {
-    /// Every so many rows afresh. Between two whose loops do the same in the same order the atlas
-    /// is carried; where the order changes on the way, the row in the middle is made afresh too: a
-    /// landing that is carried is not asked for again, and would be passed on for ever.
+    /// The atlas is carried from row to row. A landing that is carried is not asked for again, and
+    /// would be passed on for ever: every so many rows all are learnt again, and where that changes
+    /// what the loop does, also in the middle between such rows.
     fn all(&mut self) {
         let last = self.values.len() - 1;
-        let mut left = (0, self.afresh(0));
+        let mut loops = LiveLoops::obeying(self.cancel);
+        self.row(0, &mut loops);
+        let mut left = 0;
         for right in (APART..last).step_by(APART).chain([last]) {
-            let at_right = self.afresh(right);
-            self.between(left, right);
-            left = (right, at_right);
+            let mut carried = vec![loops.clone()];
+            for i in left + 1..=right {
+                self.row(i, &mut loops);
+                carried.push(loops.clone());
+            }
+            if let Some(learnt) = self.learnt(right, loops.clone()) {
+                loops = learnt;
+            }
+            self.between(left, right, &carried);
+            left = right;
         }
     }
 
-    fn between(&mut self, (left, mut loops): (usize, LiveLoops), right: usize) {
+    /// Mends the rows between two that are learnt; `carried` is what each of them knew, that on the
+    /// left first.
+    fn between(&mut self, left: usize, right: usize, carried: &[LiveLoops]) {
         if right - left < 2 || self.cancel.requested() {
             return;
         }
         if self.order(left) != self.order(right) {
-            let middle = (left + right) / 2;
-            let at_middle = self.afresh(middle);
-            self.between((left, loops), middle);
-            return self.between((middle, at_middle), right);
+            let middle = left + (right - left) / 2;
+            self.learnt(middle, carried[middle - left].clone());
+            self.between(left, middle, carried);
+            return self.between(middle, right, &carried[middle - left..]);
         }
         for i in left + 1..right {
-            self.row(i, &mut loops);
             if self.order(i) != self.order(left) {
-                loops = self.afresh(i);
+                self.learnt(i, carried[i - left].clone());
             }
         }
     }
 
-    /// The loop of a row, of which nothing is known before; with its atlas.
-    fn afresh(&mut self, i: usize) -> LiveLoops {
-        let mut loops = LiveLoops::obeying(self.cancel);
+    /// The loop of a row with all landings learnt again; `None` if it has no atlas.
+    fn learnt(&mut self, i: usize, mut loops: LiveLoops) -> Option<LiveLoops> {
+        if !loops.forget_landings() {
+            return None;
+        }
         self.row(i, &mut loops);
-        loops
+        Some(loops)
     }
 
     fn row(&mut self, i: usize, loops: &mut LiveLoops) {
@@ -250,9 +262,9 @@ impl Survey<'_> {
             return;
         }
         let row = Row { value, law, found };
+        self.rows[i] = Some(row.clone());
         let known = self.rows.iter().flatten().count();
-        (self.observe)(&row, (known + 1) as f64 / self.rows.len() as f64);
-        self.rows[i] = Some(row);
+        (self.observe)(&row, known as f64 / self.rows.len() as f64);
     }
 
     /// What the loop of a row does, one after the other; `None` where it is not known.

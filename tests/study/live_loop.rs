@@ -199,10 +199,11 @@ fn the_live_loop_under_a_spring_is_that_of_the_walk_on_the_scenes_own_mesh() {
                 continue;
             }
             let leg = live.legs.iter().find(|leg| {
-                let ends = leg.from.min(leg.to)..=leg.from.max(leg.to);
+                let ends = leg.from.min(leg.to) - 1e-9..=leg.from.max(leg.to) + 1e-9;
                 leg.direction == state.direction && ends.contains(&state.control)
             });
-            let at = live.segments[leg.unwrap().segment].at(state.control);
+            let leg = leg.unwrap_or_else(|| panic!("{state:?} in {:?}", live.legs));
+            let at = live.segments[leg.segment].at(state.control);
             let off = (at.stress - state.stress).abs() / live.law.traction_max();
             assert!(off < 1e-2, "{fineness:?}: {off} at {state:?}");
         }

@@ -4,7 +4,6 @@ use crate::loops::{preset, walked};
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
-use tackscope::scene::Points;
 use tackscope::scene::part::Part;
 use tackscope::study::live_loop::{Fineness, LiveLoop};
 use tackscope::study::map::{PatternMap, Vary};
@@ -90,11 +89,9 @@ fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
     }
 }
 
-/// Where there is no atlas loops are walked.
 #[test]
-fn a_map_over_the_spring_walks_each_loop() {
-    let mut scene = preset("soft-machine");
-    scene.cell.points = Points::Square(32);
+fn a_map_over_the_spring_has_the_loops_of_the_walk() {
+    let scene = preset("soft-machine");
     let vary = "drive.stiffness=0.02..0.2".parse::<Vary>().unwrap();
     let map = PatternMap::of(&scene, &vary, 2, &Cancel::default(), &mut |_, _| {}).unwrap();
     let [soft, stiff] = [0, 1].map(|i| map.rows[i].found.as_ref().unwrap());
@@ -104,10 +101,11 @@ fn a_map_over_the_spring_walks_each_loop() {
     let control = tackscope::physics::control::Control::Spring { stiffness: 0.2 };
     let alone = walked(
         &tackscope::scene::edit::with_control(&scene, &model, control),
-        Part::Whole,
+        Part::Quarter,
     );
-    let loss = alone.record.released_energy_sum();
-    assert!((stiff.dissipated_energy - loss).abs() < 1e-9, "{loss}");
+    // The map is on the mesh of the hand.
+    let off = stiff.dissipated_energy / alone.record.released_energy_sum() - 1.0;
+    assert!(off.abs() < 2e-3, "{off}");
 }
 
 #[test]

@@ -89,6 +89,12 @@ fn adapt(
         }
     };
     let (low, high) = (end(Side::Lower)?, end(Side::Upper)?);
+    // Symmetry must not break before a fold.
+    let holds =
+        |node: &Node, side: Side| old.ends[side.index()] == End::Breaking || node.breaking >= 0.0;
+    if !holds(&low, Side::Lower) || !holds(&high, Side::Upper) {
+        return Err(Lost::Gone);
+    }
     let (a, b) = (
         old.nodes[0].state.mean_displacement,
         old.nodes[last].state.mean_displacement,
