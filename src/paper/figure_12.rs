@@ -92,7 +92,7 @@ fn panel(title: &str, loops: &[&Tip], drive: TipDrive) -> Panel {
         series.push(line(String::new(), &tip.retraction));
     }
     // Under a load the body flies far off.
-    let held = |p: &&[f64; 2]| p[1] < -0.1 && (drive != TipDrive::Load || p[0] < FAR);
+    let held = |p: &&[f64; 2]| p[1] < -0.1 && drive != TipDrive::Load;
     let curves = loops.iter().flat_map(|tip| &tip.retraction).filter(held);
     let end = curves.fold(0.013, |most: f64, p| most.max(p[0]));
     let mut y = Axis::linear("force F/F_{pull,JKR}");
