@@ -4,6 +4,7 @@
 //! be received. Names no window, writes no files.
 
 pub mod background;
+pub mod film;
 pub mod job;
 pub mod protocol;
 pub mod session;

@@ -1,5 +1,6 @@
 //! What the window says to the solver, and what it hears back.
 
+use super::film::Film;
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -225,6 +226,8 @@ pub enum Event {
     Frame(Arc<Frame>),
     /// A jump was completed.
     Jump(JumpRecord),
+    /// How the jump before was seen, once the surface stands on the state after it.
+    Film(Arc<Film>),
     /// A fresh loop starts here: earlier states belong to an earlier loop (a ghost).
     LoopStarted,
     /// A closed loop is complete.
