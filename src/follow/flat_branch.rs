@@ -66,6 +66,12 @@ impl FlatBranch {
         })
     }
 
+    /// The (lower, upper) gaps between which it is unstable (length); `None` where it is stable
+    /// everywhere.
+    pub fn unstable_gaps(&self) -> Option<(f64, f64)> {
+        self.unstable
+    }
+
     /// True if the body gives way as a block, before any wave does.
     pub fn gives_way_as_a_block(&self) -> bool {
         self.as_a_block

@@ -7,11 +7,11 @@
 
 mod mode;
 
-pub use mode::{Shape, dominant_wave};
+pub use mode::{Balance, Shape, dominant_wave};
 
 use super::forecast::forecast;
 use crate::follow::flat_branch::FlatBranch;
-use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
+use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
@@ -67,6 +67,8 @@ pub struct Explanation {
     pub criterion: Criterion,
     /// Waves of the soft mode along x and y of the cell, where it is known.
     pub wave: Option<[usize; 2]>,
+    /// What held against the soft mode just before, and what drove it, where it is known.
+    pub balance: Option<Balance>,
     /// All of it in words.
     pub sentence: String,
 }
@@ -76,9 +78,7 @@ pub struct Explanation {
 pub struct Evidence<'a> {
     /// The jump.
     pub jump: &'a JumpRecord,
-    /// The last state before it.
-    pub before: Option<&'a StateRecord>,
-    /// The gap of that state (length), and the mode that went soft; shape (ny, nx).
+    /// The gap of the last state before it (length), and the mode that went soft; shape (ny, nx).
     pub fields: Option<[&'a Array2<f64>; 2]>,
 }
 
@@ -97,7 +97,16 @@ pub fn explain(scene: &Scene, model: &Model, of: Evidence<'_>) -> Explanation {
         Cause::Transition => Criterion::Continuous,
         Cause::PatternChange => Criterion::Unlocated,
     };
-    let words = Words { scene, model, of };
+    let control = scene.control();
+    let balance = of
+        .fields
+        .map(|[gap, mode]| mode::balance(model, control, gap, mode));
+    let words = Words {
+        scene,
+        model,
+        of,
+        balance,
+    };
     let mut sentence = match criterion {
         Criterion::Flat { law, holder, held } => words.flat(law, holder, held),
         Criterion::Fold => words.fold(),
@@ -114,6 +123,7 @@ pub fn explain(scene: &Scene, model: &Model, of: Evidence<'_>) -> Explanation {
     Explanation {
         criterion,
         wave,
+        balance,
         sentence,
     }
 }
@@ -146,6 +156,7 @@ struct Words<'a> {
     scene: &'a Scene,
     model: &'a Model,
     of: Evidence<'a>,
+    balance: Option<Balance>,
 }
 
 impl Words<'_> {
@@ -179,19 +190,17 @@ impl Words<'_> {
         }
     }
 
-    /// The stiffness of the last state before, where it is known: ", 0.021 E*/L at 1.336,".
-    fn stiffness(&self) -> String {
-        let before = self
-            .of
-            .before
-            .filter(|state| state.stiffness_min.is_finite());
-        before.map_or_else(String::new, |state| {
-            format!(
-                ", still {:.3} E*/L at u₀ = {:.4} ρ,",
-                state.stiffness_min,
-                state.mean_displacement / self.model.law.range
-            )
-        })
+    /// The two sides of the criterion, where they are known.
+    fn sides(&self) -> String {
+        self.balance
+            .map_or_else(String::new, |Balance { body, law }| {
+                let who = if self.scene.control().frees_mean() {
+                    "body and machine give"
+                } else {
+                    "the body gives"
+                };
+                format!(": {who} {body:.2}, the law {} (E*/L)", minus(law, 2))
+            })
     }
 
     fn flat(&self, law: f64, holder: Holder, held: f64) -> String {
@@ -227,18 +236,18 @@ impl Words<'_> {
             "{} {at:.3} ranges the pull {faster} than {resists}: {sum} < 0 (at the limit {} + \
              {held:.4}, in E*/L).",
             self.side(),
-            format!("{law:.4}").replace('-', "−"),
+            minus(law, 4),
         )
     }
 
     fn fold(&self) -> String {
         format!(
-            "{} {} {} has no equilibrium left: its branch turns back there (a fold), and its \
-             stiffness{} is zero.",
+            "{} {} {} has no equilibrium left: its branch turns back there (a fold), where nothing \
+             holds it any more{}.",
             self.side(),
             self.place(),
             self.pattern(),
-            self.stiffness()
+            self.sides()
         )
     }
 
@@ -263,17 +272,16 @@ impl Words<'_> {
             ),
         };
         let end = match shape {
-            Shape::BreakUp { .. } => " It breaks up.",
-            Shape::Meander { .. } => " It meanders.",
+            Shape::BreakUp { .. } => ", and it breaks up",
+            Shape::Meander { .. } => ", and it meanders",
             _ => "",
         };
         format!(
-            "{} {} {} would go on, but not stably: the stiffness against {what}{} is zero \
-             there.{end}",
+            "{} {} {} would go on, but nothing holds it against {what}{end}{}.",
             self.side(),
             self.place(),
             self.pattern(),
-            self.stiffness()
+            self.sides()
         )
     }
 
@@ -311,6 +319,11 @@ impl Words<'_> {
             self.of.jump.to
         )
     }
+}
+
+/// A number with a minus sign that is none of a hyphen.
+fn minus(value: f64, digits: usize) -> String {
+    format!("{value:.digits$}").replace('-', "−")
 }
 
 /// What is driven at this value: "u₀ = 3.102 ρ".
@@ -359,16 +372,18 @@ pub fn calm(scene: &Scene, model: &Model) -> Option<Calm> {
     })
 }
 
-/// What can happen next, in words.
+/// What can happen next, in words; nothing of a record without a state.
 pub fn ahead(scene: &Scene, model: &Model, record: &LoopRecord) -> String {
     if let Some(calm) = calm(scene, model) {
         return format!("Here nothing snaps. {} {}", calm.remedy, calm.reason);
     }
     let (control, law) = (scene.control(), &model.law);
-    let direction = record.states.last().map(|state| state.direction);
-    let way = match direction {
-        Some(Direction::Retraction) => "up",
-        _ => "down",
+    let Some(now) = record.states.last() else {
+        return String::new();
+    };
+    let way = match now.direction {
+        Direction::Approach => "down",
+        Direction::Retraction => "up",
     };
     let Some(ahead) = forecast(record, model) else {
         return match model.indenter {

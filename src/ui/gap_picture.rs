@@ -106,7 +106,7 @@ impl GapPicture {
         image(&self.gap, colour, |gap| gap / top)
     }
 
-    /// A mode of this field in signed colours: purple where it lifts the surface, orange where it
+    /// A mode of this field in signed colours: orange where it lifts the surface, purple where it
     /// lowers it.
     pub fn mode_image(&self, mode: &Array2<f64>) -> ColorImage {
         let mode = rolled(mode, self.roll.0, self.roll.1);

@@ -38,7 +38,12 @@ pub fn drag(
             CursorIcon::Grab
         });
     }
-    let (down, fine) = ui.input(|input| (input.pointer.delta().y, input.modifiers.shift));
+    let (down, fine) = ui.input(|input| {
+        // The way to the body is none of the body's.
+        let held = !input.pointer.any_pressed();
+        let down = if held { input.pointer.delta().y } else { 0.0 };
+        (down, input.modifiers.shift)
+    });
     if held && down != 0.0 {
         let share = if fine { 0.1 } else { 1.0 };
         let wanted = state.target - share * per_point * f64::from(down);
@@ -85,8 +90,8 @@ pub fn grip(ui: &Ui, state: &ViewState, frame: Rect, at: Pos2) -> Rect {
     rect
 }
 
-/// The hint in a bubble with an arrow at the `grip`, in the upper strip of `frame` where only the
-/// body is; where it stands, if there is one.
+/// The hint in a bubble with an arrow at the `grip`, in the upper strip of `frame`, where only the
+/// body is; its place, if there is one.
 pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rect> {
     let words = state.hint()?;
     let ink = theme::palette(ui).now;
@@ -97,25 +102,20 @@ pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rec
         frame.width() - 24.0,
     );
     let size = galley.size() + vec2(16.0, 7.0);
-    let right = pos2(grip.right() + 16.0, grip.center().y - size.y / 2.0);
-    let beside = Rect::from_min_size(right, size);
-    // Over the grip where there is no room beside it.
-    let area = if beside.right() < frame.right() - 4.0 {
-        beside
-    } else {
-        Rect::from_min_size(
-            pos2(grip.center().x - size.x / 2.0, grip.top() - size.y - 8.0),
-            size,
-        )
-    };
-    let top = area.top().max(frame.top() + 3.0);
-    let area = area.translate(vec2(0.0, top - area.top()));
+    let strip = frame.shrink(3.0);
+    let mut middle = grip.center().x;
+    if strip.top() + size.y > grip.top() - 4.0 {
+        // No room above the grip.
+        middle = grip.right() + 14.0 + size.x / 2.0;
+    }
+    let left = (middle - size.x / 2.0).min(strip.right() - size.x);
+    let area = Rect::from_min_size(pos2(left.max(strip.left()), strip.top()), size);
     let painter = ui.painter();
     let (fill, edge) = (ui.visuals().window_fill, Stroke::new(1.2, ink));
     let tip = if area.left() > grip.right() {
-        pos2(grip.right() + 4.0, grip.center().y)
+        grip.right_center()
     } else {
-        pos2(grip.center().x, grip.top() - 2.0)
+        grip.center_top()
     };
     arrow(ui, area, tip, edge.color);
     painter.rect(area, 7.0, fill, edge, StrokeKind::Inside);

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod branches;
+mod equations;
 mod event_list;
 mod landscape;
 mod map;
@@ -93,6 +94,7 @@ impl Default for Tabs {
             Box::<landscape::LandscapeTab>::default(),
             Box::<map::Map>::default(),
             Box::<accuracy::Accuracy>::default(),
+            Box::new(equations::Equations),
             Box::<paper::Paper>::default(),
         ])
     }

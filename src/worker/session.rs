@@ -385,7 +385,7 @@ fn show_rest(walk: &mut Walk, recorder: &mut Recorder, sink: &mut dyn FnMut(Even
         control: state.control,
         mean_displacement: state.mean_displacement,
         stress: state.stress,
-        gap: Arc::new(walk.gap()),
+        gap: Arc::new(walk.gap_here()),
         soft_mode: walk.soft_mode().map(Arc::new),
         relaxing: false,
         state: Some(state),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::Direction;
 use tackscope::physics::theory::flat;
-use tackscope::scene::Points;
+use tackscope::scene::{Points, Turn};
 use tackscope::ui::App;
 use tackscope::ui::action::ProfileLine;
 use tackscope::ui::view_state::Hint;
@@ -20,17 +20,17 @@ use tackscope::worker::protocol::{Event, Frame};
 fn snapped() -> Harness<'static, App> {
     let mut scene = fig2();
     scene.cell.points = Points::Square(32);
+    scene.drive.turn = Turn::At(3.05);
     let mut window = opened(scene);
     window.get_by_label("Play approach").click();
     window.step();
     let mut frames = 0;
-    while window.state().state().run.record.jumps.is_empty() {
+    while window.state().state().run.is_busy() {
         window.step();
         frames += 1;
-        assert!(frames < 1000, "nothing jumps");
+        assert!(frames < 1000, "it never comes to rest");
     }
-    window.get_by_label("Stop").click();
-    window.step();
+    assert_eq!(window.state().state().run.record.jumps.len(), 1);
     window.run();
     window
 }
@@ -48,6 +48,7 @@ fn before_any_jump_the_tab_says_what_can_happen_in_this_scene() {
     let words = format!("It snaps at u₀ = {upper:.4} ρ on the way down");
     assert!(bench.names().contains(&words), "{}", bench.names());
     bench.press(Modifiers::NONE, Key::Num3);
+    bench.reach(4.0, Direction::Approach);
     let names = bench.names();
     assert!(!names.contains(&words), "{names}");
     assert!(
@@ -66,10 +67,10 @@ fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
     let jump = window.state().state().run.record.jumps[0].clone();
     for words in [
         "the pull grows faster with depth than the longest wave of the cell can resist",
-        "before: flat",
-        "soft mode: 1 × 0 waves",
-        &format!("after: {}", jump.to),
-        &format!("{:.4} γ set free", jump.released_energy),
+        "Gap before the jump: flat",
+        "waves to the cell: orange is lifted, purple lowered",
+        &format!("Gap after the jump: {}", jump.to),
+        &format!("{:.4} gamma released so far", jump.released_energy),
     ] {
         assert!(says(&window, words), "{words}");
     }
@@ -99,9 +100,9 @@ fn a_jump_is_replayed_by_hand_in_map_and_plot_until_the_surface_moves() {
     window.get_by_label("Moment of the jump").click();
     window.run();
     assert!(state(&window).is_some());
-    window.key_press(Key::ArrowLeft);
+    window.get_by_label("Play retract").click();
     window.step();
-    window.run();
+    window.step();
     assert!(state(&window).is_none(), "the surface has moved on");
 }
 
@@ -307,5 +308,24 @@ fn the_hint_covers_no_word_and_moves_nothing() {
         bench.reach(0.2, Direction::Approach);
         assert!(!bench.names().contains("Something will snap."));
         assert_eq!(fixed.map(|label| place(&bench, label)), before);
+    }
+}
+
+#[test]
+fn the_equations_have_the_numbers_of_the_scene() {
+    let mut bench = Bench::new();
+    bench.reach(4.0, Direction::Approach);
+    bench.click("Equations tab");
+    let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let names = bench.names();
+    // As it is typeset: indices are runs of their own on the line.
+    for words in [
+        "V/A = ∑q≠0 (q E*/4) |ũq|2 + ⟨γ(g)⟩",
+        "γ(g) = γ0 (e−2g/ρ − 2 e−g/ρ)",
+        "γ″(u0) + π E*/L = 0",
+        &format!("at u0 = {upper:.4} ρ on approach, {lower:.4} ρ on retraction"),
+        "u0 = 4.0000 ρ",
+    ] {
+        assert!(names.contains(words), "{words} in {names}");
     }
 }

@@ -1,8 +1,11 @@
-//! What a soft mode does to a pattern: its dominant wave, and its shape.
+//! What a soft mode does to a pattern: its dominant wave, its shape, and what holds against it.
 
 use crate::numerics::fourier::Fourier;
+use crate::physics::control::Control;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
+use crate::scene::Model;
 use ndarray::{Array2, ArrayView2, Axis};
+use rustfft::num_complex::Complex;
 
 /// What a disturbance of another symmetry does to a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,21 +29,69 @@ pub enum Shape {
 /// Share of a mode that must change its sign under the exchange of the axes to be a stretching.
 const ODD: f64 = 0.5;
 
-/// The wave of the largest amplitude in a field of shape (ny, nx): how often it fits into the cell
-/// along x and along y. Zero both ways is the mean.
-pub fn dominant_wave(field: &Array2<f64>) -> [usize; 2] {
+/// What resists a mode and what drives it, as in Eq. 8: they add up to its eigenvalue (E*/L).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Stiffness of the body, and of the machine where the mode moves the mean.
+    pub body: f64,
+    /// gamma'' where the mode moves the surface, weighted with its square.
+    pub law: f64,
+}
+
+/// The amplitudes of a field, as [`Fourier`] lays them out.
+fn spectrum(field: &Array2<f64>) -> Array2<Complex<f64>> {
     let (ny, nx) = field.dim();
     let fourier: Fourier = Fourier::with_lanes(ny, nx, 1);
     let mut spectrum = fourier.spectrum();
-    fourier.forward(
-        &field.as_standard_layout().into_owned(),
-        &mut spectrum,
-        &mut fourier.scratch(),
-    );
+    let field = field.as_standard_layout().into_owned();
+    fourier.forward(&field, &mut spectrum, &mut fourier.scratch());
+    spectrum
+}
+
+/// The wave of the largest amplitude in a field of shape (ny, nx): how often it fits into the cell
+/// along x and along y. Zero both ways is the mean.
+pub fn dominant_wave(field: &Array2<f64>) -> [usize; 2] {
+    let ny = field.nrows();
+    let spectrum = spectrum(field);
     let largest = spectrum
         .indexed_iter()
         .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()));
     largest.map_or([0, 0], |((x, y), _)| [x, y.min(ny - y)])
+}
+
+/// What holds against a `mode` of the state of this `gap`, and what drives it.
+pub(super) fn balance(
+    model: &Model,
+    control: Control,
+    gap: &Array2<f64>,
+    mode: &Array2<f64>,
+) -> Balance {
+    let (ny, nx) = mode.dim();
+    let body = model.body.elastic();
+    let (mut all, mut held) = (0.0, 0.0);
+    for ((x, y), amplitude) in spectrum(mode).indexed_iter() {
+        let periods = (x as f64).hypot(y.min(ny - y) as f64);
+        let stiffness = if periods == 0.0 {
+            control.stiffness()
+        } else {
+            body.stiffness(periods * model.grid.q1())
+        };
+        // The half that is left out is the mirror image of what is there.
+        let twice = if x == 0 || 2 * x == nx { 1.0 } else { 2.0 };
+        let weight = twice * amplitude.norm_sqr();
+        all += weight;
+        // Nothing moves against a machine that does not give.
+        if stiffness.is_finite() {
+            held += weight * stiffness;
+        }
+    }
+    let moved = gap.iter().zip(mode);
+    let moved = moved.map(|(g, m)| m * m * model.law.at(*g).stiffness);
+    let length = model.grid.length;
+    Balance {
+        body: length * held / all,
+        law: length * moved.sum::<f64>() / mode.iter().map(|m| m * m).sum::<f64>(),
+    }
 }
 
 /// What a `mode` does to the pattern of this `gap`.

@@ -28,7 +28,7 @@ const PICTURE: Duration = Duration::from_millis(33);
 const SIDE: (f32, f32) = (56.0, 120.0);
 const GAP: f32 = 8.0;
 /// Room beside the maps from which the buttons stand there.
-const COLUMN: f32 = 150.0;
+const COLUMN: f32 = 190.0;
 /// Height of a map's name.
 const NAME: f32 = 17.0;
 
@@ -53,9 +53,10 @@ struct Told {
     maps: Vec<Map>,
 }
 
-/// A small map.
+/// A small map: what it is, and what it shows.
 struct Map {
-    name: String,
+    name: &'static str,
+    shows: String,
     texture: TextureHandle,
     /// The edge of the contact, in shares of the map from its lower left corner.
     contour: Vec<Vec<[f32; 2]>>,
@@ -172,7 +173,6 @@ impl Told {
         let fields = film.as_ref().zip(mode.as_ref());
         let evidence = Evidence {
             jump: &jump,
-            before: film.as_ref().and_then(|film| film.before.state.as_ref()),
             fields: fields.map(|(film, mode)| [&*film.before.gap, mode]),
         };
         let scene: &Scene = &state.scene;
@@ -183,23 +183,23 @@ impl Told {
             let centred = drawn.0 && state.model.indenter == Indenter::Flat;
             let before = GapPicture::of(&film.before, contact, centred, None);
             let after = GapPicture::of(&film.after, contact, centred, Some(before.island));
-            let map = |name: &str, image: ColorImage, picture: Option<&GapPicture>| Map {
-                name: name.to_owned(),
+            let map = |name, shows, image, picture: Option<&GapPicture>| Map {
+                name,
+                shows,
                 texture: texture(ctx, name, image, drawn.1),
                 contour: picture.map_or_else(Vec::new, shares),
             };
-            let mode = mode.as_ref().map(|mode| before.mode_image(mode));
-            let mode = mode.map(|image| map("soft mode", image, None));
-            let first = map(
-                &format!("before: {}", jump.from),
-                before.image(top),
-                Some(&before),
-            );
-            let last = map(
-                &format!("after: {}", jump.to),
-                after.image(top),
-                Some(&after),
-            );
+            let from = format!("Gap before the jump: {}", jump.from);
+            let first = map("before", from, before.image(top), Some(&before));
+            let to = format!("Gap after the jump: {}", jump.to);
+            let last = map("after", to, after.image(top), Some(&after));
+            let mode = mode.as_ref().map(|mode| {
+                let [x, y] = why.wave.unwrap_or_default();
+                let shows = format!(
+                    "Soft mode, {x} × {y} waves to the cell: orange is lifted, purple lowered"
+                );
+                map("soft mode", shows, before.mode_image(mode), None)
+            });
             std::iter::once(first).chain(mode).chain([last]).collect()
         });
         Self {
@@ -248,7 +248,7 @@ fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Actio
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
         for map in &told.maps {
-            small_map(ui, told, map, side);
+            small_map(ui, map, side);
         }
         if beside {
             ui.vertical(|ui| more(ui, state, told, actions));
@@ -260,17 +260,11 @@ fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Actio
 }
 
 /// A map under its name.
-fn small_map(ui: &mut Ui, told: &Told, map: &Map, side: f32) {
+fn small_map(ui: &mut Ui, map: &Map, side: f32) {
     let (_, area) = ui.allocate_space(vec2(side, side + NAME));
     let square = Rect::from_min_max(pos2(area.left(), area.top() + NAME), area.max);
-    let response = ui.interact(area, egui::Id::unique(("why", &map.name)), Sense::hover());
-    let sentence = match told.why.wave {
-        Some([x, y]) if map.contour.is_empty() && map.name == "soft mode" => {
-            format!("soft mode: {x} × {y} waves to the cell; purple is lifted, orange lowered")
-        }
-        _ => format!("Gap {}", map.name),
-    };
-    described(&response, &sentence);
+    let response = ui.interact(area, egui::Id::unique(("why", map.name)), Sense::hover());
+    described(&response, &map.shows);
     let painter = ui
         .painter()
         .with_clip_rect(square.intersect(ui.clip_rect()));
@@ -288,25 +282,22 @@ fn small_map(ui: &mut Ui, told: &Told, map: &Map, side: f32) {
     }
     let edge = ui.visuals().widgets.noninteractive.bg_stroke;
     painter.rect_stroke(square, 0.0, edge, StrokeKind::Inside);
-    let name = ui.painter().layout_no_wrap(
-        map.name.clone(),
+    ui.painter().text(
+        area.left_top(),
+        Align2::LEFT_TOP,
+        map.name,
         FontId::proportional(13.0),
         ui.visuals().text_color(),
     );
-    let at = pos2(area.left(), area.top());
-    let clip = Rect::from_min_max(area.min, pos2(area.right() + GAP, square.top()));
-    ui.painter()
-        .with_clip_rect(clip)
-        .galley(at, name, Color32::PLACEHOLDER);
-    response.on_hover_text(sentence);
+    response.on_hover_text(&map.shows);
 }
 
 /// What was released, and where to go on.
 fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
     let all = state.run.record.released_energy_sum() + 0.0;
     let this = told.jump.released_energy + 0.0;
-    ui.label(format!("{this:.4} γ set free"))
-        .on_hover_text("the energy per area that this jump turned into heat");
+    ui.label(format!("{this:.4} of {all:.4} γ set free"))
+        .on_hover_text("what this jump turned into heat, of what all jumps did so far");
     let (_, bar) = ui.allocate_space(vec2(ui.available_width().min(220.0), 12.0));
     let colour = theme::palette(ui).jump;
     let share = if all > 0.0 {
@@ -321,7 +312,6 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     let response = ui.interact(bar, egui::Id::unique("released"), Sense::hover());
     let sentence = format!("{this:.4} of {all:.4} gamma released so far");
     described(&response, &sentence);
-    ui.label(format!("of {all:.4} γ so far"));
     let stiffness = ui.button("Show the stiffness");
     if stiffness
         .on_hover_text("how it fell to zero: the tab Stability")
