@@ -1,7 +1,7 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
+use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
 use super::grip;
 use super::theme;
 use super::view_state::ViewState;
@@ -11,8 +11,8 @@ use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle,
-    TextureOptions, Ui, pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
+    pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -56,12 +56,13 @@ impl MapCache {
         }
         let contact = state.model.law.contact_gap();
         let before = self.picture.as_ref().map(|picture| picture.island);
-        let picture = GapPicture::of(frame, contact, centred, before);
-        let options = if state.view.smooth {
-            TextureOptions::LINEAR
+        let island = gap_picture::island(frame, contact, before);
+        let picture = if centred {
+            GapPicture::centred(&frame.gap, contact, island)
         } else {
-            TextureOptions::NEAREST
+            GapPicture::new(&frame.gap, contact, island)
         };
+        let options = gap_picture::texture_options(&view);
         let image = picture.image(top);
         match &mut self.texture {
             Some(texture) => texture.set(image, options),

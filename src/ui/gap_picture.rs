@@ -1,10 +1,11 @@
 //! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured,
 //! with its contact line. No egui widgets.
 
+use super::action::ViewOptions;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
 use crate::plot::scale::ends;
 use crate::worker::protocol::Frame;
-use egui::{Color32, ColorImage};
+use egui::{Color32, ColorImage, TextureOptions};
 use ndarray::Array2;
 use std::collections::HashMap;
 
@@ -26,6 +27,27 @@ pub struct GapPicture {
     roll: (usize, usize),
 }
 
+/// What stands in the middle of a picture of the surface. A pattern keeps its place along its whole
+/// branch; the film of a jump keeps that of the pattern `before`.
+pub fn island(frame: &Frame, contact_gap: f64, before: Option<Island>) -> Island {
+    let known = match frame.state.as_ref().map(|state| state.pattern) {
+        Some(Pattern::Dimple) => Some(Island::Hole),
+        Some(Pattern::Bulge | Pattern::Ridge) => Some(Island::Contact),
+        None => before,
+        Some(_) => None,
+    };
+    known.unwrap_or_else(|| Island::of(&frame.gap, contact_gap))
+}
+
+/// How a texture of a field is drawn.
+pub fn texture_options(view: &ViewOptions) -> TextureOptions {
+    if view.smooth {
+        TextureOptions::LINEAR
+    } else {
+        TextureOptions::NEAREST
+    }
+}
+
 /// A piece of a line on the map.
 pub type Segment = [[f32; 2]; 2];
 
@@ -45,24 +67,6 @@ impl GapPicture {
     /// Prepares a field as it is. `contact_gap` is the level of the contact line.
     pub fn new(gap: &Array2<f64>, contact_gap: f64, island: Island) -> Self {
         Self::rolled(gap, contact_gap, island, (0, 0))
-    }
-
-    /// A picture of the surface, with its pattern in the middle if that is asked for. A pattern
-    /// keeps its place along its whole branch; the film of a jump keeps that of the pattern
-    /// `before`.
-    pub fn of(frame: &Frame, contact_gap: f64, centred: bool, before: Option<Island>) -> Self {
-        let island = match frame.state.as_ref().map(|state| state.pattern) {
-            Some(Pattern::Dimple) => Some(Island::Hole),
-            Some(Pattern::Bulge | Pattern::Ridge) => Some(Island::Contact),
-            None => before,
-            Some(_) => None,
-        };
-        let island = island.unwrap_or_else(|| Island::of(&frame.gap, contact_gap));
-        if centred {
-            Self::centred(&frame.gap, contact_gap, island)
-        } else {
-            Self::new(&frame.gap, contact_gap, island)
-        }
     }
 
     /// The same with the island in the middle.

@@ -1,52 +1,14 @@
-//! A jump as it was seen: pictures of the surface before it, while it moved, and after it.
+//! Makes the film of each jump out of the pictures of a walk.
 
-use super::protocol::Frame;
-use ndarray::Array2;
+use super::protocol::{Film, Frame};
 use std::sync::Arc;
 
 /// Most pictures of the moving surface in one film.
-pub const MOVING_MAX: usize = 64;
+const MOVING_MAX: usize = 64;
 
-/// The pictures of one jump, in order.
-#[derive(Clone, Debug)]
-pub struct Film {
-    /// The last equilibrium before, with the mode that goes soft.
-    pub before: Arc<Frame>,
-    /// The surface while it moved, at even intervals; empty where nothing was seen of it.
-    pub moving: Vec<Arc<Frame>>,
-    /// The equilibrium on which it landed.
-    pub after: Arc<Frame>,
-}
-
-impl Film {
-    /// All its pictures.
-    pub fn frames(&self) -> impl Iterator<Item = &Arc<Frame>> {
-        let ends = (std::iter::once(&self.before), std::iter::once(&self.after));
-        ends.0.chain(&self.moving).chain(ends.1)
-    }
-
-    /// How many they are.
-    pub fn count(&self) -> usize {
-        self.moving.len() + 2
-    }
-
-    /// The mode along which the surface gave way, positive where the jump widened the gap: an
-    /// eigenvector has no sign of its own.
-    pub fn soft_mode(&self) -> Option<Array2<f64>> {
-        let mode = self.before.soft_mode.as_ref()?;
-        let went = &*self.after.gap - &*self.before.gap;
-        let along = (&went * &**mode).sum();
-        Some(if along < 0.0 {
-            -(&**mode)
-        } else {
-            (**mode).clone()
-        })
-    }
-}
-
-/// Makes the film of each jump out of the pictures of a walk.
+/// What was seen since the surface last rested.
 #[derive(Debug, Default)]
-pub(super) struct Recorder {
+pub struct Recorder {
     before: Option<Arc<Frame>>,
     moving: Vec<Arc<Frame>>,
     /// Pictures since the last one that was kept, and of how many one is kept.
@@ -57,7 +19,7 @@ pub(super) struct Recorder {
 
 impl Recorder {
     /// The surface moves.
-    pub(super) fn moves(&mut self, frame: &Arc<Frame>) {
+    pub fn moves(&mut self, frame: &Arc<Frame>) {
         self.passed += 1;
         if self.passed < self.every {
             return;
@@ -74,12 +36,12 @@ impl Recorder {
     }
 
     /// The motion is a jump; where it landed follows.
-    pub(super) fn jumps(&mut self) {
+    pub fn jumps(&mut self) {
         self.jumped = true;
     }
 
     /// The surface rests; the film of the jump that led here, if one did.
-    pub(super) fn rests(&mut self, frame: &Arc<Frame>) -> Option<Film> {
+    pub fn rests(&mut self, frame: &Arc<Frame>) -> Option<Film> {
         let ended = std::mem::replace(
             self,
             Self {
@@ -99,6 +61,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::Array2;
 
     fn frame(u0: f64, gap: f64, mode: Option<f64>) -> Arc<Frame> {
         let field = |value: f64| Arc::new(Array2::from_elem((1, 4), value));

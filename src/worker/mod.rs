@@ -4,12 +4,12 @@
 //! be received. Names no window, writes no files.
 
 pub mod background;
-pub mod film;
 pub mod job;
 pub mod protocol;
 pub mod session;
 pub mod signals;
 
+mod film;
 mod run_loop;
 mod setup;
 mod system;

@@ -1,6 +1,5 @@
 //! What the window says to the solver, and what it hears back.
 
-use super::film::Film;
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -168,6 +167,43 @@ impl Frame {
     /// True of a state that somebody chose on a branch: the walk does not stand on it.
     pub fn is_of_a_branch(&self) -> bool {
         self.state.is_none() && !self.relaxing
+    }
+}
+
+/// The pictures of one jump, in order.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// The last equilibrium before, with the mode that goes soft.
+    pub before: Arc<Frame>,
+    /// The surface while it moved, at even intervals; empty where nothing was seen of it.
+    pub moving: Vec<Arc<Frame>>,
+    /// The equilibrium on which it landed.
+    pub after: Arc<Frame>,
+}
+
+impl Film {
+    /// All its pictures.
+    pub fn frames(&self) -> impl Iterator<Item = &Arc<Frame>> {
+        let ends = (std::iter::once(&self.before), std::iter::once(&self.after));
+        ends.0.chain(&self.moving).chain(ends.1)
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.moving.len() + 2
+    }
+
+    /// The mode along which the surface gave way, positive where the jump widened the gap: an
+    /// eigenvector has no sign of its own.
+    pub fn soft_mode(&self) -> Option<Array2<f64>> {
+        let mode = self.before.soft_mode.as_ref()?;
+        let went = &*self.after.gap - &*self.before.gap;
+        let along = (&went * &**mode).sum();
+        Some(if along < 0.0 {
+            -(&**mode)
+        } else {
+            (**mode).clone()
+        })
     }
 }
 

@@ -8,15 +8,14 @@ use crate::plot::scale;
 use crate::scene::Scene;
 use crate::study::why::{Evidence, Explanation, ahead, explain};
 use crate::ui::action::Action;
-use crate::ui::gap_picture::GapPicture;
+use crate::ui::gap_picture::{self, GapPicture};
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, named};
-use crate::worker::film::Film;
-use crate::worker::protocol::{Frame, RunId};
+use crate::worker::protocol::{Film, Frame, RunId};
 use egui::{
     Align2, Color32, ColorImage, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider,
-    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Stroke, StrokeKind, TextureHandle, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -181,12 +180,21 @@ impl Told {
             let contact = state.model.law.contact_gap();
             let top = scale::gap_scale(scene, &state.model);
             let centred = drawn.0 && state.model.indenter == Indenter::Flat;
-            let before = GapPicture::of(&film.before, contact, centred, None);
-            let after = GapPicture::of(&film.after, contact, centred, Some(before.island));
+            let picture = |frame: &Frame, before| {
+                let island = gap_picture::island(frame, contact, before);
+                if centred {
+                    GapPicture::centred(&frame.gap, contact, island)
+                } else {
+                    GapPicture::new(&frame.gap, contact, island)
+                }
+            };
+            let before = picture(&film.before, None);
+            let after = picture(&film.after, Some(before.island));
+            let options = gap_picture::texture_options(&state.view);
             let map = |name, shows, image, picture: Option<&GapPicture>| Map {
                 name,
                 shows,
-                texture: texture(ctx, name, image, drawn.1),
+                texture: ctx.load_texture(name, image, options),
                 contour: picture.map_or_else(Vec::new, shares),
             };
             let from = format!("Gap before the jump: {}", jump.from);
@@ -212,15 +220,6 @@ impl Told {
             maps,
         }
     }
-}
-
-fn texture(ctx: &Context, name: &str, image: ColorImage, smooth: bool) -> TextureHandle {
-    let options = if smooth {
-        TextureOptions::LINEAR
-    } else {
-        TextureOptions::NEAREST
-    };
-    ctx.load_texture(name, image, options)
 }
 
 /// The contact lines of a picture in shares of the map.

@@ -1,8 +1,7 @@
 //! The films of the jumps of a run, and the picture that is shown.
 
 use super::ViewState;
-use crate::worker::film::Film;
-use crate::worker::protocol::Frame;
+use crate::worker::protocol::{Film, Frame};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
