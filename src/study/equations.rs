@@ -73,11 +73,15 @@ fn equilibrium(model: &Model, now: Option<&StateRecord>) -> Equation {
         sentence: "At each wave the body pulls back as hard as the adhesion pulls; the mean stress \
                    is what the machine feels.",
         here: now.map_or_else(String::new, |now| {
+            let off = if now.residual == 0.0 {
+                "exact".to_owned()
+            } else {
+                format!("off by {:.0e} sigma_max at most", now.residual)
+            };
             format!(
-                "u0 = {:.4} rho, sigma = {:.4} sigma_max, off by {:.0e} sigma_max at most",
+                "u0 = {:.4} rho, sigma = {:.4} sigma_max, {off}",
                 now.mean_displacement / model.law.range,
                 now.stress_over_max,
-                now.residual
             )
         }),
     }

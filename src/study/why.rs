@@ -199,7 +199,10 @@ impl Words<'_> {
                 } else {
                     "the body gives"
                 };
-                format!(": {who} {body:.2}, the law {} (E*/L)", minus(law, 2))
+                format!(
+                    ": just before, {who} {body:.2}, the law {} (E*/L)",
+                    minus(law, 2)
+                )
             })
     }
 

@@ -320,7 +320,7 @@ fn the_equations_have_the_numbers_of_the_scene() {
     let names = bench.names();
     // As it is typeset: indices are runs of their own on the line.
     for words in [
-        "V/A = ∑q≠0 (q E*/4) |ũq|2 + ⟨γ(g)⟩",
+        "V/A = ∑q≠0 (q E*/4) |u\u{303}q|2 + ⟨γ(g)⟩",
         "γ(g) = γ0 (e−2g/ρ − 2 e−g/ρ)",
         "γ″(u0) + π E*/L = 0",
         &format!("at u0 = {upper:.4} ρ on approach, {lower:.4} ρ on retraction"),

@@ -14,8 +14,8 @@ use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, named};
 use crate::worker::protocol::{Film, Frame, RunId};
 use egui::{
-    Align2, Color32, ColorImage, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider,
-    Stroke, StrokeKind, TextureHandle, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider, Stroke,
+    StrokeKind, TextureHandle, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -243,7 +243,9 @@ fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Actio
     let count = told.maps.len().max(1) as f32;
     let beside = width >= count * (SIDE.0 + GAP) + COLUMN;
     let room = if beside { width - COLUMN } else { width };
-    let side = ((room / count) - GAP).clamp(SIDE.0, SIDE.1);
+    // In a low window everything is seen at once, or nearly so.
+    let most = SIDE.1.min(0.4 * ui.clip_rect().height()).max(SIDE.0);
+    let side = ((room / count) - GAP).clamp(SIDE.0, most);
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
         for map in &told.maps {
