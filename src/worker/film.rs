@@ -31,7 +31,9 @@ impl Recorder {
                 .into_iter()
                 .step_by(2)
                 .collect();
-            self.every = 2 * self.every.max(1);
+            // The newest has gone too.
+            self.passed = self.every.max(1);
+            self.every = 2 * self.passed;
         }
     }
 

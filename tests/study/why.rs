@@ -212,6 +212,20 @@ fn every_jump_of_fig_2_is_explained_by_its_cause_and_its_mode() {
 }
 
 #[test]
+fn under_a_spring_the_machine_is_a_side_of_the_criterion() {
+    // Both sides are held against the measured eigenvalue at each jump.
+    let mut scene = preset("soft-machine");
+    scene.cell.points = Points::Square(48);
+    let found = walked(&scene, -1.0);
+    let by_the_machine = |(_, why): &&(JumpRecord, Explanation)| why.sentence.contains("machine");
+    assert!(found.iter().filter(by_the_machine).count() > 0, "{found:?}");
+    assert!(
+        found.iter().all(|(_, why)| why.balance.is_some()),
+        "{found:?}"
+    );
+}
+
+#[test]
 fn a_jump_of_the_mesh_says_which_mesh_has_none_and_a_contested_one_its_shares() {
     let mut scene = preset("fig2");
     scene.cell.points = Points::Square(16);
