@@ -83,7 +83,7 @@ fn await_some<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
 }
 
 /// Largest difference of brightness within the upper half of the gap map, which fills the middle of
-/// the window: between the hint and the profile line, where a uniform gap has one colour.
+/// the window: above the profile line, where a uniform gap has one colour.
 fn contrast_of_the_map(picture: &RgbImage) -> u32 {
     let brightness: Vec<u32> = (150..290)
         .step_by(10)
@@ -144,8 +144,7 @@ fn a_stranger_drags_u0_down_in_the_real_window_and_sees_the_surface_jump() {
     xdotool(&format!("windowmove {id} 0 0"));
     xdotool(&format!("windowfocus {id}"));
     let path = folder.path().join("shot.png");
-    // At rest the map shows one colour (and the hint, above the part that is looked at). The first
-    // frames may show less.
+    // At rest the map shows one colour. The first frames may show less.
     let lit = |picture: &RgbImage| {
         picture
             .get_pixel(520, 500)

@@ -67,7 +67,8 @@ impl FlatBranch {
         })
     }
 
-    /// The (lower, upper) end of the gaps at which it is unstable; `None` where there are none.
+    /// The (lower, upper) gaps between which it is unstable (length); `None` where it is stable
+    /// everywhere.
     pub fn unstable_gaps(&self) -> Option<(f64, f64)> {
         self.unstable
     }

@@ -50,6 +50,15 @@ impl Control {
         }
     }
 
+    /// The letter of what is driven: u0, the position w of the stage, or the load F per area.
+    pub fn symbol(&self) -> &'static str {
+        match self {
+            Self::Displacement => "u₀",
+            Self::Spring { .. } => "w",
+            Self::Load => "F",
+        }
+    }
+
     /// The same with a spring of `stiffness` (E* per length, infinite if there is none) in series.
     pub fn in_series(self, stiffness: f64) -> Self {
         match self {

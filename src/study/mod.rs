@@ -1,9 +1,11 @@
 //! Floor 4: what is done with loops: the plan and the run that follows it, the error bar, the chart
-//! of speed against accuracy, the live loop of a dragged parameter, and what is ahead of a surface.
+//! of speed against accuracy, the live loop of a dragged parameter; what is ahead of a surface, why
+//! it snapped, and the equations it obeys.
 //!
 //! May use `follow` and all below it; no threads, channels or files.
 
 pub mod chart;
+pub mod equations;
 pub mod error_bar;
 pub mod forecast;
 pub mod landscape;
@@ -11,3 +13,4 @@ pub mod live_loop;
 pub mod map;
 pub mod plan;
 pub mod time_step_map;
+pub mod why;

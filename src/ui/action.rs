@@ -67,6 +67,8 @@ pub enum Action {
         /// Which command.
         index: usize,
     },
+    /// Show the tab of this name.
+    OpenTab(&'static str),
     /// Lay theory over the live plot, or take it away.
     OverlayTheory(bool),
     /// Look at the recorded state nearest to a place of the plot.

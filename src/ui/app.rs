@@ -197,7 +197,7 @@ impl App {
         });
         CentralPanel::default().show(ui, |ui| {
             gap_map::show(ui, state, actions, &self.map);
-            profile::show(ui, state, self.map.picture.as_ref());
+            profile::show(ui, state, self.map.picture.as_ref(), actions);
         });
     }
 
@@ -240,6 +240,9 @@ impl App {
             Action::FitScene => state.plots.fit = None,
             Action::SetView(view) => state.view = view,
             Action::CommandTab { tab, index } => self.tabs.command(tab, index),
+            Action::OpenTab(name) => {
+                state.view.tab = self.tabs.index(name).unwrap_or(state.view.tab);
+            }
             Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
             Action::SelectState { at, reach } => state.select_near(at, reach),
             Action::SelectJump(index) => state.select_jump(index),
@@ -310,7 +313,7 @@ impl App {
                 drawing::write_page_png(path, &page)
                     .and_then(|()| picture::attach_scene(path, &state.scene))
             }
-            FileTask::ExportGapPng => match &state.frame {
+            FileTask::ExportGapPng => match state.pictured() {
                 Some(frame) => picture::write_gap_png(path, &frame.gap)
                     .and_then(|()| picture::attach_scene(path, &state.scene)),
                 None => return,

@@ -1,23 +1,25 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{GapPicture, ModeLines, Segment, colour};
+use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
+use super::grip;
 use super::theme;
 use super::view_state::ViewState;
-use super::widgets::described;
+use super::widgets::{described, named};
 use crate::physics::indenter::Indenter;
-use crate::physics::pattern::{Island, Pattern};
 use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, TextureOptions,
-    Ui, pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
+    pos2, vec2,
 };
 use std::sync::Arc;
 
 /// Width of the colour bar with its numbers.
 const BAR: f32 = 64.0;
+/// Radius of the grip of the profile line.
+const GRIP: f32 = 7.0;
 /// Seconds in which a picture that is no longer true fades out.
 const FADE: f32 = 0.2;
 /// What stands in its place.
@@ -37,7 +39,7 @@ pub struct MapCache {
 impl MapCache {
     /// Brings texture and picture up to date with the newest frame.
     pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
-        let Some(frame) = &state.frame else {
+        let Some(frame) = state.pictured() else {
             self.picture = None;
             self.mode = None;
             self.made_from = None;
@@ -53,25 +55,14 @@ impl MapCache {
             return;
         }
         let contact = state.model.law.contact_gap();
-        // A pattern keeps its place along its whole branch; the film of a jump keeps that of the
-        // pattern before.
-        let island = match frame.state.as_ref().map(|state| state.pattern) {
-            Some(Pattern::Dimple) => Some(Island::Hole),
-            Some(Pattern::Bulge | Pattern::Ridge) => Some(Island::Contact),
-            None => self.picture.as_ref().map(|picture| picture.island),
-            Some(_) => None,
-        };
-        let island = island.unwrap_or_else(|| Island::of(&frame.gap, contact));
+        let before = self.picture.as_ref().map(|picture| picture.island);
+        let island = gap_picture::island(frame, contact, before);
         let picture = if centred {
             GapPicture::centred(&frame.gap, contact, island)
         } else {
             GapPicture::new(&frame.gap, contact, island)
         };
-        let options = if state.view.smooth {
-            TextureOptions::LINEAR
-        } else {
-            TextureOptions::NEAREST
-        };
+        let options = gap_picture::texture_options(&view);
         let image = picture.image(top);
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
@@ -121,21 +112,22 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
             .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
     }
     waiting(ui, state, map);
-    ui.painter().rect_stroke(
-        map,
-        0.0,
-        ui.visuals().widgets.noninteractive.bg_stroke,
-        StrokeKind::Outside,
-    );
+    ui.painter()
+        .rect_stroke(map, 0.0, frame_stroke(ui, state), StrokeKind::Outside);
     colour_bar(ui, state, cache, map);
     overlays(ui, state, map);
-    drag(ui, state, &response, band, actions);
+    let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
+    grip::drag(ui, state, &response, per_point, actions);
+    if let Some(picture) = &cache.picture {
+        line_grip(ui, state, picture, band, actions);
+    }
     let reading = response
         .hover_pos()
         .and_then(|at| reading(state, cache, band, at));
     let resting =
-        "Point at the map to read it; drag to move the profile line (Shift: upright), double-click \
-         to free it.".to_owned();
+        "Point at the map to read it; drag it up and down to move the body, and the profile line \
+         by its grip."
+            .to_owned();
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -160,10 +152,7 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// Where the field is drawn: the whole map, or a band for a line cell.
 fn band(map: Rect, state: &ViewState) -> Rect {
-    let line = state
-        .frame
-        .as_ref()
-        .is_some_and(|frame| frame.gap.nrows() == 1);
+    let line = state.pictured().is_some_and(|frame| frame.gap.nrows() == 1);
     if line {
         Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3))
     } else {
@@ -193,7 +182,7 @@ fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
 /// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
 /// they mean in the corner.
 fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
-    let of_a_branch = state.frame.as_ref().is_some_and(|f| f.is_of_a_branch());
+    let of_a_branch = state.pictured().is_some_and(|f| f.is_of_a_branch());
     if !(state.view.soft_mode || of_a_branch && cache.mode.is_some()) {
         return;
     }
@@ -256,19 +245,23 @@ pub fn cut(view: &ViewOptions, picture: &GapPicture) -> (bool, usize) {
     }
 }
 
-fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
+/// The two ends of the profile line; `None` where the cell is a line itself.
+fn line_ends(state: &ViewState, picture: &GapPicture, band: Rect) -> Option<[Pos2; 2]> {
     let (along_x, index) = cut(&state.view, picture);
     let (ny, nx) = picture.gap.dim();
-    if ny == 1 {
-        return;
-    }
     let at = index as f32 + 0.5;
     let ends = if along_x {
         [[0.0, at], [nx as f32, at]]
     } else {
         [[at, 0.0], [at, ny as f32]]
     };
-    let ends = ends.map(|p| to_screen(picture, band, p));
+    (ny > 1).then(|| ends.map(|p| to_screen(picture, band, p)))
+}
+
+fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
+    let Some(ends) = line_ends(state, picture, band) else {
+        return;
+    };
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
     ui.painter().extend(Shape::dashed_line(
         &ends,
@@ -334,13 +327,21 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
 
-/// The hint before the first jump, and the word "jumping" while the surface is no equilibrium.
+/// The border of map and profile: that of a replay stands out.
+pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
+    if state.run.replayed.is_some() {
+        Stroke::new(2.5, theme::palette(ui).jump)
+    } else {
+        ui.visuals().widgets.noninteractive.bg_stroke
+    }
+}
+
+/// The word "jumping" while the surface is no equilibrium, and "replay" while it is an old one.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
-    let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
-    let word = if relaxing {
+    let word = if state.run.replayed.is_some() {
+        "replay"
+    } else if state.jumping().is_some() {
         "jumping … (no equilibrium)"
-    } else if state.messages.hint {
-        "Drag down slowly. Something will snap."
     } else {
         return;
     };
@@ -392,13 +393,35 @@ fn waiting(ui: &Ui, state: &ViewState, map: Rect) {
     }
 }
 
-fn drag(
+/// The grip at the end of the profile line: dragged it moves the line, with Shift an upright one; a
+/// double click frees it.
+fn line_grip(
     ui: &Ui,
     state: &ViewState,
-    response: &egui::Response,
+    picture: &GapPicture,
     band: Rect,
     actions: &mut Vec<Action>,
 ) {
+    let Some([end, _]) = line_ends(state, picture, band) else {
+        return;
+    };
+    let centre = band.shrink(GRIP + 2.0).clamp(end);
+    let area = Rect::from_center_size(centre, vec2(2.6 * GRIP, 2.6 * GRIP));
+    let id = egui::Id::unique("profile_line");
+    let response = ui.interact(area, id, Sense::click_and_drag());
+    let response = named(response, "Profile line");
+    let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
+    let edge = Stroke::new(2.0, Color32::from_black_alpha(190));
+    ui.painter().circle(centre, GRIP, colour, edge);
+    let upright = ui.input(|i| i.modifiers.shift);
+    if response.hovered() || response.dragged() {
+        let flat = (cut(&state.view, picture).0) != upright;
+        ui.ctx().set_cursor_icon(if flat {
+            CursorIcon::ResizeVertical
+        } else {
+            CursorIcon::ResizeHorizontal
+        });
+    }
     let mut view = state.view;
     if response.double_clicked() {
         view.profile = ProfileLine::Auto;
@@ -407,7 +430,6 @@ fn drag(
     {
         let x = f64::from((at.x - band.left()) / band.width()).clamp(0.0, 1.0);
         let y = f64::from((band.bottom() - at.y) / band.height()).clamp(0.0, 1.0);
-        let upright = ui.input(|i| i.modifiers.shift);
         view.profile = if upright {
             ProfileLine::AlongY(x)
         } else {
@@ -417,6 +439,10 @@ fn drag(
     if view != state.view {
         actions.push(Action::SetView(view));
     }
+    response.on_hover_text(
+        "drag: the line of the profile (with Shift an upright one); double-click: through the \
+         middle of the pattern again",
+    );
 }
 
 fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<String> {

@@ -1,9 +1,11 @@
 //! The gap field made ready to draw: rolled so that the pattern stands in the middle, coloured,
 //! with its contact line. No egui widgets.
 
-use crate::physics::pattern::{Island, rolled, shift_to_middle};
+use super::action::ViewOptions;
+use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
 use crate::plot::scale::ends;
-use egui::{Color32, ColorImage};
+use crate::worker::protocol::Frame;
+use egui::{Color32, ColorImage, TextureOptions};
 use ndarray::Array2;
 use std::collections::HashMap;
 
@@ -23,6 +25,27 @@ pub struct GapPicture {
     pub contour: Vec<Vec<[f32; 2]>>,
     /// Rows and columns by which it was rolled.
     roll: (usize, usize),
+}
+
+/// What stands in the middle of a picture of the surface. A pattern keeps its place along its whole
+/// branch; the film of a jump keeps that of the pattern `before`.
+pub fn island(frame: &Frame, contact_gap: f64, before: Option<Island>) -> Island {
+    let known = match frame.state.as_ref().map(|state| state.pattern) {
+        Some(Pattern::Dimple) => Some(Island::Hole),
+        Some(Pattern::Bulge | Pattern::Ridge) => Some(Island::Contact),
+        None => before,
+        Some(_) => None,
+    };
+    known.unwrap_or_else(|| Island::of(&frame.gap, contact_gap))
+}
+
+/// How a texture of a field is drawn.
+pub fn texture_options(view: &ViewOptions) -> TextureOptions {
+    if view.smooth {
+        TextureOptions::LINEAR
+    } else {
+        TextureOptions::NEAREST
+    }
 }
 
 /// A piece of a line on the map.
@@ -84,14 +107,15 @@ impl GapPicture {
 
     /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
     pub fn image(&self, top: f64) -> ColorImage {
-        let (ny, nx) = self.gap.dim();
-        let table: Vec<Color32> = (0..256).map(|i| colour(f64::from(i) / 255.0)).collect();
-        let pixels = (0..ny)
-            .rev()
-            .flat_map(|j| (0..nx).map(move |i| (j, i)))
-            .map(|at| table[(self.gap[at] / top * 255.0).clamp(0.0, 255.0) as usize])
-            .collect();
-        ColorImage::new([nx, ny], pixels)
+        image(&self.gap, colour, |gap| gap / top)
+    }
+
+    /// A mode of this field in signed colours: orange where it lifts the surface, purple where it
+    /// lowers it.
+    pub fn mode_image(&self, mode: &Array2<f64>) -> ColorImage {
+        let mode = rolled(mode, self.roll.0, self.roll.1);
+        let largest = mode.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+        image(&mode, signed_colour, |v| 0.5 + 0.5 * v / largest)
     }
 
     /// Row and column of the middle of the island (smallest gap, or largest in a hole), and whether
@@ -119,6 +143,28 @@ impl GapPicture {
 pub fn colour(share: f64) -> Color32 {
     let c = colorous::VIRIDIS.eval_continuous(share);
     Color32::from_rgb(c.r, c.g, c.b)
+}
+
+/// The colour of a share 0 (lowers) over 0.5 (neither) to 1 (lifts).
+fn signed_colour(share: f64) -> Color32 {
+    let c = colorous::PURPLE_ORANGE.eval_continuous(share);
+    Color32::from_rgb(c.r, c.g, c.b)
+}
+
+/// A field as pixels, row 0 at the bottom; `share` is the place of a value on the scale of colours.
+fn image(
+    field: &Array2<f64>,
+    colour: impl Fn(f64) -> Color32,
+    share: impl Fn(f64) -> f64,
+) -> ColorImage {
+    let (ny, nx) = field.dim();
+    let table: Vec<Color32> = (0..256).map(|i| colour(f64::from(i) / 255.0)).collect();
+    let pixels = (0..ny)
+        .rev()
+        .flat_map(|j| (0..nx).map(move |i| (j, i)))
+        .map(|at| table[(share(field[at]) * 255.0).clamp(0.0, 255.0) as usize])
+        .collect();
+    ColorImage::new([nx, ny], pixels)
 }
 
 /// Marching squares between the mesh points.

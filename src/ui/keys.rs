@@ -33,10 +33,7 @@ pub const SHEET: [(&str, &str); 20] = [
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
-    (
-        "Shift while dragging",
-        "fine u₀; upright profile line on the map",
-    ),
+    ("Shift while dragging", "fine u₀; an upright profile line"),
     ("?", "this sheet"),
 ];
 

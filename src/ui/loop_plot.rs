@@ -12,6 +12,7 @@ use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::plan::promise;
+use crate::worker::protocol::Frame as Picture;
 use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
 use std::iter::once;
 
@@ -219,8 +220,19 @@ fn panel(state: &ViewState) -> Panel {
             .series
             .push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
     }
-    if let Some(now) = &state.run.state {
-        let at = vec![[now.mean_displacement / rho, now.stress_over_max]];
+    let top = law.traction_max();
+    let place = |frame: &Picture| [frame.mean_displacement / rho, frame.stress / top];
+    if let Some(replayed) = &state.run.replayed {
+        let at = vec![place(replayed)];
+        panel
+            .series
+            .push(Series::symbols("", Symbol::Frame, Colour::JUMP, at));
+    }
+    // While it jumps the point goes down the drop.
+    let now = state.run.state.as_ref();
+    let now = now.map(|now| [now.mean_displacement / rho, now.stress_over_max]);
+    if let Some(now) = state.jumping().map(|frame| place(frame)).or(now) {
+        let at = vec![now];
         let symbol = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
         panel
             .series
@@ -363,6 +375,13 @@ fn theory(state: &ViewState, axes: [[f64; 2]; 2]) -> Vec<(Series, Option<Label>)
 
 /// The plot in one sentence.
 fn sentence(state: &ViewState) -> String {
+    if let Some(frame) = state.jumping() {
+        return format!(
+            "Stress against u0: jumping at u0 {:.3} rho, stress {:.3} sigma_max",
+            frame.mean_displacement / state.rho(),
+            frame.stress / state.model.law.traction_max()
+        );
+    }
     let Some(now) = &state.run.state else {
         return "Stress against u0: nothing recorded yet".to_owned();
     };

@@ -32,10 +32,10 @@ pub struct Told {
 /// In what the control of this scene is told.
 pub fn told(state: &ViewState) -> Told {
     let law = &state.model.law;
-    let (name, symbol) = match state.scene.control() {
-        Control::Displacement => ("Mean displacement", "u₀"),
-        Control::Spring { .. } => ("Stage", "w"),
-        Control::Load => ("Load", "F"),
+    let name = match state.scene.control() {
+        Control::Displacement => "Mean displacement",
+        Control::Spring { .. } => "Stage",
+        Control::Load => "Load",
     };
     let (suffix, unit) = if state.scene.control() == Control::Load {
         (" σₘₐₓ", law.traction_max())
@@ -44,7 +44,7 @@ pub fn told(state: &ViewState) -> Told {
     };
     Told {
         name,
-        symbol,
+        symbol: state.scene.control().symbol(),
         suffix,
         unit,
     }

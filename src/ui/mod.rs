@@ -22,6 +22,7 @@ mod dialogs;
 mod display;
 mod gap_map;
 mod gap_picture;
+mod grip;
 mod keys;
 mod loop_plot;
 mod machine;

@@ -1,11 +1,14 @@
 //! The profile along the line drawn on the map: elastomer above, rigid indenter below, as in the
-//! paper's Fig. 1. Its scale is the scene's.
+//! paper's Fig. 1. Its scale is the scene's. The elastomer is the handle of what is driven.
 
+use super::action::Action;
 use super::gap_map;
 use super::gap_picture::GapPicture;
+use super::grip;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::described;
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::plot::scale;
 use crate::plot::ticks;
@@ -13,7 +16,12 @@ use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos
 use ndarray::{Array2, Axis};
 
 /// Draws the profile in the rest of the column.
-pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
+pub fn show(
+    ui: &mut Ui,
+    state: &ViewState,
+    picture: Option<&GapPicture>,
+    actions: &mut Vec<Action>,
+) {
     let height = ui.available_height().clamp(70.0, 300.0);
     let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
@@ -30,8 +38,16 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
         }
         None => "Profile: waiting for the solver …".to_owned(),
     };
-    let response = ui.interact(frame, egui::Id::unique("profile"), Sense::hover());
+    let response = ui.interact(frame, egui::Id::unique("profile"), Sense::drag());
     described(&response, &name);
+    // The body keeps to the hand; a load has no height of its own.
+    let driven = if state.scene.control() == Control::Load {
+        state.limits.1 - state.limits.0
+    } else {
+        high - low
+    };
+    let per_point = driven / f64::from(frame.height());
+    grip::drag(ui, state, &response, per_point, actions);
     ui.painter()
         .rect_filled(frame, 0.0, ui.visuals().extreme_bg_color);
     if let (Some(picture), Some(cut)) = (picture, cut) {
@@ -40,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, picture: Option<&GapPicture>) {
     ui.painter().rect_stroke(
         frame,
         0.0,
-        ui.visuals().widgets.noninteractive.bg_stroke,
+        gap_map::frame_stroke(ui, state),
         StrokeKind::Outside,
     );
     axes(
@@ -110,36 +126,30 @@ fn bodies(
     let painter = ui.painter().with_clip_rect(frame);
     let edge = ui.visuals().strong_text_color();
     painter.line(rigid, Stroke::new(1.2, edge.gamma_multiply(0.7)));
+    let middle = soft[n / 2];
     painter.line(soft, Stroke::new(1.8, edge));
+    let grip = grip::grip(ui, state, frame, middle);
+    let taken = [Some(grip), grip::bubble(ui, state, frame, grip)];
+    let per_x = state.model.grid.length / f64::from(frame.width());
+    let stretch = per_x / ((high - low) / f64::from(frame.height()));
+    let words = [
+        (Align2::LEFT_TOP, "elastomer".to_owned()),
+        (Align2::LEFT_BOTTOM, "rigid indenter".to_owned()),
+        (Align2::RIGHT_TOP, format!("heights ×{stretch:.0}")),
+    ];
     let ink = if ui.visuals().dark_mode {
         Color32::WHITE
     } else {
         Color32::BLACK
     };
-    painter.text(
-        frame.left_top() + vec2(8.0, 4.0),
-        Align2::LEFT_TOP,
-        "elastomer",
-        theme::small(),
-        ink,
-    );
-    painter.text(
-        frame.left_bottom() + vec2(8.0, -3.0),
-        Align2::LEFT_BOTTOM,
-        "rigid indenter",
-        theme::small(),
-        ink,
-    );
-    let per_x = state.model.grid.length / f64::from(frame.width());
-    let stretch = per_x / ((high - low) / f64::from(frame.height()));
-    let words = format!("heights ×{stretch:.0}");
-    painter.text(
-        frame.right_top() + vec2(-8.0, 4.0),
-        Align2::RIGHT_TOP,
-        words,
-        theme::small(),
-        ink,
-    );
+    for (corner, words) in words {
+        let galley = painter.layout_no_wrap(words, theme::small(), ink);
+        let area = corner.align_size_within_rect(galley.size(), frame.shrink2(vec2(8.0, 3.0)));
+        // What is to be done goes before what a body is called.
+        if !taken.iter().flatten().any(|taken| taken.intersects(area)) {
+            painter.galley(area.min, galley, ink);
+        }
+    }
 }
 
 /// Fills between a curve and a level; a strip of quads, since the outline is not convex.

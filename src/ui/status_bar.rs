@@ -52,12 +52,21 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let palette = theme::palette(ui);
-    let relaxing = state.frame.as_ref().is_some_and(|frame| frame.relaxing);
-    ui.label(RichText::new(now.pattern.word()).strong());
-    let (text, colour) = if relaxing {
-        ("jumping, no equilibrium".to_owned(), palette.jump)
-    } else {
-        stability(now, &palette)
+    let pattern = ui.label(RichText::new(now.pattern.word()).strong());
+    // Only read aloud: the last jump, not more often than the ear can follow.
+    ui.ctx().accesskit_node_builder(pattern.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+        node.set_description(state.messages.announced.clone());
+    });
+    let (text, colour) = match state.jumping() {
+        Some(frame) => {
+            let u0 = frame.mean_displacement / state.rho();
+            (
+                format!("jumping at u₀ = {u0:.3} ρ, no equilibrium"),
+                palette.jump,
+            )
+        }
+        None => stability(now, &palette),
     };
     part(ui, "");
     ui.label(RichText::new(text).color(colour).strong())

@@ -5,11 +5,13 @@
 
 mod accuracy;
 mod branches;
+mod equations;
 mod event_list;
 mod landscape;
 mod map;
 mod paper;
 mod stability;
+mod why;
 
 use super::action::{Action, ViewOptions};
 use super::view_state::ViewState;
@@ -85,12 +87,14 @@ pub struct Tabs(Vec<Box<dyn Tab>>);
 impl Default for Tabs {
     fn default() -> Self {
         Self(vec![
+            Box::<why::Why>::default(),
             Box::new(event_list::EventList),
             Box::<stability::Stability>::default(),
             Box::<branches::Branches>::default(),
             Box::<landscape::LandscapeTab>::default(),
             Box::<map::Map>::default(),
             Box::<accuracy::Accuracy>::default(),
+            Box::new(equations::Equations),
             Box::<paper::Paper>::default(),
         ])
     }
@@ -182,6 +186,11 @@ impl Tabs {
     /// Shows things as at first.
     pub fn restore(&mut self) {
         self.0.iter_mut().for_each(|tab| tab.restore());
+    }
+
+    /// The place of the tab of this name.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.titles().position(|title| title.name == name)
     }
 
     fn titles(&self) -> impl Iterator<Item = Title> + '_ {

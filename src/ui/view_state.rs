@@ -1,8 +1,12 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
+mod films;
+mod hint;
 mod plots;
 mod run;
 
+pub use films::Films;
+pub use hint::Hint;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 
@@ -75,8 +79,8 @@ pub struct Messages {
     pub failure: Option<Failure>,
     /// What went right ("written ...").
     pub notice: Option<String>,
-    /// True until the first jump.
-    pub hint: bool,
+    /// What somebody is told to do; `None` once it was done.
+    pub hint: Option<Hint>,
     /// The jump that was last read aloud.
     pub announced: String,
 }
@@ -130,7 +134,7 @@ impl ViewState {
             messages: Messages {
                 failure: None,
                 notice: None,
-                hint: true,
+                hint: Some(Hint::Grab),
                 announced: String::new(),
             },
             view: ViewOptions::default(),
@@ -221,7 +225,7 @@ impl ViewState {
             self.opened += 1;
             self.history.end_gesture();
             self.history.remember(before);
-            self.messages.hint = true;
+            self.messages.hint.get_or_insert(Hint::Lower);
             self.messages.notice = None;
         }
     }
@@ -261,6 +265,7 @@ impl ViewState {
         self.run = RunView::new(self.run.id + 1, &self.scene, self.target);
         self.measurement.request();
         self.messages.notice = None;
+        self.hint_afresh();
     }
 
     /// Notes a measurement that has begun: the one before ends, and this one with the run.
@@ -326,12 +331,17 @@ impl ViewState {
             Event::Frame(frame) => {
                 self.moved_to(frame.control);
                 self.frame = Some(frame);
+                self.run.replayed = None;
             }
             Event::Jump(jump) => {
-                self.messages.hint = false;
+                self.hint_after_jump(&jump);
                 self.run.curve.cut();
                 self.run.stiffness.cut();
                 self.run.record.jumps.push(jump);
+            }
+            Event::Film(film) => {
+                let jump = self.run.record.jumps.len().saturating_sub(1);
+                self.run.films.keep(jump, film);
             }
             Event::LoopStarted => self.archive(),
             Event::Loop(summary) => {
@@ -364,8 +374,7 @@ impl ViewState {
     fn add_state(&mut self, state: StateRecord) {
         self.moved_to(state.control);
         self.run.direction = state.direction;
-        // Who has been all the way down is told nothing new.
-        self.messages.hint &= state.control > self.limits.0;
+        self.hint_after_state(&state);
         self.run.curve.push(&state, &self.model.law);
         self.run.stiffness.push_with(
             &state,

@@ -9,6 +9,7 @@ pub mod protocol;
 pub mod session;
 pub mod signals;
 
+mod film;
 mod run_loop;
 mod setup;
 mod system;

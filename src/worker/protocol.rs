@@ -170,6 +170,43 @@ impl Frame {
     }
 }
 
+/// The pictures of one jump, in order.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// The last equilibrium before, with the mode that goes soft.
+    pub before: Arc<Frame>,
+    /// The surface while it moved, at even intervals; empty where nothing was seen of it.
+    pub moving: Vec<Arc<Frame>>,
+    /// The equilibrium on which it landed.
+    pub after: Arc<Frame>,
+}
+
+impl Film {
+    /// All its pictures.
+    pub fn frames(&self) -> impl Iterator<Item = &Arc<Frame>> {
+        let ends = (std::iter::once(&self.before), std::iter::once(&self.after));
+        ends.0.chain(&self.moving).chain(ends.1)
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.moving.len() + 2
+    }
+
+    /// The mode along which the surface gave way, positive where the jump widened the gap: an
+    /// eigenvector has no sign of its own.
+    pub fn soft_mode(&self) -> Option<Array2<f64>> {
+        let mode = self.before.soft_mode.as_ref()?;
+        let went = &*self.after.gap - &*self.before.gap;
+        let along = (&went * &**mode).sum();
+        Some(if along < 0.0 {
+            -(&**mode)
+        } else {
+            (**mode).clone()
+        })
+    }
+}
+
 /// What a scene turned out to be, sent once per run.
 #[derive(Clone, Debug)]
 pub struct Ready {
@@ -225,6 +262,8 @@ pub enum Event {
     Frame(Arc<Frame>),
     /// A jump was completed.
     Jump(JumpRecord),
+    /// How the jump before was seen, once the surface stands on the state after it.
+    Film(Arc<Film>),
     /// A fresh loop starts here: earlier states belong to an earlier loop (a ghost).
     LoopStarted,
     /// A closed loop is complete.

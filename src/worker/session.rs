@@ -1,6 +1,7 @@
 //! What the solver thread does, as a state machine without a thread: tests step it by hand, with a
 //! clock they hold.
 
+use super::film::Recorder;
 use super::protocol::{
     Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed, Sweep,
 };
@@ -44,6 +45,7 @@ pub struct Session {
     paused: bool,
     not_before: Option<Instant>,
     speed: Speed,
+    recorder: Recorder,
 }
 
 impl Session {
@@ -129,9 +131,12 @@ impl Session {
                         relaxing: true,
                         state: None,
                     };
-                    sink(Event::Frame(Arc::new(frame)));
+                    let frame = Arc::new(frame);
+                    self.recorder.moves(&frame);
+                    sink(Event::Frame(frame));
                 }
                 Observed::Jump(jump) => {
+                    self.recorder.jumps();
                     self.record.jumps.push(jump.clone());
                     sink(Event::Jump(jump));
                 }
@@ -142,7 +147,7 @@ impl Session {
                     self.record.states.push(state.clone());
                     self.good = Some((walk.here().clone(), state.clone()));
                     sink(Event::State(state));
-                    sink(resting_frame(walk));
+                    show_rest(walk, &mut self.recorder, sink);
                 }
             }
         }
@@ -199,7 +204,7 @@ impl Session {
                 });
                 sink(Event::Ready(ready));
                 sink(Event::State(walk.record().clone()));
-                sink(resting_frame(&mut walk));
+                show_rest(&mut walk, &mut self.recorder, sink);
                 sink(Event::Rest {
                     motion: 0,
                     control: walk.record().control,
@@ -247,7 +252,7 @@ impl Session {
             if let Some(walk) = &mut self.walk {
                 self.record.states.push(walk.record().clone());
                 sink(Event::State(walk.record().clone()));
-                sink(resting_frame(walk));
+                show_rest(walk, &mut self.recorder, sink);
             }
             self.loop_began = Some(Instant::now());
             self.transforms_elsewhere = 0;
@@ -334,7 +339,7 @@ impl Session {
             sink(Event::State(walk.record().clone()));
         }
         self.good = Some((walk.here().clone(), walk.record().clone()));
-        sink(resting_frame(&mut walk));
+        show_rest(&mut walk, &mut self.recorder, sink);
         self.walk = Some(walk);
         if !stays && self.play == Play::Sweep(Sweep::Loop) {
             // Back at the start, a loop has all of its way ahead again.
@@ -373,15 +378,21 @@ impl Session {
     }
 }
 
-fn resting_frame(walk: &mut Walk) -> Event {
+/// Hands out the picture of where a walk stands, and the film of the jump that led there.
+fn show_rest(walk: &mut Walk, recorder: &mut Recorder, sink: &mut dyn FnMut(Event)) {
     let state = walk.record().clone();
-    Event::Frame(Arc::new(Frame {
+    let frame = Arc::new(Frame {
         control: state.control,
         mean_displacement: state.mean_displacement,
         stress: state.stress,
-        gap: Arc::new(walk.gap()),
+        gap: Arc::new(walk.gap_here()),
         soft_mode: walk.soft_mode().map(Arc::new),
         relaxing: false,
         state: Some(state),
-    }))
+    });
+    let film = recorder.rests(&frame);
+    sink(Event::Frame(frame));
+    if let Some(film) = film {
+        sink(Event::Film(Arc::new(film)));
+    }
 }

@@ -12,3 +12,4 @@ mod loops;
 mod map;
 mod plan;
 mod time_step_map;
+mod why;

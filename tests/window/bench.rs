@@ -267,8 +267,12 @@ impl Bench {
     }
 
     pub fn jump(&mut self, u0: f64) {
+        self.jump_on(Direction::Approach, u0);
+    }
+
+    pub fn jump_on(&mut self, direction: Direction, u0: f64) {
         let jump = JumpRecord {
-            direction: Direction::Approach,
+            direction,
             control: u0,
             mean_displacement: u0,
             mean_displacement_after: u0,

@@ -37,7 +37,7 @@ fn arrows_choose_among_what_is_found_and_a_click_runs_it() {
     bench.press(Modifiers::NONE, Key::ArrowDown);
     bench.press(Modifiers::NONE, Key::ArrowUp);
     bench.press(Modifiers::NONE, Key::Enter);
-    assert!(bench.names().contains("soft mode on map"));
+    assert!(bench.names().contains("No jump yet."));
     bench.press(Modifiers::COMMAND, Key::K);
     bench.click("Play approach");
     assert!(bench.state().run.sweep().is_some());

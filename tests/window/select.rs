@@ -86,6 +86,7 @@ fn j_and_k_step_through_the_jumps_and_escape_leaves_them() {
 #[test]
 fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
     let mut bench = walked();
+    bench.click("Events tab");
     bench.click("3.102");
     assert_eq!(
         bench

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tackscope::numerics::cancel::Cancel;
-use tackscope::scene::Points;
+use tackscope::scene::{Points, Scene};
 use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
@@ -60,10 +60,8 @@ impl SolverHandle for Stepped {
     fn begin(&self, _: Box<dyn Work>) {}
 }
 
-#[test]
-fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
+/// The window on a scene, with a session that is stepped in the frame.
+pub fn opened(scene: Scene) -> Harness<'static, App> {
     let app = App::with_chooser(
         Stepped::default(),
         ViewState::new(scene).expect("allowed"),
@@ -74,6 +72,14 @@ fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
         .with_context_setup(theme::install)
         .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
     window.run();
+    window
+}
+
+#[test]
+fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(32);
+    let mut window = opened(scene);
     window.get_by_label("Play loop").click();
     window.step();
     assert!(window.state().state().run.is_busy());

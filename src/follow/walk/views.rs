@@ -14,9 +14,14 @@ impl Walk {
         self.mechanics.system.unfolded(&fields.gap)
     }
 
-    /// The field of the mode that gives way first, mean(phi^2) = 1: that of the smallest
-    /// eigenvalue, or of the flat state one of its equal softest waves. `None` while jumping or not
-    /// measured. One transform.
+    /// The gap field of the state it stands on, which a jump under way has left.
+    pub fn gap_here(&self) -> Array2<f64> {
+        self.mechanics.system.unfolded(&self.here.fields.gap)
+    }
+
+    /// The field of the mode that gives way first in the state it stands on, mean(phi^2) = 1: that
+    /// of the smallest eigenvalue, or of the flat state one of its equal softest waves. `None` where
+    /// it was not measured. One transform.
     pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
         let mode = self.soft_amplitudes()?;
         let field = self
@@ -27,9 +32,6 @@ impl Walk {
 
     /// The mode with the sign of the last one asked for, so that pictures do not flicker.
     fn soft_amplitudes(&mut self) -> Option<Vec<f64>> {
-        if matches!(self.phase, Phase::Jumping(_)) {
-            return None;
-        }
         let mut mode = self.here.soft_mode.clone();
         if self.here.is_uniform() && self.mechanics.system.is_flat() {
             mode = self.mechanics.system.softest_wave();

@@ -51,6 +51,10 @@ impl Form for Cosine {
         [-1.0 + wall * x * x / 2.0, wall * x, wall]
     }
 
+    fn formula(&self) -> String {
+        "(-1 - cos(pi g/rho))/2 (0 < g < rho)".to_owned()
+    }
+
     fn strongest(&self) -> (f64, f64) {
         (0.5, PI / 2.0)
     }

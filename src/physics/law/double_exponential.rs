@@ -56,6 +56,11 @@ impl Form for DoubleExponential {
         [b * (r * cm - 1.0), -b * cm, b * (cm + 1.0) / r]
     }
 
+    fn formula(&self) -> String {
+        let r = self.ratio;
+        format!("({r} e^{{-g/{r}rho}} - e^{{-g/rho}})/(1 - {r})")
+    }
+
     fn strongest(&self) -> (f64, f64) {
         let r = self.ratio;
         let x = -r.ln() * r / (1.0 - r);

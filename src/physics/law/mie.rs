@@ -97,6 +97,11 @@ impl Form for Mie {
         ]
     }
 
+    fn formula(&self) -> String {
+        let (m, n) = (self.m, self.n);
+        format!("{m}·{n}/({m} - {n}) ((rho/g)^{{{m}}}/{m} - (rho/g)^{{{n}}}/{n})")
+    }
+
     fn strongest(&self) -> (f64, f64) {
         let x = self.balance(&[1.0]);
         (x, self.at(x)[1])

@@ -17,6 +17,9 @@ pub trait Form {
     /// f, f' and f'' at x. Not finite where the law is not defined (a Mie law at x <= 0).
     fn at(&self, x: f64) -> [f64; 3];
 
+    /// f in a line of text, of g and rho, as diagrams have formulas.
+    fn formula(&self) -> String;
+
     /// Gap x and value of the largest traction, max f'.
     fn strongest(&self) -> (f64, f64);
 

@@ -21,6 +21,10 @@ impl Form for Morse {
         ]
     }
 
+    fn formula(&self) -> String {
+        "(e^{-2g/rho} - 2 e^{-g/rho})".to_owned()
+    }
+
     fn strongest(&self) -> (f64, f64) {
         (LN_2, 0.5)
     }

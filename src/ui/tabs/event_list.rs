@@ -57,7 +57,7 @@ impl Tab for EventList {
 /// Sum and table.
 fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
-    let sum = ui.label(
+    ui.label(
         RichText::new(format!(
             "{}, {:.4} γ released",
             state.run.record.tally(),
@@ -65,11 +65,6 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ))
         .weak(),
     );
-    // Invisible, only read aloud: the last jump, not more often than the ear can follow.
-    ui.ctx().accesskit_node_builder(sum.id, |node| {
-        node.set_live(egui::accesskit::Live::Polite);
-        node.set_description(state.messages.announced.clone());
-    });
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());
         return;

@@ -1,7 +1,7 @@
 //! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the
 //! one that is kept, theory.
 
-use super::ViewState;
+use super::{Films, ViewState};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::{Direction, LoopRecord};
 use crate::paper::overlay::ZeroRange;
@@ -270,6 +270,9 @@ impl ViewState {
     pub(super) fn archive(&mut self) {
         self.run.stiffness = Curve::default();
         self.run.selection = None;
+        self.run.films = Films::default();
+        self.run.replayed = None;
+        self.hint_afresh();
         let old = std::mem::take(&mut self.run.curve);
         if old.points().nth(2).is_some() {
             self.plots.ghosts.push_back(old);

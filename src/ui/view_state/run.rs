@@ -1,12 +1,12 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
-use super::ViewState;
+use super::{Films, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Scene;
-use crate::worker::protocol::{LoopSummary, Motion, Play, Ready, RunId, Sweep};
+use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Sweep};
 use std::sync::Arc;
 
 /// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a
@@ -42,6 +42,10 @@ pub struct RunView {
     pub closed_loop: Option<ClosedLoop>,
     /// The stored state somebody looks at.
     pub selection: Option<Selection>,
+    /// The films of its jumps.
+    pub films: Films,
+    /// The moment of a jump that is replayed.
+    pub replayed: Option<Arc<Frame>>,
 }
 
 /// A closed loop as it is drawn.
@@ -80,6 +84,8 @@ impl RunView {
             stiffness: Curve::default(),
             closed_loop: None,
             selection: None,
+            films: Films::default(),
+            replayed: None,
         };
         if target != start {
             run.set(Play::ToTarget);
@@ -125,12 +131,14 @@ impl ViewState {
             };
         }
         self.target = u0;
+        self.hint_after_motion();
         self.run.set(Play::ToTarget);
     }
 
     /// Starts a sweep.
     pub fn play(&mut self, sweep: Sweep) {
         self.last_sweep = sweep;
+        self.hint_after_motion();
         self.run.set(Play::Sweep(sweep));
     }
 

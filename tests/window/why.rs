@@ -1,0 +1,331 @@
+//! The first minute: the body as its own handle, what one is told to do, and why it snapped.
+
+use super::bench::{Bench, fig2};
+use super::stepped::opened;
+use egui::{Key, Modifiers, ViewportId, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use ndarray::Array2;
+use std::sync::Arc;
+use std::time::Duration;
+use tackscope::follow::record::Direction;
+use tackscope::physics::theory::flat;
+use tackscope::scene::{Points, Turn};
+use tackscope::ui::App;
+use tackscope::ui::action::ProfileLine;
+use tackscope::ui::view_state::Hint;
+use tackscope::worker::protocol::{Event, Frame};
+
+/// The window after the first jump of a coarse Fig. 2, at rest.
+fn snapped() -> Harness<'static, App> {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(32);
+    scene.drive.turn = Turn::At(3.05);
+    let mut window = opened(scene);
+    window.get_by_label("Play approach").click();
+    window.step();
+    let mut frames = 0;
+    while window.state().state().run.is_busy() {
+        window.step();
+        frames += 1;
+        assert!(frames < 1000, "it never comes to rest");
+    }
+    assert_eq!(window.state().state().run.record.jumps.len(), 1);
+    window.run();
+    window
+}
+
+fn says(window: &Harness<'static, App>, words: &str) -> bool {
+    window.query_all_by_label_contains(words).next().is_some()
+        || window.query_all_by_value(words).next().is_some()
+}
+
+#[test]
+fn before_any_jump_the_tab_says_what_can_happen_in_this_scene() {
+    let mut bench = Bench::new();
+    bench.reach(4.0, Direction::Approach);
+    let (_, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let words = format!("It snaps at u₀ = {upper:.4} ρ on the way down");
+    assert!(bench.names().contains(&words), "{}", bench.names());
+    bench.press(Modifiers::NONE, Key::Num3);
+    bench.reach(4.0, Direction::Approach);
+    let names = bench.names();
+    assert!(!names.contains(&words), "{names}");
+    assert!(
+        names.contains("Here nothing snaps. Make the cell longer. The cell has"),
+        "{names}"
+    );
+    let hints = names
+        .lines()
+        .filter(|line| *line == "Here nothing snaps. Make the cell longer.");
+    assert_eq!(hints.count(), 1, "{names}");
+}
+
+#[test]
+fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
+    let window = snapped();
+    let jump = window.state().state().run.record.jumps[0].clone();
+    for words in [
+        "the pull grows faster with depth than the longest wave of the cell can resist",
+        "Gap before the jump: flat",
+        "waves to the cell: orange is lifted, purple lowered",
+        &format!("Gap after the jump: {}", jump.to),
+        &format!("{:.4} gamma released so far", jump.released_energy),
+    ] {
+        assert!(says(&window, words), "{words}");
+    }
+}
+
+#[test]
+fn a_jump_is_replayed_by_hand_in_map_and_plot_until_the_surface_moves() {
+    let mut window = snapped();
+    let state = |window: &Harness<'static, App>| window.state().state().run.replayed.clone();
+    assert!(state(&window).is_none());
+    let film = window
+        .state()
+        .state()
+        .run
+        .films
+        .of(0)
+        .cloned()
+        .expect("a film");
+    assert!(film.moving.len() > 3, "{}", film.moving.len());
+    window.get_by_label("Moment of the jump").click();
+    window.run();
+    let shown = state(&window).expect("a moment");
+    assert!(film.moving.iter().any(|frame| Arc::ptr_eq(frame, &shown)));
+    window.get_by_label("Close the replay").click();
+    window.run();
+    assert!(state(&window).is_none());
+    window.get_by_label("Moment of the jump").click();
+    window.run();
+    assert!(state(&window).is_some());
+    window.get_by_label("Play retract").click();
+    window.step();
+    window.step();
+    assert!(state(&window).is_none(), "the surface has moved on");
+}
+
+#[test]
+fn a_replay_played_goes_from_before_to_after_and_then_nothing_is_drawn_again() {
+    let mut window = snapped();
+    let film = window
+        .state()
+        .state()
+        .run
+        .films
+        .of(0)
+        .cloned()
+        .expect("a film");
+    window.get_by_label("Replay the jump").click();
+    window.step();
+    let mut seen: Vec<Arc<Frame>> = Vec::new();
+    for _ in 0..600 {
+        window.step();
+        let shown = window
+            .state()
+            .state()
+            .run
+            .replayed
+            .clone()
+            .expect("a moment");
+        if seen.last().is_none_or(|last| !Arc::ptr_eq(last, &shown)) {
+            seen.push(shown);
+        }
+    }
+    assert_eq!(seen.len(), film.count());
+    for (shown, frame) in seen.iter().zip(film.frames()) {
+        assert!(Arc::ptr_eq(shown, frame));
+    }
+    assert!(repaint(&window) > Duration::from_secs(1));
+}
+
+#[test]
+fn the_tab_leads_to_the_stiffness_and_to_the_other_states() {
+    let mut bench = Bench::new();
+    bench.reach(3.2, Direction::Approach);
+    bench.jump(3.102);
+    bench.click("Show the stiffness");
+    assert!(bench.names().contains("Smallest eigenvalue against u0"));
+    bench.click("Why tab");
+    bench.click("What could it do instead?");
+    assert!(
+        bench.names().contains("Every state of equilibrium"),
+        "{}",
+        bench.names()
+    );
+}
+
+#[test]
+fn the_jump_that_is_looked_at_is_the_one_that_is_explained() {
+    let mut bench = Bench::new();
+    for u0 in [3.102, 2.9] {
+        bench.reach(u0 + 0.01, Direction::Approach);
+        bench.jump(u0);
+        bench.reach(u0, Direction::Approach);
+    }
+    assert!(
+        bench.names().contains("Below 2.900 ranges"),
+        "{}",
+        bench.names()
+    );
+    bench.press(Modifiers::NONE, Key::J);
+    let names = bench.names();
+    assert!(
+        names.contains("Below 3.102 ranges") && !names.contains("Below 2.900"),
+        "{names}"
+    );
+}
+
+#[test]
+fn the_present_point_goes_down_the_drop_while_it_jumps() {
+    let mut bench = Bench::new();
+    bench.reach(3.12, Direction::Approach);
+    let top = bench.model.law.traction_max();
+    for share in [0.3, 0.5] {
+        let gap = Arc::new(Array2::from_elem(bench.model.grid.shape(), 3.1));
+        bench.say(Event::Frame(Arc::new(Frame {
+            relaxing: true,
+            ..Frame::of_a_branch(3.1, [3.1, share * top], gap)
+        })));
+        let words = format!("jumping at u0 3.100 rho, stress {share:.3} sigma_max");
+        assert!(
+            bench.plot_sentence().contains(&words),
+            "{}",
+            bench.plot_sentence()
+        );
+        assert!(
+            bench.names().contains("jumping at u₀ = 3.100 ρ"),
+            "{}",
+            bench.names()
+        );
+    }
+}
+
+/// How long until the window wants to be drawn again.
+fn repaint(window: &Harness<'static, App>) -> Duration {
+    window.output().viewport_output[&ViewportId::ROOT].repaint_delay
+}
+
+#[test]
+fn the_grip_pulses_until_first_used_and_then_nothing_is_drawn_while_nothing_changes() {
+    let mut bench = Bench::new();
+    bench.reach(4.2, Direction::Approach);
+    assert!(repaint(&bench.window) < Duration::from_secs(1));
+    let body = profile(&bench);
+    bench.drag(&body, &[vec2(0.0, 4.0)]);
+    assert_eq!(bench.state().messages.hint, Some(Hint::Lower));
+    bench.settle();
+    assert!(
+        repaint(&bench.window) > Duration::from_secs(1),
+        "{:?}",
+        repaint(&bench.window)
+    );
+}
+
+/// The accessible name of the profile, which is the handle of the body.
+fn profile(bench: &Bench) -> String {
+    let names = bench.names();
+    let found = names.lines().find(|line| line.starts_with("Profile along"));
+    found.expect("a profile").to_owned()
+}
+
+#[test]
+fn the_elastomer_is_dragged_and_its_surface_keeps_to_the_hand() {
+    let mut bench = Bench::new();
+    bench.reach(4.0, Direction::Approach);
+    let body = profile(&bench);
+    let height = f64::from(bench.window.get_by_label(&body).rect().height());
+    bench.heard();
+    let start = bench.state().target;
+    bench.drag(&body, &[vec2(0.0, 5.0), vec2(0.0, 15.0), vec2(0.0, 10.0)]);
+    let targets = bench.targets();
+    assert_eq!(targets.len(), 3, "{targets:?}");
+    // The axis shows 1.44 of the largest gap of the colours, 8 ranges.
+    let per_point = 1.44 * 8.0 / height;
+    for (target, points) in targets.iter().zip([5.0, 15.0, 10.0]) {
+        let wanted = start - points * per_point;
+        assert!((target - wanted).abs() < 1e-4, "{target} {wanted}");
+    }
+}
+
+#[test]
+fn the_map_is_dragged_like_the_body_and_the_profile_line_by_its_grip() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Direction::Approach);
+    bench.heard();
+    let label = "Gap map: flat, gap from 3.900 to 3.900 rho";
+    bench.drag(label, &[vec2(0.0, 10.0), vec2(0.0, 60.0)]);
+    let targets = bench.targets();
+    assert!(targets.len() == 2 && targets[1] < targets[0], "{targets:?}");
+    assert_eq!(bench.state().view.profile, ProfileLine::Auto);
+    bench.drag("Profile line", &[vec2(0.0, 10.0), vec2(0.0, 60.0)]);
+    assert!(bench.targets().is_empty());
+    let line = bench.state().view.profile;
+    assert!(
+        matches!(line, ProfileLine::AlongX(y) if y < 0.45),
+        "{line:?}"
+    );
+}
+
+#[test]
+fn the_hint_goes_on_to_pulling_off_and_to_what_was_lost_and_is_then_gone() {
+    let mut bench = Bench::new();
+    bench.reach(4.0, Direction::Approach);
+    let hint = |bench: &Bench| {
+        let names = bench.names();
+        let all = [
+            "Drag down slowly. Something will snap.",
+            "Now pull it off again.",
+            "The jumps add up to what was lost.",
+        ];
+        all.iter().position(|words| names.contains(words))
+    };
+    assert_eq!(hint(&bench), Some(0));
+    bench.jump(3.102);
+    bench.reach(3.1, Direction::Approach);
+    assert_eq!(hint(&bench), Some(1));
+    bench.reach(3.5, Direction::Retraction);
+    assert_eq!(hint(&bench), Some(1));
+    bench.jump_on(Direction::Retraction, 3.9);
+    bench.reach(3.9, Direction::Retraction);
+    assert_eq!(hint(&bench), Some(2));
+    bench.reach(3.8, Direction::Approach);
+    assert_eq!(hint(&bench), None);
+}
+
+#[test]
+fn the_hint_covers_no_word_and_moves_nothing() {
+    for (width, height) in [(1280.0, 800.0), (900.0, 600.0), (760.0, 480.0)] {
+        let mut bench = Bench::sized(width, height);
+        bench.reach(4.0, Direction::Approach);
+        let place = |bench: &Bench, label: &str| bench.window.get_by_label(label).rect();
+        let fixed = ["Play loop", "Profile line", "Why tab", "Fit"];
+        let before = fixed.map(|label| place(&bench, label));
+        let bubble = place(&bench, "Drag down slowly. Something will snap.");
+        let profile = place(&bench, &profile(&bench));
+        assert!(profile.contains_rect(bubble), "{bubble:?} in {profile:?}");
+        bench.reach(0.2, Direction::Approach);
+        assert!(!bench.names().contains("Something will snap."));
+        assert_eq!(fixed.map(|label| place(&bench, label)), before);
+    }
+}
+
+#[test]
+fn the_equations_have_the_numbers_of_the_scene() {
+    let mut bench = Bench::new();
+    bench.reach(4.0, Direction::Approach);
+    bench.click("Equations tab");
+    let (lower, upper) = flat::limits(&bench.model.law, bench.model.grid.length).unwrap();
+    let names = bench.names();
+    // As it is typeset: indices are runs of their own on the line.
+    for words in [
+        "V/A = ∑q≠0 (q E*/4) |u\u{303}q|2 + ⟨γ(g)⟩",
+        "γ(g) = γ0 (e−2g/ρ − 2 e−g/ρ)",
+        "γ″(u0) + π E*/L = 0",
+        &format!("at u0 = {upper:.4} ρ on approach, {lower:.4} ρ on retraction"),
+        "u0 = 4.0000 ρ",
+    ] {
+        assert!(names.contains(words), "{words} in {names}");
+    }
+}
