@@ -331,13 +331,12 @@ fn minus(value: f64, digits: usize) -> String {
 
 /// What is driven at this value: "u₀ = 3.102 ρ".
 fn told(control: Control, value: f64, law: &Law, digits: usize) -> String {
-    let unit = if control == Control::Load {
-        "σₘₐₓ"
-    } else {
-        "ρ"
+    let (unit, word) = match control {
+        Control::Load => (law.traction_max(), "σₘₐₓ"),
+        _ => (law.range, "ρ"),
     };
-    let value = value / control.unit(law) + 0.0;
-    format!("{} = {value:.digits$} {unit}", control.symbol())
+    let value = value / unit + 0.0;
+    format!("{} = {value:.digits$} {word}", control.symbol())
 }
 
 /// Why nothing can snap in a scene.

@@ -219,6 +219,12 @@ fn under_a_spring_the_machine_is_a_side_of_the_criterion() {
     let found = walked(&scene, -1.0);
     let by_the_machine = |(_, why): &&(JumpRecord, Explanation)| why.sentence.contains("machine");
     assert!(found.iter().filter(by_the_machine).count() > 0, "{found:?}");
+    // The stage is told in ranges, of which one is 1 here.
+    let placed = |(jump, why): &(JumpRecord, Explanation)| {
+        jump.cause == Cause::FlatLimit
+            || why.sentence.contains(&format!("w = {:.3} ρ", jump.control))
+    };
+    assert!(found.iter().all(placed), "{found:?}");
     assert!(
         found.iter().all(|(_, why)| why.balance.is_some()),
         "{found:?}"
