@@ -2,6 +2,7 @@
 //!
 //! Formulas are lines of text as diagrams have them: names of Greek letters, `_` and `^`. E* is 1.
 
+use super::why::fixed;
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{LoopRecord, StateRecord};
 use crate::physics::control::Control;
@@ -36,7 +37,7 @@ pub fn equations(scene: &Scene, model: &Model, record: &LoopRecord) -> [Equation
 fn energy(model: &Model, now: Option<&StateRecord>) -> Equation {
     let gamma = model.law.surface_energy;
     let now = now.map_or_else(String::new, |now| {
-        format!("; here V/A = {:.4} gamma_0", now.energy / gamma)
+        format!("; here V/A = {} gamma_0", fixed(now.energy / gamma, 4))
     });
     Equation {
         name: "Energy",
@@ -79,9 +80,9 @@ fn equilibrium(model: &Model, now: Option<&StateRecord>) -> Equation {
                 format!("off by {:.0e} sigma_max at most", now.residual)
             };
             format!(
-                "u0 = {:.4} rho, sigma = {:.4} sigma_max, {off}",
-                now.mean_displacement / model.law.range,
-                now.stress_over_max,
+                "u0 = {} rho, sigma = {} sigma_max, {off}",
+                fixed(now.mean_displacement / model.law.range, 4),
+                fixed(now.stress_over_max, 4),
             )
         }),
     }
@@ -133,9 +134,9 @@ fn loss(record: &LoopRecord) -> Equation {
         sentence: "What a closed loop loses is the area between its two curves, and just as well \
                    the sum of what each jump sets free.",
         here: format!(
-            "{}, {:.4} gamma_0 set free so far",
+            "{}, {} gamma_0 set free so far",
             record.tally(),
-            record.released_energy_sum() + 0.0
+            fixed(record.released_energy_sum(), 4)
         ),
     }
 }

@@ -324,9 +324,18 @@ impl Words<'_> {
     }
 }
 
-/// A number with a minus sign that is none of a hyphen.
+/// A number with so many decimals, and no sign before a zero.
+pub(super) fn fixed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_owned(),
+        _ => text,
+    }
+}
+
+/// The same with a minus sign that is none of a hyphen.
 fn minus(value: f64, digits: usize) -> String {
-    format!("{value:.digits$}").replace('-', "−")
+    fixed(value, digits).replace('-', "−")
 }
 
 /// What is driven at this value: "u₀ = 3.102 ρ".
@@ -335,8 +344,11 @@ fn told(control: Control, value: f64, law: &Law, digits: usize) -> String {
         Control::Load => (law.traction_max(), "σₘₐₓ"),
         _ => (law.range, "ρ"),
     };
-    let value = value / unit + 0.0;
-    format!("{} = {value:.digits$} {word}", control.symbol())
+    format!(
+        "{} = {} {word}",
+        control.symbol(),
+        minus(value / unit, digits)
+    )
 }
 
 /// Why nothing can snap in a scene.

@@ -17,6 +17,8 @@ const HALF: egui::Vec2 = vec2(21.0, 8.0);
 /// Seconds of one pulse, and between two pictures of it.
 const PULSE: f64 = 1.6;
 const PICTURE: Duration = Duration::from_millis(40);
+/// Length of the bubble's arrow below a grip (points).
+const ARROW: f32 = 12.0;
 /// Size of the bubble's words.
 const WORDS: f32 = 13.0;
 
@@ -91,7 +93,7 @@ pub fn grip(ui: &Ui, state: &ViewState, frame: Rect, at: Pos2) -> Rect {
 }
 
 /// The hint in a bubble with an arrow at the `grip`, in the upper strip of `frame`, where only the
-/// body is; its place, if there is one.
+/// body is, or below a grip that is up there itself; its place, if there is one.
 pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rect> {
     let words = state.hint()?;
     let ink = theme::palette(ui).now;
@@ -103,20 +105,15 @@ pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rec
     );
     let size = galley.size() + vec2(16.0, 7.0);
     let strip = frame.shrink(3.0);
-    let mut middle = grip.center().x;
-    if strip.top() + size.y > grip.top() - 4.0 {
-        // No room above the grip.
-        middle = grip.right() + 14.0 + size.x / 2.0;
-    }
-    let left = (middle - size.x / 2.0).min(strip.right() - size.x);
-    let area = Rect::from_min_size(pos2(left.max(strip.left()), strip.top()), size);
+    let left = (grip.center().x - size.x / 2.0).min(strip.right() - size.x);
+    let (top, tip) = if strip.top() + size.y < grip.top() - 4.0 {
+        (strip.top(), grip.center_top())
+    } else {
+        (grip.bottom() + ARROW, grip.center_bottom())
+    };
+    let area = Rect::from_min_size(pos2(left.max(strip.left()), top), size);
     let painter = ui.painter();
     let (fill, edge) = (ui.visuals().window_fill, Stroke::new(1.2, ink));
-    let tip = if area.left() > grip.right() {
-        grip.right_center()
-    } else {
-        grip.center_top()
-    };
     arrow(ui, area, tip, edge.color);
     painter.rect(area, 7.0, fill, edge, StrokeKind::Inside);
     painter.galley(
