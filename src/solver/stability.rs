@@ -177,6 +177,30 @@ impl Tracker {
         found
     }
 
+    /// The same from above alone: a Rayleigh quotient, with nothing proved. For whoever proves it
+    /// among more modes than these.
+    pub fn above(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+    ) -> (Stiffness, Vec<f64>) {
+        let mut place = Place {
+            removed: mechanics.sliding_basis(z, fields),
+            mechanics,
+            fields,
+        };
+        let known = std::mem::take(&mut self.modes);
+        let relative = if known.is_empty() { AFRESH } else { TRACKED };
+        let found = place.softest(known, &mut self.rng, 2, relative);
+        self.modes = found.vectors;
+        let seen = Stiffness {
+            value: found.values[0],
+            error: found.residual,
+        };
+        (seen, self.modes[0].clone())
+    }
+
     /// The negative eigenvalues at the surface `z` with these `fields`, and the smallest of the
     /// others, with their modes: proved to be all but for the chance stated by [`CHANCE`]. Sliding
     /// modes are removed. The errors of the values are below `relative` or 1e-4 of q1.
@@ -231,10 +255,9 @@ impl Tracker {
     /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from
     /// below.
     fn at(&mut self, place: &mut Place<'_>, sharp: f64) -> (Stiffness, Vec<f64>) {
-        let room = self
-            .proof
-            .as_ref()
-            .map_or(f64::NEG_INFINITY, |proof| proof.room(place.fields, &place.removed));
+        let room = self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| {
+            proof.room(place.fields, &place.removed)
+        });
         if room > 0.0
             && let Some(softest) = self.modes.first()
         {
@@ -321,11 +344,18 @@ impl Tracker {
     /// Whether an eigenvalue lies below `shift`: over uneven ground asked of a capped gamma''
     /// first, with a higher cap from then on where that was too low.
     fn below(&mut self, place: &mut Place<'_>, shift: f64) -> Proved {
-        let stiffest = place.fields.stiffness.fold(0.0, |most: f64, k| most.max(*k));
+        let stiffest = place
+            .fields
+            .stiffness
+            .fold(0.0, |most: f64, k| most.max(*k));
         let cap = self.cap * place.unit();
         if shift > 0.0 && cap < stiffest && !place.mechanics.system.is_flat() {
             let goals = [cap, shift];
-            let Place { mechanics, fields, removed } = place;
+            let Place {
+                mechanics,
+                fields,
+                removed,
+            } = place;
             let found = prove_capped(mechanics, fields, removed, goals, &mut self.rng);
             let Proved::Softer(mode) = found else {
                 return found;

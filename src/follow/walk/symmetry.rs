@@ -77,30 +77,46 @@ impl Guard {
     }
 }
 
+/// How much softer than the softest even mode followed, as a share of it, another may be before the
+/// even ones are looked for anew.
+const SOFTER: f64 = 0.25;
+
 impl Walk {
-    /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a
-    /// quarter cell also over those that are not. `Err` where one of those is negative.
-    pub(super) fn all_modes(
+    /// The smallest eigenvalue of `found`, and the softest mode of the part of the cell. On a
+    /// quarter cell the eigenvalue is over all modes of the whole cell: what is proved of those is
+    /// proved of the even ones among them, which are only followed. `Err` where a mode that is not
+    /// even has a negative one.
+    pub(super) fn stability(
         &mut self,
         found: &Equilibrium,
-        even: Stiffness,
-    ) -> Result<Stiffness, Stuck> {
+    ) -> Result<(Stiffness, Vec<f64>), Stuck> {
+        let Self {
+            mechanics, tracker, ..
+        } = self;
+        let (z, fields) = (&found.state.amplitudes, &found.fields);
         let Some(guard) = &mut self.guard else {
-            return Ok(even);
+            return Ok(tracker.check(mechanics, z, fields));
         };
-        let (system, gap) = (&self.mechanics.system, &found.fields.gap);
+        let (mut even, mut mode) = tracker.above(mechanics, z, fields);
+        if !even.is_stable() {
+            return Ok((even, mode));
+        }
+        let (system, gap) = (&mechanics.system, &fields.gap);
         let u0 =
             gap.mean().unwrap_or(f64::NAN) + system.height().and_then(|h| h.mean()).unwrap_or(0.0);
         let mut displacement = system.unfolded(gap);
         if let Some(height) = system.height() {
             displacement += &system.unfolded(height);
         }
-        guard.mechanics.cancel = self.mechanics.cancel.clone();
+        guard.mechanics.cancel = mechanics.cancel.clone();
         let all = guard.check(&displacement, u0);
+        if all.value < (1.0 - SOFTER) * even.value {
+            (even, mode) = tracker.check(mechanics, z, fields);
+        }
         if all.value < 0.0 && even.is_stable() {
             return Err(Stuck::LeavesSymmetry);
         }
-        Ok(even.among(all))
+        Ok((even.among(all), mode))
     }
 }
 
