@@ -47,7 +47,7 @@ pub(super) enum Proved {
     Least(Proof),
     /// This mode is.
     Softer(Vec<f64>),
-    /// Cancelled, the budget is spent, or nothing is known of the true Hessian.
+    /// Cancelled, or the budget is spent.
     Nothing,
 }
 
@@ -173,8 +173,8 @@ pub(super) fn prove_capped(
         traction: unused(),
         stiffness: fields.stiffness.mapv(|stiffness| stiffness.min(cap)),
     };
-    let usual = mechanics.preconditioner.clone();
-    mechanics.preconditioner = Preconditioner::new(&mechanics.system, UNDER_CAP * cap);
+    let under = Preconditioner::new(&mechanics.system, UNDER_CAP * cap);
+    let usual = std::mem::replace(&mut mechanics.preconditioner, under);
     mechanics.refresh(&capped);
     let proved = prove(mechanics, &capped, removed, shift, rng);
     mechanics.preconditioner = usual;

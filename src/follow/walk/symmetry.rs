@@ -8,7 +8,7 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{State, System};
+use crate::physics::system::{Evaluation, State, System};
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
@@ -69,10 +69,32 @@ impl Guard {
     /// The smallest eigenvalue over all modes of the whole cell at the `displacement` field u of
     /// mean `u0`.
     pub(in crate::follow) fn check(&mut self, displacement: &Array2<f64>, u0: f64) -> Stiffness {
+        let at = self.at(displacement, u0);
+        self.all(&at)
+    }
+
+    /// The same where `even` is an upper bound: modes are followed only while there are softer
+    /// ones.
+    fn check_beside(&mut self, even: Stiffness, displacement: &Array2<f64>, u0: f64) -> Stiffness {
+        let at = self.at(displacement, u0);
         let Self { mechanics, tracker } = self;
-        let z = mechanics.amplitudes(displacement);
-        let at = mechanics.at(z, u0);
-        mechanics.refresh(&at.fields);
+        if let Some(bounded) =
+            tracker.bounded(mechanics, &at.state.amplitudes, &at.fields, even.value)
+        {
+            return bounded;
+        }
+        self.all(&at)
+    }
+
+    fn at(&mut self, displacement: &Array2<f64>, u0: f64) -> Evaluation {
+        let z = self.mechanics.amplitudes(displacement);
+        let at = self.mechanics.at(z, u0);
+        self.mechanics.refresh(&at.fields);
+        at
+    }
+
+    fn all(&mut self, at: &Evaluation) -> Stiffness {
+        let Self { mechanics, tracker } = self;
         tracker.check(mechanics, &at.state.amplitudes, &at.fields).0
     }
 }
@@ -109,7 +131,7 @@ impl Walk {
             displacement += &system.unfolded(height);
         }
         guard.mechanics.cancel = mechanics.cancel.clone();
-        let all = guard.check(&displacement, u0);
+        let all = guard.check_beside(even, &displacement, u0);
         if all.value < (1.0 - SOFTER) * even.value {
             (even, mode) = tracker.check(mechanics, z, fields);
         }
