@@ -9,7 +9,8 @@
 //! **The cap.** Over uneven ground gamma'' is tens to thousands of times stiffer where the surface
 //! is pressed than the softest modes are, which hardly go there. A Hessian with a smaller gamma''
 //! has smaller eigenvalues: what is proved of one whose gamma'' is cut off above holds for the true
-//! one. Its spectrum no longer grows with the pressure and with the mesh.
+//! one. Its spectrum does not grow with the pressure: over the tip at mu_rho = 0.5, whole cell, a
+//! proof takes 25 and 40 products at n = 64 and 128 where it took 42 and 84.
 
 use super::mechanics::Mechanics;
 use crate::numerics::lanczos::lowest;

@@ -392,7 +392,7 @@ impl Tracker {
             .stiffness
             .fold(0.0, |most: f64, k| most.max(*k));
         let cap = self.cap * place.unit();
-        if shift > 0.0 && cap < stiffest && !place.mechanics.system.is_flat() {
+        if shift > 0.0 && shift < cap && cap < stiffest && !place.mechanics.system.is_flat() {
             let goals = [cap, shift];
             let Place {
                 mechanics,
@@ -400,11 +400,13 @@ impl Tracker {
                 removed,
             } = place;
             let found = prove_capped(mechanics, fields, removed, goals, &mut self.rng);
-            let Proved::Softer(mode) = found else {
-                return found;
-            };
-            if place.measured(mode.clone()).0.value < shift {
-                return Proved::Softer(mode);
+            match found {
+                Proved::Least(_) => return found,
+                Proved::Softer(mode) if place.measured(mode.clone()).0.value < shift => {
+                    return Proved::Softer(mode);
+                }
+                _ if place.cancelled() => return Proved::Nothing,
+                _ => {}
             }
             self.cap *= 2.0;
         }
