@@ -3,10 +3,14 @@
 //! it.
 //!
 //! All start from one dimple of Fig. 2, found on the coarsest mesh and carried to the finer ones.
+//!
+//! With `-- tip` behind it (and meshes): the whole loop over the Hertzian tip at mu_rho = 0.5, whose
+//! range shrinks with the mesh, in transforms a state.
 
 use cpu_time::ProcessTime;
 use std::time::Instant;
 use tackscope::follow::record::StateRecord;
+use tackscope::follow::run::Itinerary;
 use tackscope::follow::walk::{Observed, Progress, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::precision::Precision;
@@ -150,9 +154,62 @@ fn increment(n: usize, precision: Precision, (state, record): &(Equilibrium, Sta
     }
 }
 
+/// The loop over the tip on a part of the cell: transforms a state of Newton's method, of proofs of
+/// stability, and of all. What is neither is modes followed, jumps and steps not taken.
+fn tip(n: usize, part: Part) {
+    let mut scene = presets::resolve("hertz").expect("built in");
+    scene.cell.points = Points::Square(n);
+    scene.drive.step = 0.001;
+    let options = WalkOptions {
+        part,
+        ..MethodKind::NewtonKrylov.into()
+    };
+    let cancel = Cancel::default();
+    let mut walk = Walk::start(&scene, options, &cancel).expect("valid");
+    let mut itinerary = Itinerary::closed(&scene);
+    let (mut states, mut newton) = (0, 0);
+    let (begun, before) = (ProcessTime::now(), walk.counts());
+    while let Some(target) = itinerary.target() {
+        walk.set_target(target);
+        let mut taken = 0;
+        let progress = walk.step(&cancel, &mut |news| {
+            taken += usize::from(matches!(news, Observed::State(_)));
+        });
+        assert!(
+            matches!(progress, Progress::Working | Progress::Resting),
+            "{progress:?}"
+        );
+        states += taken;
+        newton += taken * walk.here().cost.transforms;
+        itinerary.step(&progress, walk.record());
+    }
+    let (seconds, counts) = (begun.elapsed().as_secs_f64(), walk.counts());
+    let mean = |total: usize| total as f64 / states as f64;
+    println!(
+        "{:7} {n:5}  {states:6}  {:6.1}  {:6.1}  {:6.1}  {seconds:17.1}",
+        part.word(),
+        mean(newton),
+        mean(counts.proof_transforms - before.proof_transforms),
+        mean(counts.transforms - before.transforms),
+    );
+}
+
 fn main() {
     // `cargo test` runs this too, only to see that it compiles.
     if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let asked: Vec<usize> = std::env::args()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
+    if std::env::args().any(|argument| argument == "tip") {
+        println!("part        n  states  newton  proofs     all  processor seconds");
+        for n in [64, 128, 256, 512] {
+            if asked.is_empty() || asked.contains(&n) {
+                tip(n, Part::Quarter);
+                tip(n, Part::Whole);
+            }
+        }
         return;
     }
     let mut walk = Walk::start(
@@ -169,9 +226,6 @@ fn main() {
         "double, mixed, single: the walk with these numbers; newton: its method alone; paper: 200 time steps alone"
     );
     println!("what        n  transforms  iterations  wall ms  processor ms");
-    let asked: Vec<usize> = std::env::args()
-        .filter_map(|argument| argument.parse().ok())
-        .collect();
     for n in [64, 128, 256, 512, 1024]
         .into_iter()
         .filter(|n| asked.is_empty() || asked.contains(n))

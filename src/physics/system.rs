@@ -126,14 +126,15 @@ impl System {
         }
     }
 
-    /// The whole cell of an even system: its ground unfolded, so that a tip's apex lies between
-    /// points here too.
+    /// The whole cell of an even system under the same control: its ground unfolded, so that a tip's
+    /// apex lies between points here too.
     pub fn whole(even: &System) -> Self {
         let height = even.height.as_ref().map(|height| even.unfolded(height));
+        let flat = Self::new(even.grid, even.law, &Indenter::Flat).with_body(even.body);
         Self {
             height,
             uniform: even.uniform,
-            ..Self::new(even.grid, even.law, &Indenter::Flat).with_body(even.body)
+            ..flat.with_control(even.control)
         }
     }
 

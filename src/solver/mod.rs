@@ -15,6 +15,7 @@ pub mod mechanics;
 pub mod method;
 pub mod methods;
 pub mod newton;
+mod proof;
 pub mod release;
 pub mod sector;
 pub mod stability;

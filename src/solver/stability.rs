@@ -2,25 +2,19 @@
 //! below.
 //!
 //! A mode that is carried along finds *its* eigenvalue, however well it converges, and not the
-//! smallest one: the value from above is a Rayleigh quotient and no more. From below the Hessian
-//! less a shift, H - t, is looked at through Lanczos vectors of a random start ([`lowest`]), in
-//! coordinates in which the preconditioner is one: H and F^T H F have negative eigenvalues
-//! together, and the second has few near zero. Either no eigenvalue lies below t, but for a chance
-//! of [`CHANCE`], or a softer mode has been found.
+//! smallest one: the value from above is a Rayleigh quotient and no more. From below it is proved.
 //!
 //! From one state to another an eigenvalue falls by no more than gamma'' does anywhere on the mesh
 //! (H. Weyl): where that leaves room the last proof still holds, and costs nothing.
 
 use super::equilibrium::{Lost, Stiffness};
 use super::mechanics::Mechanics;
+pub use super::proof::CHANCE;
+use super::proof::{Proof, Proved, prove, prove_capped};
 use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
-use crate::numerics::lanczos::lowest;
-use crate::numerics::precision::Precision;
-use crate::numerics::vector::{add, dot, norm, products, project_out, scale};
+use crate::numerics::vector::{add, dot, norm, project_out, scale};
 use crate::physics::system::{Evaluation, Fields, System, carried};
-use ndarray::Array2;
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 /// Follows the softest modes of a branch, and proves that nothing is softer.
@@ -29,19 +23,12 @@ pub struct Tracker {
     modes: Vec<Vec<f64>>,
     rng: Pcg64,
     proof: Option<Proof>,
+    /// Above which gamma'' is cut off for a proof, over [`System::stiffness_unit`].
+    cap: f64,
     /// A coarser mesh of the same cell. Soft modes are long waves: what resolves the pattern
     /// resolves them, and the mesh in use may be finer than that by far.
     coarse: Option<Mechanics>,
     spent: usize,
-}
-
-/// That no eigenvalue lay below `least` (E* per length) beside the `removed` modes, where gamma''
-/// was `stiffness`.
-#[derive(Clone, Debug)]
-struct Proof {
-    least: f64,
-    stiffness: Array2<f64>,
-    removed: Vec<Vec<f64>>,
 }
 
 /// Where modes are looked for: at a surface with these fields, beside the `removed` ones.
@@ -51,22 +38,19 @@ struct Place<'a> {
     removed: Vec<Vec<f64>>,
 }
 
-/// Chance that an eigenvalue lies below a proof all the same. A loop has some hundred proofs, ten
-/// thousand at most: below 1e-6 a loop.
-pub const CHANCE: f64 = 1e-10;
-/// The same in single precision, whose products hide what is a ten-millionth of the start.
-const CHANCE_SINGLE: f64 = 1e-3;
 /// What is proved, as a share of the value from above. A larger share costs more products and is
 /// more often refuted by the inexact value; a smaller one leaves less room for drift. From 0.5 to
 /// 0.8 a loop of Fig. 2 costs 116, 104 and 113 transforms a state.
 const PROVED: f64 = 0.65;
+/// The first cap. The softest modes of a tip lose less than a third of their stiffness by it; from
+/// 5 to 10 a proof takes as many products, with 20 a third more, with 3 most are refuted and run
+/// again.
+const CAP: f64 = 6.0;
 /// Below this value, over [`System::stiffness_unit`], the sign alone is proved: no residual tells
 /// such values to a share of themselves.
 const SIGN_ALONE: f64 = 5e-3;
 /// The share to which it may fall by drift before it is proved anew.
 const KEPT: f64 = 0.25;
-/// Most products of one proof; 30 to 90 are normal.
-const PRODUCTS: usize = 1000;
 /// Most rounds in search of all negative eigenvalues.
 const NEGATIVE: usize = 60;
 /// Softer modes that may be found one after the other at one state.
@@ -89,6 +73,7 @@ impl Tracker {
             modes: Vec::new(),
             rng,
             proof: None,
+            cap: CAP,
             coarse: None,
             spent: 0,
         }
@@ -118,6 +103,7 @@ impl Tracker {
     pub fn reset(&mut self) {
         self.modes.clear();
         self.proof = None;
+        self.cap = CAP;
     }
 
     /// The smallest eigenvalue and its mode at the surface `z` with these `fields`; the value is
@@ -189,6 +175,77 @@ impl Tracker {
         found
     }
 
+    /// The same from above alone: a Rayleigh quotient, with nothing proved. For whoever proves it
+    /// among more modes than these.
+    pub fn above(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+    ) -> (Stiffness, Vec<f64>) {
+        let mut place = Place {
+            removed: mechanics.sliding_basis(z, fields),
+            mechanics,
+            fields,
+        };
+        let known = std::mem::take(&mut self.modes);
+        let relative = if known.is_empty() { AFRESH } else { TRACKED };
+        let found = place.softest(known, &mut self.rng, 2, relative);
+        self.modes = found.vectors;
+        let seen = Stiffness {
+            value: found.values[0],
+            error: found.residual,
+        };
+        (seen, self.modes[0].clone())
+    }
+
+    /// The proof alone that nothing is much softer than `value`, which is known to be an upper bound;
+    /// `None` where something is, or where [`Tracker::check`] has more to say.
+    pub fn bounded(
+        &mut self,
+        mechanics: &mut Mechanics,
+        z: &[f64],
+        fields: &Fields,
+        value: f64,
+    ) -> Option<Stiffness> {
+        let mut place = Place {
+            removed: mechanics.sliding_basis(z, fields),
+            mechanics,
+            fields,
+        };
+        if self.coarse.is_some() || !self.modes.is_empty() || value < SIGN_ALONE * place.unit() {
+            return None;
+        }
+        let mut least = self.room(&place);
+        if !(least >= KEPT * value) {
+            let before = place.mechanics.transforms();
+            let proved = self.below(&mut place, PROVED * value);
+            self.spent += place.mechanics.transforms() - before;
+            match proved {
+                Proved::Least(proof) => {
+                    least = proof.least;
+                    self.proof = Some(proof);
+                }
+                Proved::Softer(mode) => {
+                    self.modes.push(mode);
+                    return None;
+                }
+                Proved::Nothing => return None,
+            }
+        }
+        Some(Stiffness {
+            value,
+            error: (value - least).max(0.0),
+        })
+    }
+
+    /// Below which the last proof leaves no eigenvalue at a place (E* per length).
+    fn room(&self, place: &Place<'_>) -> f64 {
+        self.proof.as_ref().map_or(f64::NEG_INFINITY, |proof| {
+            proof.room(place.fields, &place.removed)
+        })
+    }
+
     /// The negative eigenvalues at the surface `z` with these `fields`, and the smallest of the
     /// others, with their modes: proved to be all but for the chance stated by [`CHANCE`]. Sliding
     /// modes are removed. The errors of the values are below `relative` or 1e-4 of q1.
@@ -243,10 +300,7 @@ impl Tracker {
     /// The smallest eigenvalue at a place, from above to `sharp` times the usual error and from
     /// below.
     fn at(&mut self, place: &mut Place<'_>, sharp: f64) -> (Stiffness, Vec<f64>) {
-        let room = self
-            .proof
-            .as_ref()
-            .map_or(f64::NEG_INFINITY, |proof| proof.room(place));
+        let room = self.room(place);
         if room > 0.0
             && let Some(softest) = self.modes.first()
         {
@@ -302,7 +356,7 @@ impl Tracker {
                 value < SIGN_ALONE * place.unit(),
             );
             let sign_alone = soft || find + 2 >= FINDS;
-            let proved = place.prove(if sign_alone { 0.0 } else { PROVED * value }, &mut self.rng);
+            let proved = self.below(place, if sign_alone { 0.0 } else { PROVED * value });
             self.spent += place.mechanics.transforms() - before;
             match proved {
                 Proved::Nothing => {
@@ -329,41 +383,34 @@ impl Tracker {
             self.modes.first().cloned().unwrap_or_default(),
         )
     }
-}
 
-/// What a run of Lanczos came to.
-enum Proved {
-    /// There is nothing softer.
-    Least(Proof),
-    /// This mode is.
-    Softer(Vec<f64>),
-    /// Cancelled, or the budget is spent.
-    Nothing,
-}
-
-impl Proof {
-    /// Below which no eigenvalue lies at another state of the same system (E* per length).
-    ///
-    /// By as much as gamma'' falls on some point an eigenvalue may fall. Sliding modes that were
-    /// left out then, and are not quite those that are left out now, had no stiffness.
-    fn room(&self, place: &Place<'_>) -> f64 {
-        let fallen = self
+    /// Whether an eigenvalue lies below `shift`: over uneven ground asked of a capped gamma''
+    /// first, with a higher cap from then on where that was too low.
+    fn below(&mut self, place: &mut Place<'_>, shift: f64) -> Proved {
+        let stiffest = place
+            .fields
             .stiffness
-            .iter()
-            .zip(&place.fields.stiffness)
-            .fold(0.0, |most: f64, (then, now)| most.max(then - now));
-        let kept = |row: &Vec<f64>| row.iter().map(|c| c * c).sum::<f64>();
-        let tilt: f64 = products(&self.removed, &place.removed)
-            .iter()
-            .map(|row| 1.0 - kept(row))
-            .sum();
-        // With none to compare with, those left out then are all back.
-        let tilt = if place.removed.is_empty() {
-            self.removed.len() as f64
-        } else {
-            tilt
-        };
-        self.least * (1.0 - tilt) - fallen
+            .fold(0.0, |most: f64, k| most.max(*k));
+        let cap = self.cap * place.unit();
+        if shift > 0.0 && shift < cap && cap < stiffest && !place.mechanics.system.is_flat() {
+            let goals = [cap, shift];
+            let Place {
+                mechanics,
+                fields,
+                removed,
+            } = place;
+            let found = prove_capped(mechanics, fields, removed, goals, &mut self.rng);
+            match found {
+                Proved::Least(_) => return found,
+                Proved::Softer(mode) if place.measured(mode.clone()).0.value < shift => {
+                    return Proved::Softer(mode);
+                }
+                _ if place.cancelled() => return Proved::Nothing,
+                _ => {}
+            }
+            self.cap *= 2.0;
+        }
+        place.prove(shift, &mut self.rng)
     }
 }
 
@@ -390,6 +437,11 @@ impl Place<'_> {
     /// The error that a mode of this value may have.
     fn goal(&self, relative: f64, value: f64) -> f64 {
         (relative * value.abs()).max(NEAR_ZERO * self.unit())
+    }
+
+    /// Whether an eigenvalue lies below `shift`.
+    fn prove(&mut self, shift: f64, rng: &mut Pcg64) -> Proved {
+        prove(self.mechanics, self.fields, &self.removed, shift, rng)
     }
 
     /// The softest modes, from the `known` ones of the state before or from random vectors.
@@ -442,85 +494,6 @@ impl Place<'_> {
             limits,
             cancel,
         )
-    }
-
-    /// Whether an eigenvalue lies below `shift`: one run from a start drawn evenly from all real
-    /// fields, in the coordinates y of amplitudes F y. Removed modes are made as stiff as the
-    /// preconditioner takes them for.
-    fn prove(&mut self, shift: f64, rng: &mut Pcg64) -> Proved {
-        let Self {
-            mechanics,
-            fields,
-            removed,
-        } = self;
-        let Mechanics {
-            system,
-            preconditioner,
-            cancel,
-            workspace,
-            ..
-        } = &mut **mechanics;
-        let noise = Array2::from_shape_simple_fn(system.shape(), || StandardNormal.sample(rng));
-        let start = system.amplitudes(&noise, workspace);
-        let stiffened: Vec<f64> = removed
-            .iter()
-            .map(|mode| {
-                let mut softened = vec![0.0; mode.len()];
-                preconditioner.apply(mode, &mut softened);
-                1.0 / dot(mode, &softened)
-            })
-            .collect();
-        let (mut x, mut image, mut real) = (
-            vec![0.0; start.len()],
-            vec![0.0; start.len()],
-            vec![0.0; start.len()],
-        );
-        let mut shifted = |y: &[f64], out: &mut [f64]| {
-            real.copy_from_slice(y);
-            system.make_real(&mut real);
-            preconditioner.spread(&real, &mut x);
-            let along: Vec<f64> = removed.iter().map(|mode| dot(mode, &x)).collect();
-            project_out(&mut x, removed);
-            system.hessian(fields, &x, &mut image, workspace);
-            add(&mut image, -shift, &x);
-            project_out(&mut image, removed);
-            for ((mode, along), stiffness) in removed.iter().zip(along).zip(&stiffened) {
-                add(&mut image, along * stiffness, mode);
-            }
-            system.make_real(&mut image);
-            preconditioner.gather(&image, out);
-            // Amplitudes that belong to no real field come from rounding alone. With an eigenvalue
-            // of one they stay there; with one near zero they would grow as the bound does.
-            add(out, 1.0, y);
-            add(out, -1.0, &real);
-        };
-        let chance = if system.precision() == Precision::Double {
-            CHANCE
-        } else {
-            CHANCE_SINGLE
-        };
-        let bound = lowest(
-            &mut shifted,
-            &start,
-            chance,
-            PRODUCTS,
-            |lower, upper| lower > 0.0 || upper < 0.0,
-            cancel,
-        );
-        if bound.lower > 0.0 {
-            return Proved::Least(Proof {
-                least: shift,
-                stiffness: fields.stiffness.clone(),
-                removed: removed.clone(),
-            });
-        }
-        if !(bound.upper < 0.0) {
-            return Proved::Nothing;
-        }
-        let y = bound.vector(&mut shifted, &start);
-        let mut softer = vec![0.0; y.len()];
-        preconditioner.spread(&y, &mut softer);
-        Proved::Softer(softer)
     }
 
     /// The eigenvalue of a `mode`, its error, and the mode normalised.

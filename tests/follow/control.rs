@@ -209,6 +209,25 @@ fn under_a_load_contact_forms_at_once_at_zero_stress_and_breaks_at_the_largest_t
     assert!(off.abs() < 1e-6, "{off}");
 }
 
+/// On a fine mesh soft modes are looked for on a coarser one, and the machine must be there too.
+#[test]
+fn next_to_a_fold_under_a_spring_the_smallest_eigenvalue_vanishes_on_fine_meshes_too() {
+    let mut scene = sprung(0.03, [6.0, 1.0, 0.1]);
+    scene.cell.points = Points::Square(192);
+    let run = walked(&scene, Part::Quarter);
+    let last = |jump: &JumpRecord| {
+        let before = |s: &&StateRecord| (s.direction, s.pattern) == (jump.direction, jump.from);
+        run.record.states.iter().rfind(before).expect("a state")
+    };
+    let folds = run.record.jumps.iter();
+    let folds: Vec<_> = folds.filter(|j| j.cause == Cause::Fold).collect();
+    assert!(!folds.is_empty());
+    for fold in folds {
+        let state = last(fold);
+        assert!((0.0..0.1).contains(&state.stiffness_min), "{state:?}");
+    }
+}
+
 /// A tip small beside its cell.
 pub fn tip(points: usize) -> Scene {
     let mut scene = preset("hertz");

@@ -8,11 +8,12 @@
 
 use crate::dense::Dense;
 use ndarray::Array2;
+use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::f64::consts::{PI, TAU};
 use tackscope::physics::grid::Grid;
-use tackscope::physics::indenter::Indenter;
+use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::system::{Evaluation, System};
 use tackscope::solver::mechanics::{Mechanics, Slides};
@@ -162,5 +163,35 @@ fn a_stiffness_of_a_hundred_millionth_is_proved_to_be_positive() {
     // rounding into such a proof.
     for seed in 0..8 {
         assert_found(24, 1e-8, seed, &[[0.0, 0.0]]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// A surface pressed onto a tip, far from equilibrium: in its middle gamma'' is thousands of
+    /// times stiffer than the softest mode, and is cut off for the proof.
+    #[test]
+    fn over_a_pressed_tip_the_smallest_eigenvalue_is_within_the_proof(
+        pressed in 0.0..2.0f64, curvature in 2.0..4.0f64, waves in prop::array::uniform2(-1.0..1.0f64), seed: u64,
+    ) {
+        let grid = Grid::square(LENGTH, 16);
+        let tip = Indenter::Hertz(Hertz { radius: LENGTH * LENGTH / (16.0 * curvature) });
+        let mut mechanics = Mechanics::new(System::new(grid, LAW, &tip), Slides::Never);
+        let wave = |k: usize| (TAU * k as f64 / 16.0).cos();
+        let field = Array2::from_shape_fn((16, 16), |(j, i)| waves[0] * wave(i) + waves[1] * wave(j));
+        let z = mechanics.amplitudes(&field);
+        let at = mechanics.at(z, -pressed);
+        mechanics.refresh(&at.fields);
+        let mut planted = Planted { mechanics, at };
+        let dense = planted.dense();
+        let (value, error) = planted.check(&mut Tracker::new(Pcg64::seed_from_u64(seed)));
+        if dense[0] < 0.0 {
+            prop_assert!(value < 0.0, "{value} {}", dense[0]);
+        } else {
+            let rounding = 1e-9 * value;
+            prop_assert!(value >= dense[0] - rounding && dense[0] >= value - error - rounding, "{value} {error} {}", dense[0]);
+            prop_assert!(error < value, "{error} {value}");
+        }
     }
 }

@@ -332,14 +332,12 @@ impl Walk {
         {
             Ok(mut state) => {
                 self.spent.counts.iterations += state.cost.iterations;
-                let (stiffness, mode) =
-                    self.tracker
-                        .check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
+                let found = self.stability(&state);
                 if self.cancelled() {
                     return Progress::Cancelled;
                 }
-                let stiffness = match self.all_modes(&state, stiffness) {
-                    Ok(stiffness) => stiffness,
+                let (stiffness, mode) = match found {
+                    Ok(found) => found,
                     Err(stuck) => return Progress::Stuck(stuck),
                 };
                 state.measured(stiffness, mode);

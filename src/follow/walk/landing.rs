@@ -322,13 +322,11 @@ impl Walk {
             transforms: 0,
         };
         let mut state = Equilibrium::unmeasured(settled.at, settled.residual, Stop::Stable, cost);
-        let (stiffness, mode) =
-            self.tracker
-                .check(&mut self.mechanics, &state.state.amplitudes, &state.fields);
-        let stiffness = self.all_modes(&state, stiffness).map_err(Progress::Stuck)?;
+        let found = self.stability(&state);
         if self.cancelled() {
             return Err(Progress::Cancelled);
         }
+        let (stiffness, mode) = found.map_err(Progress::Stuck)?;
         state.measured(stiffness, mode);
         Ok(state)
     }

@@ -8,7 +8,7 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{State, System};
+use crate::physics::system::{Evaluation, State, System};
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
@@ -73,40 +73,83 @@ impl Guard {
         displacement: &Array2<f64>,
         [u0, stress]: [f64; 2],
     ) -> Stiffness {
+        let at = self.at(displacement, [u0, stress]);
+        self.all(&at)
+    }
+
+    /// The same where `even` is an upper bound: modes are followed only while there are softer
+    /// ones.
+    fn check_beside(
+        &mut self,
+        even: Stiffness,
+        displacement: &Array2<f64>,
+        [u0, stress]: [f64; 2],
+    ) -> Stiffness {
+        let at = self.at(displacement, [u0, stress]);
         let Self { mechanics, tracker } = self;
-        let mut z = mechanics.amplitudes(displacement);
+        if let Some(bounded) =
+            tracker.bounded(mechanics, &at.state.amplitudes, &at.fields, even.value)
+        {
+            return bounded;
+        }
+        self.all(&at)
+    }
+
+    fn at(&mut self, displacement: &Array2<f64>, [u0, stress]: [f64; 2]) -> Evaluation {
+        let mut z = self.mechanics.amplitudes(displacement);
         let control;
-        [control, z[0]] = mechanics.system.control().balanced(u0, stress);
-        let at = mechanics.at(z, control);
-        mechanics.refresh(&at.fields);
+        [control, z[0]] = self.mechanics.system.control().balanced(u0, stress);
+        let at = self.mechanics.at(z, control);
+        self.mechanics.refresh(&at.fields);
+        at
+    }
+
+    fn all(&mut self, at: &Evaluation) -> Stiffness {
+        let Self { mechanics, tracker } = self;
         tracker.check(mechanics, &at.state.amplitudes, &at.fields).0
     }
 }
 
+/// How much softer than the softest even mode followed, as a share of it, another may be before the
+/// even ones are looked for anew.
+const SOFTER: f64 = 0.25;
+
 impl Walk {
-    /// The smallest eigenvalue of `found` over all modes, `even` being that over even ones: on a
-    /// quarter cell also over those that are not. `Err` where one of those is negative.
-    pub(super) fn all_modes(
+    /// The smallest eigenvalue of `found`, and the softest mode of the part of the cell. On a
+    /// quarter cell the eigenvalue is over all modes of the whole cell: what is proved of those is
+    /// proved of the even ones among them, which are only followed. `Err` where a mode that is not
+    /// even has a negative one.
+    pub(super) fn stability(
         &mut self,
         found: &Equilibrium,
-        even: Stiffness,
-    ) -> Result<Stiffness, Stuck> {
+    ) -> Result<(Stiffness, Vec<f64>), Stuck> {
+        let Self {
+            mechanics, tracker, ..
+        } = self;
+        let (z, fields) = (&found.state.amplitudes, &found.fields);
         let Some(guard) = &mut self.guard else {
-            return Ok(even);
+            return Ok(tracker.check(mechanics, z, fields));
         };
-        let (system, gap) = (&self.mechanics.system, &found.fields.gap);
+        let (mut even, mut mode) = tracker.above(mechanics, z, fields);
+        if !even.is_stable() {
+            return Ok((even, mode));
+        }
+        let (system, gap) = (&mechanics.system, &fields.gap);
         let u0 =
             gap.mean().unwrap_or(f64::NAN) + system.height().and_then(|h| h.mean()).unwrap_or(0.0);
         let mut displacement = system.unfolded(gap);
         if let Some(height) = system.height() {
             displacement += &system.unfolded(height);
         }
-        guard.mechanics.cancel = self.mechanics.cancel.clone();
-        let all = guard.check(&displacement, [u0, found.state.stress]);
+        guard.mechanics.cancel = mechanics.cancel.clone();
+        let all = guard.check_beside(even, &displacement, [u0, found.state.stress]);
+        if all.value < (1.0 - SOFTER) * even.value {
+            (even, mode) = tracker.check(mechanics, z, fields);
+        }
         if all.value < 0.0 && even.is_stable() {
             return Err(Stuck::LeavesSymmetry);
         }
-        Ok(even.among(all))
+        Ok((even.among(all), mode))
     }
 }
 
@@ -192,7 +235,9 @@ pub(super) fn with_coarse(
     } else {
         System::new
     };
-    let coarse = make(coarse, *law, &Indenter::Flat).with_body(system.body());
+    let coarse = make(coarse, *law, &Indenter::Flat)
+        .with_body(system.body())
+        .with_control(system.control());
     tracker.with_coarse(Mechanics::new(coarse, *slides))
 }
 
