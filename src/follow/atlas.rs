@@ -337,8 +337,9 @@ impl Atlas {
         };
         let mut z = carried(&node.state.amplitudes, own, explorer.system());
         [_, z[0]] = control.balanced(node.state.mean_displacement, node.state.stress);
-        // A tangent is per unit of u0.
-        if control.frees_mean() && branch.ends[side.index()] == End::Fold {
+        // A tangent is per unit of u0; that of a fold of u0 leaves it.
+        if control.frees_mean() && branch.ends[side.index()] == End::Fold && node.slope.is_finite()
+        {
             mode[0] = 1.0;
         }
         Ok((z, mode))

@@ -57,7 +57,8 @@ pub const UNDER_LOAD: &[Entry] = &[figure_12::UNDER_LOAD, figure_13::UNDER_LOAD]
 /// Figures that take longest at full size, the longest first; the others take seconds.
 const LONG: [usize; 5] = [13, 12, 14, 3, 11];
 
-/// The figures of a gallery with the long ones first: the order in which several are soonest done together.
+/// The figures of a gallery with the long ones first: the order in which several are soonest done
+/// together.
 pub fn longest_first(gallery: &'static [Entry]) -> Vec<&'static Entry> {
     let mut list: Vec<&'static Entry> = gallery.iter().collect();
     list.sort_by_key(|entry| {

@@ -104,7 +104,7 @@ impl Node {
     /// the branch, (S + k)/(1 + |dz/du0|^2), which vanishes with it where the control turns back.
     pub fn softness(&self, control: Control) -> f64 {
         let fixed = self.own.min(self.breaking);
-        if !control.frees_mean() {
+        if !control.frees_mean() || !self.slope.is_finite() {
             return fixed;
         }
         let along = 1.0 + dot(&self.tangent, &self.tangent);

@@ -83,7 +83,7 @@ fn adapt(
     let mut end = |side: Side| {
         let node = moved(old.end(side), from, to);
         match old.ends[side.index()] {
-            End::Fold if control.frees_mean() => returned(to, control, &node),
+            End::Fold if node.slope.is_finite() => returned(to, control, &node),
             End::Fold => to.refold(&node, side).map(|(end, _)| end),
             End::Breaking => recross(to, &node),
         }

@@ -110,8 +110,8 @@ impl Atlas {
         Some((self.end_state(place, side).control, cause))
     }
 
-    /// The closed loop from the flat state at the control's `start` down to `turn` and back. Branches not known
-    /// yet are traced on the way.
+    /// The closed loop from the flat state at the control's `start` down to `turn` and back.
+    /// Branches not known yet are traced on the way.
     ///
     /// # Errors
     /// What no sector holds; the walk must be asked then.

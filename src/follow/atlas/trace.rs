@@ -105,7 +105,10 @@ fn trace(
                 }
                 let ahead = sign * (end.state.mean_displacement - here.state.mean_displacement);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
-                    if control.frees_mean() {
+                    // Under a stiff spring the two are one.
+                    let turns = turning_point(control, &here, &end);
+                    let apart = (turns - end.state.mean_displacement).abs();
+                    if control.frees_mean() && apart > 2.0 * LOCATED * range {
                         return returns(sector, control, (first, nodes), (&here, &end));
                     }
                     if end.breaking >= 0.0 {
@@ -254,9 +257,17 @@ fn graded(sector: &mut Sector, before: &Node, end: &Node) -> Result<Vec<Node>, L
     Ok(nodes)
 }
 
-/// Where the control turns back between a node that it does not soften and one that it does, which
-/// may be a fold of u0: S = -k, physics of [`Control::softens`]. As the control is stationary there,
-/// its value and the energy are known to second order in what u0 is off.
+/// u0 where the control turns back between a node that it does not soften and one that it does,
+/// which may be a fold of u0, by the curve between them: S = -k, as [`Control::softens`] has it.
+fn turning_point(control: Control, stable: &Node, beyond: &Node) -> f64 {
+    let (from, to) = (Support::of(stable), Support::of(beyond));
+    boundary(from.u0, to.u0, |u0| {
+        !control.softens([1.0, from.to(to, u0).slope])
+    })
+}
+
+/// The node there. As the control is stationary, its value and the energy are known to second order
+/// in what u0 is off.
 fn turn(
     sector: &mut Sector,
     control: Control,
@@ -267,14 +278,11 @@ fn turn(
     let (mut a, mut b) = (stable.clone(), beyond.clone());
     let mut last = f64::INFINITY;
     for _ in 0..CROSSINGS {
-        let (from, to) = (Support::of(&a), Support::of(&b));
-        let u0 = boundary(from.u0, to.u0, |u0| {
-            !control.softens([1.0, from.to(to, u0).slope])
-        });
+        let u0 = turning_point(control, &a, &b);
         let (mut node, fields) = sector.node(u0, guess(&a, &b, u0), None, SHARP)?;
         if (u0 - last).abs() < near {
             sector.sharpen(&mut node, &fields);
-            node.bend = (node.slope - a.slope) / (u0 - from.u0);
+            node.bend = (node.slope - a.slope) / (u0 - a.state.mean_displacement);
             return Ok((node, fields));
         }
         last = u0;
