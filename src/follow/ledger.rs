@@ -40,6 +40,8 @@ pub struct Open {
 /// Share of the largest traction by which mean stresses of the same state may differ, beside their
 /// residuals.
 const SAME: f64 = 1e-4;
+/// The same for a state that lies between two others.
+const BETWEEN: f64 = 1e-2;
 /// Residual below which a state has lost nothing on the way, whatever is known of its stability:
 /// energies are off by its square.
 const AT_REST: f64 = 1e-5;
@@ -119,6 +121,43 @@ impl LoopRecord {
                 .any(|s| s.stop == Stop::NotConverged && !(s.residual <= AT_REST))
                 || self.jumps.iter().any(|j| j.cause == Cause::PatternChange),
         }
+    }
+
+    /// The record as a closed loop, if its last state lies on the way that was gone before the first
+    /// jump, and something has jumped there and back: up to the start it is that way, which loses
+    /// nothing.
+    pub fn closed(&self) -> Option<Self> {
+        let (start, first, now) = (
+            self.states.first()?,
+            self.jumps.first()?,
+            self.states.last()?,
+        );
+        if self.jumps.last()?.direction == first.direction || now.direction == first.direction {
+            return None;
+        }
+        // So far before the first jump, and what was there.
+        let onwards = (first.control - start.control).signum();
+        let ahead = |s: &StateRecord| onwards * (first.control - s.control);
+        let before = |s: &&StateRecord| {
+            s.direction == first.direction && s.pattern == start.pattern && ahead(s) >= 0.0
+        };
+        let mut way: Vec<&StateRecord> = self.states.iter().take_while(before).collect();
+        way.sort_by(|a, b| ahead(a).total_cmp(&ahead(b)));
+        let next = way.partition_point(|s| ahead(s) < ahead(now));
+        let (near, far) = (way.get(next.checked_sub(1)?)?, way.get(next)?);
+        let share = (now.control - near.control) / (far.control - near.control);
+        let there = |of: fn(&StateRecord) -> f64| of(near) + share * (of(far) - of(near));
+        let same = now.pattern == start.pattern
+            && (now.stress_over_max - there(|s| s.stress_over_max)).abs() <= BETWEEN;
+        same.then(|| {
+            let mut closed = self.clone();
+            let back = way[next..].iter().map(|s| StateRecord {
+                direction: now.direction,
+                ..(*s).clone()
+            });
+            closed.states.extend(back);
+            closed
+        })
     }
 
     /// Sum of the released energies, in units of gamma.

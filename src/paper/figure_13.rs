@@ -21,7 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
 pub(super) const UNDER_LOAD: Entry = Entry {
     title: "A Hertzian tip under a load: how fast the pull-off force converges",
     look_for: "A load pulls the tip off where the loop driven by displacement has its largest \
-        tension: on every mesh the two forces are one.",
+        tension. On every mesh the two forces are one.",
     scene: || tips::by_load(scenes::tip(64, 0.7)),
     compute: under_load,
     ..ENTRY

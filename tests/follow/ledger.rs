@@ -4,9 +4,9 @@
 use crate::loops::{planned, preset, walked};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
-use tackscope::follow::record::{Cause, Direction, JumpRecord};
+use tackscope::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use tackscope::follow::run::{Outcome, run_loop};
-use tackscope::follow::walk::{Stuck, WalkOptions};
+use tackscope::follow::walk::{Observed, Progress, Stuck, Walk, WalkOptions};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::indenter::{Hertz, Indenter};
 use tackscope::physics::law::{Law, Mie, Morse, Shape};
@@ -384,4 +384,47 @@ fn jumps_of_the_mesh_are_told_apart_and_vanish_with_refinement() {
     let mut fine = preset("fig2");
     fine.drive.step = 0.1;
     assert_eq!(walked(&fine, Part::Whole).record.tally().of_the_mesh, 0);
+}
+
+/// By hand nobody stops just where he began: up to there the way is the one gone before.
+#[test]
+fn a_loop_made_by_hand_is_closed_where_it_meets_its_own_way_and_loses_what_any_loop_does() {
+    let mut scene = preset("fig2");
+    scene.drive.step = 0.05;
+    let gamma = scene.law.surface_energy;
+    let whole = walked(&scene, Part::Quarter).record.ledger(gamma);
+    let options = WalkOptions {
+        part: Part::Quarter,
+        ..WalkOptions::default()
+    };
+    let cancel = Cancel::default();
+    let mut walk = Walk::start(&scene, options, &cancel).unwrap();
+    let mut record = LoopRecord::of(scene.control());
+    record.states.push(walk.record().clone());
+    let mut closed_at = Vec::new();
+    // Down past the first jump, back a little, to the ground, and up to where it is flat again.
+    for target in [2.7, 3.0, 0.41, 4.03] {
+        walk.set_target(target);
+        while walk.step(&cancel, &mut |observed| match observed {
+            Observed::State(state) => {
+                record.states.push(state);
+                if let Some(closed) = record.closed() {
+                    let u0 = record.states.last().unwrap().mean_displacement;
+                    closed_at.push((u0, closed.ledger(gamma)));
+                }
+            }
+            Observed::Jump(jump) => record.jumps.push(jump),
+            Observed::Moving { .. } => {}
+        }) == Progress::Working
+        {}
+    }
+    let last = record.jumps.last().unwrap().mean_displacement;
+    let (u0, ledger) = &closed_at[0];
+    assert!(last < *u0 && *u0 < last + 0.1, "{u0} {last}");
+    assert_eq!(ledger.open, None);
+    let loss = ledger.dissipated_energy().unwrap();
+    let off = loss - whole.dissipated_energy().unwrap();
+    assert!(off.abs() < 1e-6, "{off}");
+    let missing = (ledger.loop_integral - loss).abs();
+    assert!(missing < ledger.integral_error + 1e-4, "{ledger:?}");
 }
