@@ -420,7 +420,7 @@ fn a_loop_made_by_hand_is_closed_where_it_meets_its_own_way_and_loses_what_any_l
     }
     let last = record.jumps.last().unwrap().mean_displacement;
     let (u0, ledger) = &closed_at[0];
-    assert!(last < *u0 && *u0 < last + 0.1, "{u0} {last}");
+    assert!((last..last + 0.1).contains(u0), "{u0} {last}");
     assert_eq!(ledger.open, None);
     let loss = ledger.dissipated_energy().unwrap();
     let off = loss - whole.dissipated_energy().unwrap();
