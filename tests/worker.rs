@@ -179,6 +179,31 @@ fn a_closed_loop_reports_a_ledger_that_agrees() {
 }
 
 #[test]
+fn a_loop_made_by_hand_is_told_once_also_when_the_hand_goes_on() {
+    let mut session = Session::default();
+    let out = drain(
+        &mut session,
+        vec![set_scene(1, fig2(32)), target(1, 1, 0.4)],
+    );
+    let losses = |out: &[Event]| -> Vec<f64> {
+        let loss = |e: &Event| match e {
+            Event::Loop(summary) => summary.ledger.dissipated_energy(),
+            _ => None,
+        };
+        out.iter().filter_map(loss).collect()
+    };
+    assert!(losses(&out).is_empty());
+    let back = drain(&mut session, vec![target(1, 2, 4.1)]);
+    let released = out.iter().chain(&back).filter_map(|e| match e {
+        Event::Jump(jump) => Some(jump.released_energy),
+        _ => None,
+    });
+    assert_eq!(losses(&back), [released.sum::<f64>()]);
+    let on = drain(&mut session, vec![target(1, 3, 3.5), target(1, 4, 4.15)]);
+    assert!(losses(&on).is_empty());
+}
+
+#[test]
 fn commands_of_an_older_run_are_dropped() {
     let mut session = Session::default();
     let out = drain(

@@ -117,11 +117,7 @@ impl Tracker {
         z: &[f64],
         fields: &Fields,
     ) -> (Stiffness, Vec<f64>) {
-        let mut fine = Place {
-            removed: mechanics.sliding_basis(z, fields),
-            mechanics,
-            fields,
-        };
+        let mut fine = Place::of(mechanics, z, fields);
         let Some(mut coarse) = self.coarse.take() else {
             return self.at(&mut fine, 1.0);
         };
@@ -175,19 +171,19 @@ impl Tracker {
         found
     }
 
-    /// The same from above alone: a Rayleigh quotient, with nothing proved. For whoever proves it
-    /// among more modes than these.
+    /// The same from above alone: a Rayleigh quotient, with nothing proved, for whoever proves it
+    /// among more modes than these. Where a coarse mesh has the modes, its proof costs little, and
+    /// goes with them.
     pub fn above(
         &mut self,
         mechanics: &mut Mechanics,
         z: &[f64],
         fields: &Fields,
     ) -> (Stiffness, Vec<f64>) {
-        let mut place = Place {
-            removed: mechanics.sliding_basis(z, fields),
-            mechanics,
-            fields,
-        };
+        if self.coarse.is_some() {
+            return self.check(mechanics, z, fields);
+        }
+        let mut place = Place::of(mechanics, z, fields);
         let known = std::mem::take(&mut self.modes);
         let relative = if known.is_empty() { AFRESH } else { TRACKED };
         let found = place.softest(known, &mut self.rng, 2, relative);
@@ -208,11 +204,7 @@ impl Tracker {
         fields: &Fields,
         value: f64,
     ) -> Option<Stiffness> {
-        let mut place = Place {
-            removed: mechanics.sliding_basis(z, fields),
-            mechanics,
-            fields,
-        };
+        let mut place = Place::of(mechanics, z, fields);
         if self.coarse.is_some() || !self.modes.is_empty() || value < SIGN_ALONE * place.unit() {
             return None;
         }
@@ -422,6 +414,17 @@ fn shortened(coarse: &mut Mechanics, z: &[f64], fine: &Place<'_>) -> Evaluation 
     let at = coarse.at(z, control);
     coarse.refresh(&at.fields);
     at
+}
+
+impl<'a> Place<'a> {
+    /// The surface `z` of a mesh, with these `fields`.
+    fn of(mechanics: &'a mut Mechanics, z: &[f64], fields: &'a Fields) -> Self {
+        Self {
+            removed: mechanics.sliding_basis(z, fields),
+            mechanics,
+            fields,
+        }
+    }
 }
 
 impl Place<'_> {

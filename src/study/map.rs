@@ -318,10 +318,9 @@ fn found(
 fn widen(scene: &mut Scene, model: &Model) {
     let (law, control) = (&model.law, scene.control());
     let flat = FlatBranch::new(*law, model.equivalent_length, control);
-    let (Turn::At(turn), Some(limits)) = (scene.drive.turn, flat.limits()) else {
-        return;
-    };
-    let Some((gap, _)) = flat.unstable_gaps() else {
+    let (Turn::At(turn), Some(limits), Some((gap, _))) =
+        (scene.drive.turn, flat.limits(), flat.unstable_gaps())
+    else {
         return;
     };
     // A Mie law has no gap at or below zero.

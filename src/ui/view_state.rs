@@ -23,7 +23,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, RunId, Speed, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
 };
 use std::sync::Arc;
 
@@ -386,23 +386,6 @@ impl ViewState {
         }
         self.run.record.states.push(state.clone());
         self.run.state = Some(state);
-        if self.run.closed_loop.is_none() && self.run.sweep() != Some(Sweep::Loop) {
-            self.run.closed_loop = self.closed_by_hand();
-        }
-    }
-
-    /// The loop that the last state closes, if it does; the solver knows only those it was asked
-    /// for.
-    fn closed_by_hand(&self) -> Option<ClosedLoop> {
-        let states = &self.run.record.states;
-        let closed = self.run.record.closed()?;
-        let summary = LoopSummary {
-            ledger: closed.ledger(self.model.law.surface_energy),
-            transforms: states.iter().map(|s| s.transforms).sum(),
-            seconds: 1e-3 * states.iter().map(|s| s.milliseconds).sum::<f64>(),
-        };
-        let loss = loss(&self.run.curve);
-        Some(ClosedLoop { summary, loss })
     }
 
     /// A sweep takes the thumb along; otherwise the thumb stays where the hand left it.

@@ -37,6 +37,8 @@ pub struct Session {
     /// What is left of the sweep.
     itinerary: Itinerary,
     record: LoopRecord,
+    /// Its loss was told.
+    is_closed: bool,
     loop_began: Option<Instant>,
     /// Transforms the loop has spent on walks that were given up, and those of the present walk
     /// before the loop began.
@@ -151,6 +153,13 @@ impl Session {
                 }
             }
         }
+        // A sweep of a loop says by itself when it is closed.
+        if self.play != Play::Sweep(Sweep::Loop)
+            && !self.is_closed
+            && let Some(closed) = self.record.closed()
+        {
+            self.close_loop(Some(&closed), now, sink);
+        }
         self.not_before = Some(now + pace);
         self.follow_up(progress, now, cancel, sink);
     }
@@ -209,8 +218,7 @@ impl Session {
                     motion: 0,
                     control: walk.record().control,
                 });
-                self.record = LoopRecord::of(walk.control());
-                self.record.states.push(walk.record().clone());
+                (self.record, self.is_closed) = (record_from(&walk), false);
                 self.walk = Some(walk);
                 self.setup = Some(setup);
             }
@@ -248,9 +256,10 @@ impl Session {
             // seed.
             self.walk = setup.walk(cancel).ok();
             self.record = LoopRecord::of(setup.scene.control());
+            self.is_closed = false;
             sink(Event::LoopStarted);
             if let Some(walk) = &mut self.walk {
-                self.record.states.push(walk.record().clone());
+                self.record = record_from(walk);
                 sink(Event::State(walk.record().clone()));
                 show_rest(walk, &mut self.recorder, sink);
             }
@@ -300,7 +309,7 @@ impl Session {
                 };
                 if arrived {
                     if self.play == Play::Sweep(Sweep::Loop) {
-                        self.close_loop(now, sink);
+                        self.close_loop(None, now, sink);
                     }
                     self.rest(sink);
                 }
@@ -333,8 +342,7 @@ impl Session {
         self.transforms_elsewhere += spent - self.transforms_before;
         self.transforms_before = 0;
         if !stays {
-            self.record = LoopRecord::of(walk.control());
-            self.record.states.push(walk.record().clone());
+            (self.record, self.is_closed) = (record_from(&walk), false);
             sink(Event::LoopStarted);
             sink(Event::State(walk.record().clone()));
         }
@@ -352,10 +360,18 @@ impl Session {
         }
     }
 
-    fn close_loop(&mut self, now: Instant, sink: &mut dyn FnMut(Event)) {
+    /// Tells what a loop has lost: that of a `closed` record, or of the record as it is.
+    fn close_loop(
+        &mut self,
+        closed: Option<&LoopRecord>,
+        now: Instant,
+        sink: &mut dyn FnMut(Event),
+    ) {
         let Some(walk) = &self.walk else { return };
+        let record = closed.unwrap_or(&self.record);
+        self.is_closed = true;
         let summary = LoopSummary {
-            ledger: self.record.ledger(walk.model().law.surface_energy),
+            ledger: record.ledger(walk.model().law.surface_energy),
             transforms: self.transforms_elsewhere + walk.counts().transforms
                 - self.transforms_before,
             seconds: self
@@ -376,6 +392,13 @@ impl Session {
             });
         }
     }
+}
+
+/// A record that begins where a walk stands.
+fn record_from(walk: &Walk) -> LoopRecord {
+    let mut record = LoopRecord::of(walk.control());
+    record.states.push(walk.record().clone());
+    record
 }
 
 /// Hands out the picture of where a walk stands, and the film of the jump that led there.

@@ -97,6 +97,28 @@ fn a_coarser_mesh_finds_the_same_smallest_eigenvalue_for_one_product_on_the_fine
     }
 }
 
+/// A quarter of a cell is bounded from above, and checked only where the whole cell is softer: both
+/// by way of the same coarse mesh.
+#[test]
+fn a_bound_from_above_and_a_check_share_the_modes_of_a_coarse_mesh() {
+    let (_, u0, z) = state(&[3.0]);
+    let mut fine = Mechanics::new(system(128), Slides::Freely);
+    let at = fine.at(carried(&z, &system(64), &fine.system), u0);
+    fine.refresh(&at.fields);
+    let coarse = Mechanics::new(system(88), Slides::Freely);
+    let mut tracker = Tracker::new(Pcg64::seed_from_u64(7)).with_coarse(coarse);
+    let before = fine.transforms();
+    let (above, _) = tracker.above(&mut fine, &at.state.amplitudes, &at.fields);
+    let (checked, _) = tracker.check(&mut fine, &at.state.amplitudes, &at.fields);
+    let spent = fine.transforms() - before;
+    assert!(spent <= 4, "{spent} transforms of the fine mesh");
+    let off = (above.value - checked.value).abs();
+    assert!(
+        off <= above.error.max(checked.error),
+        "{above:?} {checked:?}"
+    );
+}
+
 #[test]
 fn where_the_coarse_mesh_does_not_resolve_the_mode_the_fine_one_goes_on() {
     // The edge of a bulge on twelve points is no edge.

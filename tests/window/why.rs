@@ -14,7 +14,7 @@ use tackscope::scene::{Points, Turn};
 use tackscope::ui::App;
 use tackscope::ui::action::ProfileLine;
 use tackscope::ui::view_state::Hint;
-use tackscope::worker::protocol::{Event, Frame};
+use tackscope::worker::protocol::{Event, Film, Frame};
 
 /// The window after the first jump of a coarse Fig. 2, at rest.
 fn snapped() -> Harness<'static, App> {
@@ -76,19 +76,18 @@ fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
     }
 }
 
+/// That of the first jump.
+fn film(window: &Harness<'static, App>) -> Arc<Film> {
+    let films = &window.state().state().run.films;
+    films.of(0).cloned().expect("a film")
+}
+
 #[test]
 fn a_jump_is_replayed_by_hand_in_map_and_plot_until_the_surface_moves() {
     let mut window = snapped();
     let state = |window: &Harness<'static, App>| window.state().state().run.replayed.clone();
     assert!(state(&window).is_none());
-    let film = window
-        .state()
-        .state()
-        .run
-        .films
-        .of(0)
-        .cloned()
-        .expect("a film");
+    let film = film(&window);
     assert!(film.moving.len() > 3, "{}", film.moving.len());
     window.get_by_label("Moment of the jump").click();
     window.run();
@@ -109,14 +108,7 @@ fn a_jump_is_replayed_by_hand_in_map_and_plot_until_the_surface_moves() {
 #[test]
 fn a_replay_played_goes_from_before_to_after_and_then_nothing_is_drawn_again() {
     let mut window = snapped();
-    let film = window
-        .state()
-        .state()
-        .run
-        .films
-        .of(0)
-        .cloned()
-        .expect("a film");
+    let film = film(&window);
     window.get_by_label("Replay the jump").click();
     window.step();
     let mut seen: Vec<Arc<Frame>> = Vec::new();

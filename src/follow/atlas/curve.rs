@@ -66,12 +66,6 @@ impl Branch {
         }
     }
 
-    /// True if it has a state at `u0`.
-    pub fn covers(&self, u0: f64) -> bool {
-        let (low, high) = self.extent();
-        (low..=high).contains(&u0)
-    }
-
     fn segment(&self, u0: f64) -> (&Node, &Node) {
         let last = self.nodes.len() - 1;
         let i = self
@@ -82,8 +76,8 @@ impl Branch {
     }
 
     /// Stress and energy at `u0`: quintic Hermite in the energy, whose derivatives are stress and
-    /// slope; next to a fold a quartic in the square root of the distance. Meaningful where
-    /// [`Branch::covers`] holds.
+    /// slope; next to a fold a quartic in the square root of the distance. Meaningful between
+    /// its ends.
     pub fn at(&self, u0: f64) -> Point {
         let (a, b) = self.segment(u0);
         Support::of(a).to(Support::of(b), u0)

@@ -106,9 +106,9 @@ fn trace(
                 let ahead = sign * (end.state.mean_displacement - here.state.mean_displacement);
                 if ahead > -1e-9 * range && ahead < 4.0 * NEAR_FOLD * range {
                     // Under a stiff spring the two are one.
-                    let turns = turning_point(control, &here, &end);
-                    let apart = (turns - end.state.mean_displacement).abs();
-                    if control.frees_mean() && apart > 2.0 * LOCATED * range {
+                    let u0 = end.state.mean_displacement;
+                    let apart = || (turning_point(control, &here, &end) - u0).abs();
+                    if control.frees_mean() && apart() > 2.0 * LOCATED * range {
                         return returns(sector, control, (first, nodes), (&here, &end));
                     }
                     if end.breaking >= 0.0 {
@@ -295,37 +295,6 @@ fn turn(
     Err(Lost::Gone)
 }
 
-/// The end where a machine turns back next to `near`, one of a slightly different law or cell.
-///
-/// # Errors
-/// It was not found.
-pub fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
-    let range = sector.system().law().range;
-    let (mut u0, mut z) = (near.state.mean_displacement, near.state.amplitudes.clone());
-    let mut rate = near.bend;
-    let mut last: Option<(f64, f64)> = None;
-    for _ in 0..CROSSINGS {
-        let (mut node, fields) = sector.node(u0, z, None, SHARP)?;
-        if let Some((u, slope)) = last {
-            rate = (node.slope - slope) / (u0 - u);
-        }
-        let correction = -(node.slope + control.stiffness()) / rate;
-        if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
-            break;
-        }
-        if correction.abs() < TURN * range {
-            sector.sharpen(&mut node, &fields);
-            node.bend = rate;
-            return Ok(node);
-        }
-        last = Some((u0, node.slope));
-        z = node.state.amplitudes.clone();
-        add(&mut z, correction, &node.tangent);
-        u0 += correction;
-    }
-    Err(Lost::Gone)
-}
-
 /// The node where the breaking eigenvalue vanishes over all waves of the mesh; `nodes` (after
 /// `first`, the last one unstable and with these `fields`) lose those beyond it.
 ///
@@ -392,31 +361,52 @@ fn cross(
     Err(Lost::Gone)
 }
 
+/// The end where a machine turns back next to `near`, one of a slightly different law or cell.
+///
+/// # Errors
+/// It was not found.
+pub fn returned(sector: &mut Sector, control: Control, near: &Node) -> Result<Node, Lost> {
+    let softened = |node: &Node| node.slope + control.stiffness();
+    let (mut node, _, rate) = zero_along(sector, near, TURN, softened)?;
+    node.bend = rate;
+    Ok(node)
+}
+
 /// The symmetry-breaking end next to `near`, one of a slightly different law or cell.
 ///
 /// # Errors
 /// It was not found.
 pub fn recross(sector: &mut Sector, near: &Node) -> Result<Node, Lost> {
+    let (node, correction, rate) = zero_along(sector, near, LOCATED, |node| node.breaking)?;
+    Ok(moved(node, correction, rate))
+}
+
+/// The node next to `near` at which a `value` that falls at its rate `near.bend` vanishes within so
+/// many ranges; how far it is still off, and the rate there.
+fn zero_along(
+    sector: &mut Sector,
+    near: &Node,
+    within: f64,
+    value: impl Fn(&Node) -> f64,
+) -> Result<(Node, f64, f64), Lost> {
     let range = sector.system().law().range;
-    let (mut u0, mut z, mut rate) = (
-        near.state.mean_displacement,
-        near.state.amplitudes.clone(),
-        near.bend,
-    );
+    let (mut u0, mut z) = (near.state.mean_displacement, near.state.amplitudes.clone());
+    let mut rate = near.bend;
     let mut last: Option<(f64, f64)> = None;
     for _ in 0..CROSSINGS {
         let node = sector.sharp_node(u0, z, None)?;
-        if let Some((u, value)) = last {
-            rate = (node.breaking - value) / (node.state.mean_displacement - u);
+        let (here, found) = (node.state.mean_displacement, value(&node));
+        if let Some((u, before)) = last {
+            rate = (found - before) / (here - u);
         }
-        let correction = -node.breaking / rate;
+        let correction = -found / rate;
         if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
             break;
         }
-        if correction.abs() < LOCATED * range {
-            return Ok(moved(node, correction, rate));
+        if correction.abs() < within * range {
+            return Ok((node, correction, rate));
         }
-        last = Some((node.state.mean_displacement, node.breaking));
+        last = Some((here, found));
         z = node.state.amplitudes.clone();
         add(&mut z, correction, &node.tangent);
         u0 += correction;
