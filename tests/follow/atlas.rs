@@ -282,7 +282,7 @@ fn atlas_and_walk_agree_under_springs_and_a_load() {
         for (a, b) in atlas.record.jumps.iter().zip(&walk.record.jumps) {
             assert!((a.control - b.control).abs() < 1e-5 * unit, "{a:?} {b:?}");
             let landed = [a, b].map(|jump| jump.mean_displacement_after);
-            assert!((landed[0] - landed[1]).abs() < 1e-4, "{a:?} {b:?}");
+            assert!((landed[0] - landed[1]).abs() < 3e-5, "{a:?} {b:?}");
         }
         let mut compared = 0;
         // Where it jumps it stands twice.

@@ -105,7 +105,7 @@ fn a_map_over_the_spring_has_the_loops_of_the_walk() {
     );
     // The map is on the mesh of the hand.
     let off = stiff.dissipated_energy / alone.record.released_energy_sum() - 1.0;
-    assert!(off.abs() < 2e-3, "{off}");
+    assert!(off.abs() < 1e-5, "{off}");
 }
 
 #[test]
