@@ -197,12 +197,6 @@ impl Atlas {
         &self.flat
     }
 
-    /// Forgets where the surface lands when a place ends.
-    pub fn forget_landings(&mut self) {
-        self.landings.fill([None; 2]);
-        self.from_limits = Default::default();
-    }
-
     /// Where the surface lands when `place` ends on the way up or down.
     ///
     /// # Errors

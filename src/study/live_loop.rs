@@ -120,11 +120,11 @@ pub struct LiveLoops {
     cancel: Cancel,
 }
 
-/// An atlas and the order of places in its loop, unless where they lead is to be learnt again.
+/// An atlas and the order of places in its loop.
 #[derive(Clone, Debug)]
 struct Last {
     atlas: Atlas,
-    order: Option<Vec<Place>>,
+    order: Vec<Place>,
 }
 
 impl LiveLoops {
@@ -134,17 +134,6 @@ impl LiveLoops {
             last: None,
             cancel: cancel.clone(),
         }
-    }
-
-    /// Forgets where branches lead, so that the next loop lets the surface fall at every end again;
-    /// false if no branch is known.
-    pub fn forget_landings(&mut self) -> bool {
-        let last = self.last.as_mut();
-        last.map(|last| {
-            last.atlas.forget_landings();
-            last.order = None;
-        })
-        .is_some()
     }
 
     /// The loop of a scene's drive. A fine one is always made afresh: landings that were taken over
@@ -171,8 +160,7 @@ impl LiveLoops {
                 atlas.adapted(meshes).ok()?
             };
             let cycle = atlas.cycle(start, turn).ok()?;
-            let same = order.is_none_or(|order| places(&cycle) == order);
-            same.then_some((atlas, cycle))
+            (places(&cycle) == order).then_some((atlas, cycle))
         });
         let (mut atlas, cycle) = match adapted {
             Some(found) => found,
@@ -189,7 +177,7 @@ impl LiveLoops {
         }
         self.last = Some(Last {
             atlas,
-            order: Some(places(&cycle)),
+            order: places(&cycle),
         });
         Ok(found)
     }

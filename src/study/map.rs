@@ -1,8 +1,9 @@
 //! The map of patterns: where every jump of a scene's loop lies while one parameter goes, and what
 //! the loop loses.
 //!
-//! On flat ground the atlas is carried from value to value: a loop that is little different from
-//! the last is read off in milliseconds. Where there is no atlas the loop is walked.
+//! A few values come first, the others between them. On flat ground the atlas is carried from value
+//! to value: a loop that is little different from the last is read off in milliseconds. Where there
+//! is no atlas the loop is walked.
 
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
@@ -11,18 +12,21 @@ use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
 use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::side_by_side;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene, Turn, edit};
+use std::cmp::Reverse;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// From this ratio of its ends on a parameter goes by equal factors.
 const DECADE: f64 = 2.0;
 /// Step of a walk in place of an atlas, in ranges, at least.
 const STEP: f64 = 0.1;
-/// Rows whose landings are learnt again in any case lie so far apart.
+/// Rows that are computed by themselves in any case lie so far apart.
 const APART: usize = 8;
 /// On flat ground the drive goes at least so many units of the control beyond the limits of the
 /// flat state, so that the loop closes and holds every pattern; and no deeper than this share of the
@@ -139,8 +143,8 @@ impl Leg {
 }
 
 impl PatternMap {
-    /// The map of `scene` on so many values; `observe` is called with each row and the share that
-    /// is done, 0 to 1.
+    /// The map of `scene` on so many values; `observe` is told of each row, of the first ones far
+    /// apart.
     ///
     /// # Errors
     /// A key that is no number of this scene. Values that are not allowed are rows that say so.
@@ -149,26 +153,42 @@ impl PatternMap {
         vary: &Vary,
         count: usize,
         cancel: &Cancel,
-        observe: &mut dyn FnMut(&Row, f64),
+        observe: &mut Observer<'_>,
     ) -> Result<Self, Refusal> {
         let model = scene.model()?;
         edit::check_key(scene, &vary.key)?;
         let values = vary.values(count);
-        let mut survey = Survey {
+        let rows = vec![None; values.len()];
+        let survey = Survey {
             scene,
             model,
             key: &vary.key,
-            rows: vec![None; values.len()],
             values,
             cancel,
-            observe,
+            known: Mutex::new(Known { rows, observe }),
         };
         survey.all();
+        let rows = std::mem::take(&mut survey.known().rows);
         Ok(Self {
             vary: vary.clone(),
-            rows: survey.rows.into_iter().flatten().collect(),
+            rows: rows.into_iter().flatten().collect(),
             cancelled: cancel.requested(),
         })
+    }
+
+    /// Takes in a row, in place of the one that was there.
+    pub fn insert(&mut self, row: Row) {
+        let before =
+            |other: &Row| (other.value - row.value) * (self.vary.to - self.vary.from) < 0.0;
+        let i = self.rows.partition_point(before);
+        match self
+            .rows
+            .get_mut(i)
+            .filter(|there| there.value == row.value)
+        {
+            Some(there) => *there = row,
+            None => self.rows.insert(i, row),
+        }
     }
 
     /// The row whose value is nearest to this one.
@@ -185,69 +205,73 @@ impl PatternMap {
     }
 }
 
-/// A map under way.
+/// A map under way, by as many threads as there are.
 struct Survey<'a> {
     scene: &'a Scene,
     model: Model,
     key: &'a str,
     values: Vec<f64>,
-    rows: Vec<Option<Row>>,
     cancel: &'a Cancel,
-    observe: &'a mut dyn FnMut(&Row, f64),
+    known: Mutex<Known<'a>>,
 }
 
-impl Survey<'_> {
-    /// The atlas is carried from row to row. A landing that is carried is not asked for again, and
-    /// would be passed on for ever: every so many rows all are learnt again, and where that changes
-    /// what the loop does, also in the middle between such rows.
-    fn all(&mut self) {
+/// The rows that are known, and who is told of them.
+struct Known<'a> {
+    rows: Vec<Option<Row>>,
+    observe: &'a mut Observer<'a>,
+}
+
+/// Is told of a row and of the share that is done, 0 to 1.
+pub type Observer<'a> = dyn FnMut(&Row, f64) + Send + 'a;
+
+impl<'a> Survey<'a> {
+    /// First every so many rows by themselves, from few to many. Between them the atlas is carried
+    /// from row to row: a landing that is carried is not asked for again, and would be passed on
+    /// for ever.
+    fn all(&self) {
         let last = self.values.len() - 1;
-        let mut loops = LiveLoops::obeying(self.cancel);
-        self.row(0, &mut loops);
-        let mut left = 0;
-        for right in (APART..last).step_by(APART).chain([last]) {
-            let mut carried = vec![loops.clone()];
-            for i in left + 1..=right {
-                self.row(i, &mut loops);
-                carried.push(loops.clone());
-            }
-            if let Some(learnt) = self.learnt(right, loops.clone()) {
-                loops = learnt;
-            }
-            self.between(left, right, &carried);
-            left = right;
-        }
+        let rows: Vec<usize> = (0..last).step_by(APART).chain([last]).collect();
+        let mut first: Vec<usize> = (0..rows.len()).collect();
+        first.sort_by_key(|k| Reverse(k.trailing_zeros()));
+        let learnt: Vec<OnceLock<LiveLoops>> = vec![OnceLock::new(); rows.len()];
+        side_by_side(first.len(), |k| {
+            learnt[first[k]].get_or_init(|| self.learnt(rows[first[k]]));
+        });
+        side_by_side(rows.len() - 1, |k| {
+            let loops = learnt[k].get().cloned().unwrap_or_default();
+            self.between(rows[k], rows[k + 1], loops);
+        });
     }
 
-    /// Mends the rows between two that are learnt; `carried` is what each of them knew, that on the
-    /// left first.
-    fn between(&mut self, left: usize, right: usize, carried: &[LiveLoops]) {
+    /// The rows between two that were learnt, `loops` on the left: where these differ the middle
+    /// is learnt too.
+    fn between(&self, left: usize, right: usize, mut loops: LiveLoops) {
         if right - left < 2 || self.cancel.requested() {
             return;
         }
-        if self.order(left) != self.order(right) {
+        let order = self.order(left);
+        if order != self.order(right) {
             let middle = left + (right - left) / 2;
-            self.learnt(middle, carried[middle - left].clone());
-            self.between(left, middle, carried);
-            return self.between(middle, right, &carried[middle - left..]);
+            let there = self.learnt(middle);
+            self.between(left, middle, loops);
+            return self.between(middle, right, there);
         }
         for i in left + 1..right {
-            if self.order(i) != self.order(left) {
-                self.learnt(i, carried[i - left].clone());
+            self.row(i, &mut loops);
+            if self.order(i) != order {
+                loops = self.learnt(i);
             }
         }
     }
 
-    /// The loop of a row with all landings learnt again; `None` if it has no atlas.
-    fn learnt(&mut self, i: usize, mut loops: LiveLoops) -> Option<LiveLoops> {
-        if !loops.forget_landings() {
-            return None;
-        }
+    /// The row by itself, whatever the others are.
+    fn learnt(&self, i: usize) -> LiveLoops {
+        let mut loops = LiveLoops::obeying(self.cancel);
         self.row(i, &mut loops);
-        Some(loops)
+        loops
     }
 
-    fn row(&mut self, i: usize, loops: &mut LiveLoops) {
+    fn row(&self, i: usize, loops: &mut LiveLoops) {
         let value = self.values[i];
         let edited = edit::with_parameter(self.scene, &self.model, self.key, value);
         let decided = edited.and_then(|edited| Ok((edited.model()?, edited)));
@@ -258,25 +282,26 @@ impl Survey<'_> {
             }
             Err(refusal) => (None, Err(refusal.to_string())),
         };
+        let Known { rows, observe } = &mut *self.known();
         if self.cancel.requested() {
             return;
         }
         let row = Row { value, law, found };
-        self.rows[i] = Some(row.clone());
-        let known = self.rows.iter().flatten().count();
-        (self.observe)(&row, known as f64 / self.rows.len() as f64);
+        rows[i] = Some(row.clone());
+        let known = rows.iter().flatten().count();
+        observe(&row, known as f64 / rows.len() as f64);
+    }
+
+    fn known(&self) -> MutexGuard<'_, Known<'a>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What the loop of a row does, one after the other; `None` where it is not known.
     fn order(&self, i: usize) -> Option<Vec<(Direction, Pattern)>> {
-        let found = self.rows[i].as_ref()?.found.as_ref().ok()?;
-        Some(
-            found
-                .legs
-                .iter()
-                .map(|leg| (leg.direction, leg.pattern))
-                .collect(),
-        )
+        let known = self.known();
+        let found = known.rows[i].as_ref()?.found.as_ref().ok()?;
+        let legs = found.legs.iter();
+        Some(legs.map(|leg| (leg.direction, leg.pattern)).collect())
     }
 }
 

@@ -78,6 +78,40 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
     assert!(orders.len() > 1, "the order does not change");
 }
 
+/// What somebody saw of a map who heard of each row is the map, coarse at first.
+#[test]
+fn rows_are_told_from_few_to_many_and_together_are_the_map_up_and_down() {
+    for vary in ["law.range=0.9..1.1", "law.range=1.1..0.9"] {
+        let vary: Vary = vary.parse().unwrap();
+        let mut seen = PatternMap {
+            vary: vary.clone(),
+            rows: Vec::new(),
+            cancelled: false,
+        };
+        let mut gaps = Vec::new();
+        let cancel = Cancel::default();
+        let map = PatternMap::of(&preset("fig2"), &vary, 33, &cancel, &mut |row, _| {
+            seen.insert(row.clone());
+            let steps = seen
+                .rows
+                .windows(2)
+                .map(|w| (w[1].value - w[0].value).abs());
+            gaps.push(steps.fold(0.0, f64::max));
+        });
+        let map = map.unwrap();
+        let loops = |map: &PatternMap| -> Vec<_> {
+            map.rows
+                .iter()
+                .map(|row| (row.value, row.found.clone()))
+                .collect()
+        };
+        assert_eq!(loops(&seen), loops(&map));
+        assert_eq!(map.rows.len(), 33);
+        // After a sixth of the rows none is farther from its neighbours than a quarter of the way.
+        assert!(gaps[5] < 0.0501, "{gaps:?}");
+    }
+}
+
 #[test]
 fn below_the_critical_length_nothing_jumps_and_nothing_is_lost() {
     let critical = flat::critical_length(&preset("fig2").model().unwrap().law);

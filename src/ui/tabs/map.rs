@@ -15,8 +15,8 @@ use crate::worker::job::{Job, Reporter};
 use egui::{RichText, Ui};
 use std::sync::Arc;
 
-/// Values of a first, coarse map and of the fine one after it.
-const ROWS: [usize; 2] = [9, 73];
+/// How many values.
+const ROWS: usize = 73;
 /// How far the parameter goes to either side, as a factor.
 const REACH: f64 = 2.0;
 
@@ -242,23 +242,27 @@ impl Tab for Map {
     }
 }
 
-/// A coarse map first, then a fine one.
+/// The map, shown as far as it is known.
 fn compute(
     (scene, vary): &(Arc<Scene>, Option<Vary>),
     report: &Reporter<Arc<PatternMap>>,
 ) -> Result<(), String> {
     let Some(vary) = vary else { return Ok(()) };
-    for count in ROWS {
-        let mut tell = |row: &Row, done: f64| {
-            if report.is_due() {
-                report.progress(done, &format!("{} = {:.4}", vary.key, row.value));
-            }
-        };
-        let map = PatternMap::of(scene, vary, count, &report.cancel, &mut tell);
-        let map = map.map_err(|error| error.to_string())?;
-        if map.cancelled {
-            return Ok(());
+    let mut so_far = PatternMap {
+        vary: vary.clone(),
+        rows: Vec::new(),
+        cancelled: false,
+    };
+    let mut tell = |row: &Row, done: f64| {
+        so_far.insert(row.clone());
+        if report.is_due() {
+            report.progress(done, &format!("{} = {:.4}", vary.key, row.value));
+            report.result(Arc::new(so_far.clone()));
         }
+    };
+    let map = PatternMap::of(scene, vary, ROWS, &report.cancel, &mut tell);
+    let map = map.map_err(|error| error.to_string())?;
+    if !map.cancelled {
         report.result(Arc::new(map));
     }
     Ok(())
