@@ -5,12 +5,12 @@
 
 use ndarray::Array2;
 use std::time::{Duration, Instant};
-use tackscope::follow::atlas::{Atlas, Meshes};
+use tackscope::follow::atlas::Atlas;
 use tackscope::follow::diagram::Diagram;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::numerics::fourier::Fourier;
 use tackscope::scene::part::Part;
-use tackscope::scene::{Points, Range, Scene};
+use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::storage::presets;
 use tackscope::study::landscape::{Ground, Landscape, Standing};
 use tackscope::study::live_loop::{Fineness, LiveLoops};
@@ -25,29 +25,30 @@ fn main() {
     let pair = pair();
     println!("pair: {:.1} us", 1e6 * pair.as_secs_f64());
     println!("{:<44} {:>9} {:>11}", "", "pairs", "transforms");
-    for n in [48, 64] {
+    for (name, n) in [("fig2", 48), ("fig2", 64), ("fig3", 192)] {
         row(
-            &format!("Fig. 2, n = {n}, loop by the atlas, cold"),
+            &format!("{name}, n = {n}, loop by the atlas, cold"),
             pair,
             || {
-                let scene = fig2(n);
+                let scene = on(name, n);
                 let model = scene.model().expect("allowed");
-                let mut atlas = Atlas::new(Meshes::new(&model.law, model.grid.length, n));
-                atlas.cycle(4.2, 0.2).expect("a loop");
+                let mut atlas = Atlas::of(&scene, &model);
+                let Turn::At(turn) = scene.drive.turn else {
+                    unreachable!("it has a turning point")
+                };
+                atlas.cycle(scene.drive.start, turn).expect("a loop");
                 atlas.transforms().iter().sum()
             },
         );
-        row(
-            &format!("Fig. 2, n = {n}, whole diagram, cold"),
-            pair,
-            || {
-                let report = &mut |_: &str, _: usize, _: f64| {};
-                let found = Diagram::of(&fig2(n), Part::Whole, &Cancel::default(), report);
-                let found = found.expect("allowed");
-                assert!(found.is_complete(), "{:?}", found.missing);
-                found.transforms
-            },
-        );
+    }
+    for n in [48, 64] {
+        row(&format!("fig2, n = {n}, whole diagram, cold"), pair, || {
+            let report = &mut |_: &str, _: usize, _: f64| {};
+            let found = Diagram::of(&on("fig2", n), Part::Whole, &Cancel::default(), report);
+            let found = found.expect("allowed");
+            assert!(found.is_complete(), "{:?}", found.missing);
+            found.transforms
+        });
     }
     loops_of_a_parameter(pair);
     landscape(pair);
@@ -55,9 +56,9 @@ fn main() {
 
 /// One loop after the other while the range goes, and a map of a hundred.
 fn loops_of_a_parameter(pair: Duration) {
-    let mut scene = fig2(64);
+    let mut scene = on("fig2", 64);
     let mut live = LiveLoops::default();
-    row("Fig. 2, live loop, range changed by 1 %", pair, || {
+    row("fig2, live loop, range changed by 1 %", pair, || {
         let was = scene.law.range == Range::Length(1.0);
         scene.law.range = Range::Length(if was { 1.01 } else { 1.0 });
         let model = scene.model().expect("allowed");
@@ -65,10 +66,10 @@ fn loops_of_a_parameter(pair: Duration) {
         found.expect("a loop");
         0
     });
-    row("Fig. 2, map of 100 loops, range .8 to 1.2", pair, || {
+    row("fig2, map of 100 loops, range .8 to 1.2", pair, || {
         let vary = "law.range=0.8..1.2".parse().expect("a parameter");
         let cancel = &Cancel::default();
-        let map = PatternMap::of(&fig2(64), &vary, 100, cancel, &mut |_, _| {});
+        let map = PatternMap::of(&on("fig2", 64), &vary, 100, cancel, &mut |_, _| {});
         assert_eq!(map.expect("allowed").missing().count(), 0);
         0
     });
@@ -76,7 +77,7 @@ fn loops_of_a_parameter(pair: Duration) {
 
 /// The saddles around the bulge with their paths, and the same with the barriers along the drive.
 fn landscape(pair: Duration) {
-    let (scene, cancel) = (fig2(48), Cancel::default());
+    let (scene, cancel) = (on("fig2", 48), Cancel::default());
     let model = scene.model().expect("allowed");
     let report = &mut |_: &str, _: usize, _: f64| {};
     let diagram = Diagram::of(&scene, Part::Whole, &cancel, report).expect("allowed");
@@ -86,7 +87,7 @@ fn landscape(pair: Duration) {
         diagram: &diagram,
         cancel: &cancel,
     };
-    row("Fig. 2, n = 48, saddles and paths at 3.5", pair, || {
+    row("fig2, n = 48, saddles and paths at 3.5", pair, || {
         let saddles = ground.saddles(3.5).expect("not cancelled");
         assert_eq!(saddles.found.len(), 2);
         0
@@ -102,8 +103,9 @@ fn landscape(pair: Duration) {
     });
 }
 
-fn fig2(n: usize) -> Scene {
-    let mut scene = presets::resolve("fig2").expect("built in");
+/// A preset on `n` points a side.
+fn on(preset: &str, n: usize) -> Scene {
+    let mut scene = presets::resolve(preset).expect("built in");
     scene.cell.points = Points::Square(n);
     scene
 }

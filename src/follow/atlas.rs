@@ -16,7 +16,7 @@ pub(super) use curve::Support;
 pub use curve::{Branch, End, Point};
 pub(super) use cycle::Traversal;
 pub use cycle::{Cycle, Leg, Place};
-pub(super) use explorer::{Explorer, Form, Rest};
+pub(super) use explorer::{Explorer, Form, Rest, pattern_of};
 
 use super::contest::{Share, shares};
 use super::flat_branch::FlatBranch;
@@ -25,9 +25,10 @@ use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
+use crate::physics::mesh_rule::SAFE;
 use crate::physics::pattern::Pattern;
 use crate::physics::system::{State, System, carried};
-use crate::scene::mesh::next_fast;
+use crate::scene::mesh::{next_fast, points_at};
 use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
@@ -68,6 +69,9 @@ impl Meshes {
     }
 }
 
+/// Fewest points along a side of the cell in which a surface falls; else the mesh that is just safe
+/// is fine enough to learn in which pattern it comes to rest.
+const LEAST: usize = 32;
 /// How a surface is helped over an edge to see where it falls: how far beyond it, in units of the
 /// control. Right at the edge it lands where it would; further on it falls also from where the edge
 /// is not known so well, but may miss what lives only next to it.
@@ -141,12 +145,13 @@ impl Atlas {
             line,
             control,
         } = meshes;
+        let falls = points_at(&law, length, SAFE).max(LEAST).min(square);
         Self {
             meshes,
             ridge: Sector::ridge(length, line, law),
             square: Sector::square(length, square, law),
             explorer: Explorer::new(
-                System::even(Grid::square(length, square), law, &Indenter::Flat)
+                System::even(Grid::square(length, falls), law, &Indenter::Flat)
                     .with_control(control),
             ),
             flat: FlatBranch::new(law, length, control),
@@ -439,8 +444,7 @@ impl Atlas {
         Ok(())
     }
 
-    /// The pattern of `place` at `u0`, by its topology on the mesh for releases: a dimple that
-    /// grows ends as a bulge.
+    /// The pattern of `place` at `u0`, by its topology: a dimple that grows ends as a bulge.
     fn pattern_at(&mut self, place: Place, u0: f64) -> Pattern {
         let Place::On(i) = place else {
             return Pattern::Flat;
@@ -449,12 +453,7 @@ impl Atlas {
         if branch.is_ridge {
             return Pattern::Ridge;
         }
-        let z = carried(
-            &branch.guess(u0),
-            self.square.system(),
-            self.explorer.system(),
-        );
-        self.explorer.pattern(&z, u0)
+        pattern_of(&mut self.square.mechanics, &branch.guess(u0), u0)
     }
 
     fn sector_of(&self, branch: &Branch) -> &Sector {

@@ -256,7 +256,12 @@ impl Tour<'_> {
         let square = self.atlas.square.system();
         let z = carried(&node.state.amplitudes, self.atlas.system_of(i), square);
         let gap = square.unfolded(&square.gap_field(&z, u0));
-        let all = self.guard.check(&gap, [u0, node.state.stress]);
+        // Of a ridge at fixed u0 these are all modes already.
+        let all = if is_ridge && !driven.frees_mean() {
+            stiffness
+        } else {
+            self.guard.check(stiffness, &gap, [u0, node.state.stress])
+        };
         let cancelled = self.guard.mechanics.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the
         // branch.

@@ -6,11 +6,10 @@ use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::walk::WalkOptions;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
-use crate::physics::mesh_rule;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::{dissipation, flat, ridge};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
-use crate::scene::mesh::next_fast;
+use crate::scene::mesh::points_at;
 use crate::scene::part::Part;
 use crate::scene::{Range, Scene};
 use std::f64::consts::{PI, SQRT_2};
@@ -74,8 +73,7 @@ fn mu_rho(ratio: f64) -> f64 {
 fn loop_of(shape: Shape, ratio: f64) -> Scene {
     let law = law(shape);
     let length = cell(&law, ratio);
-    let points =
-        next_fast(mesh_rule::points_for_mu_rho(&law, length, mu_rho(ratio)).ceil() as usize);
+    let points = points_at(&law, length, mu_rho(ratio));
     let unit = units(length).displacement();
     let approach = flat::limits(&law, length).map_or(f64::NAN, |limits| limits.1);
     // The ridge of either law flattens below u~ = 0.75 in these cells.

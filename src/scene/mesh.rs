@@ -48,6 +48,12 @@ pub fn points_for(law: &Law, length: f64, accuracy: f64) -> usize {
     }
 }
 
+/// The fewest points along a side, a multiple of 8 with small factors, on which `law` has this
+/// `mu_rho` at most.
+pub fn points_at(law: &Law, length: f64, mu_rho: f64) -> usize {
+    next_fast(mesh_rule::points_for_mu_rho(law, length, mu_rho).ceil() as usize)
+}
+
 /// Largest count that [`next_fast`] looks beyond; larger ones are taken for it.
 const COUNT_MAX: usize = 1 << 60;
 

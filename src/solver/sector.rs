@@ -138,7 +138,7 @@ pub struct Measured {
     pub fields: Fields,
     /// max |residual traction| / max(sigma_max, max |traction|).
     pub residual: f64,
-    /// Smallest eigenvalue of the symmetry's classes (E* per length).
+    /// Smallest eigenvalue among the modes that [`Sector::measure`] knows (E* per length).
     pub stiffness: Stiffness,
 }
 
@@ -148,6 +148,8 @@ pub struct Sector {
     /// A request to cancel it interrupts a solve, which is then lost.
     pub mechanics: Mechanics,
     breaking: Vec<LowBlock>,
+    /// Of a ridge the modes along x that are odd, among which it slides.
+    odd: Option<LowBlock>,
     /// True if soft modes have waves beyond the blocks' reach.
     partial: bool,
 }
@@ -158,7 +160,10 @@ impl Sector {
         let system = System::even(Grid::line(length, n), law, &Indenter::Flat);
         let modulations = [Class::Varicose(1), Class::Sinuous(1)]
             .map(|class| LowBlock::new(&system, class, f64::INFINITY));
-        Self::new(system, Class::Even, modulations.into(), f64::INFINITY)
+        let odd = LowBlock::new(&system, Class::Sinuous(0), f64::INFINITY);
+        let mut sector = Self::new(system, Class::Even, modulations.into(), f64::INFINITY);
+        sector.odd = Some(odd);
+        sector
     }
 
     /// Bulges and dimples: fields that keep x <-> y.
@@ -175,6 +180,7 @@ impl Sector {
         Self {
             mechanics: Mechanics::of_class(system, class, reach),
             partial: false,
+            odd: None,
             breaking,
         }
     }
@@ -338,7 +344,10 @@ impl Sector {
         for (i, block) in self.breaking.iter_mut().enumerate() {
             block.assemble(&self.mechanics.system, &rates.forces, rates.stress);
             let known = before.map(|n| &n.breaking_waves[i][..]);
-            let (value, waves) = block.softest(known);
+            let (mut value, waves) = block.softest(known);
+            if block.negative() > 0 {
+                value = value.min(-f64::MIN_POSITIVE);
+            }
             if value < node.breaking {
                 (node.breaking, node.breaks_oddly) = (value, i == 1);
             }
@@ -450,8 +459,9 @@ impl Sector {
     }
 
     /// The state at `u0` next to the guess, with the evidence for it: residual below `tolerance`,
-    /// and the smallest eigenvalue among the modes that keep its symmetry or break it along y, over
-    /// all waves of the mesh.
+    /// and the smallest eigenvalue over all waves of the mesh: of a ridge among all modes of the
+    /// square cell but its sliding (those with more than one wave along y are stiffer: so is the
+    /// body to each of their waves), of a square state among the even ones.
     ///
     /// # Errors
     /// As [`Sector::node`].
@@ -482,7 +492,12 @@ impl Sector {
             value: node.own.min(node.breaking),
             error: 1e-4 * node.own.abs().min(node.breaking.abs()),
         };
-        if !self.is_ridge() {
+        if let Some(odd) = &mut self.odd {
+            let (d, mean) = (&rates.forces, rates.stress);
+            odd.assemble_beside(&self.mechanics.system, d, mean, &node.state.amplitudes);
+            odd.negative_below(0.0);
+            stiffness.value = stiffness.value.min(odd.lowest(1).values[0]);
+        } else {
             let limits = EigenLimits {
                 pairs: 1,
                 least: 1,

@@ -37,8 +37,7 @@ pub enum Fineness {
 impl Fineness {
     /// Points along a side of a cell of this `length`.
     pub(super) fn points(self, law: &Law, length: f64) -> usize {
-        let points = mesh_rule::points_for_mu_rho(law, length, self.mu_rho()).ceil();
-        mesh::next_fast((points as usize).max(32))
+        mesh::points_at(law, length, self.mu_rho()).max(32)
     }
 
     /// The mesh number mu_rho that its mesh keeps.

@@ -83,16 +83,6 @@ impl Explorer {
         tried(from, |a, b| a.pattern() == b.pattern())
     }
 
-    /// The pattern of amplitudes.
-    pub fn pattern(&mut self, z: &[f64], u0: f64) -> Pattern {
-        let gap = self.mechanics.gap(z, u0);
-        classify(
-            self.system().unfolded(&gap).view(),
-            self.system().law(),
-            true,
-        )
-    }
-
     /// Kicks the state `z` along the `mode`, to the side on which the energy is lower, and lets it
     /// fall at a fixed `control`.
     pub fn release(&mut self, z: &[f64], mode: &[f64], control: f64) -> Rest {
@@ -188,11 +178,18 @@ impl Explorer {
         }
         add(&mut z, 1.0, &other);
         scale(&mut z, 0.5);
-        match self.pattern(&z, u0) {
+        match pattern_of(&mut self.mechanics, &z, u0) {
             pattern @ (Pattern::Bulge | Pattern::Dimple) => Form::Square(pattern, z),
             _ => Form::Other,
         }
     }
+}
+
+/// The pattern of amplitudes of a quarter cell on flat ground.
+pub fn pattern_of(mechanics: &mut Mechanics, z: &[f64], u0: f64) -> Pattern {
+    let gap = mechanics.gap(z, u0);
+    let system = &mechanics.system;
+    classify(system.unfolded(&gap).view(), system.law(), true)
 }
 
 fn transpose(z: &mut [f64], n: usize) {

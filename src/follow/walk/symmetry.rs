@@ -6,10 +6,9 @@ use super::{Stuck, Walk, WalkOptions, solved};
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
-use crate::physics::mesh_rule;
 use crate::physics::preconditioner::Preconditioner;
-use crate::physics::system::{Evaluation, State, System};
-use crate::scene::mesh::next_fast;
+use crate::physics::system::{State, System};
+use crate::scene::mesh::points_at;
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
@@ -67,46 +66,23 @@ impl Guard {
     }
 
     /// The smallest eigenvalue over all modes of the whole cell, and u0 where it is free, at the
-    /// `displacement` field u of mean `u0` in equilibrium with the mean `stress`.
+    /// `displacement` field u of mean `u0` in equilibrium with the mean `stress`. `even` is an upper
+    /// bound of it: modes are followed only while there are softer ones.
     pub(in crate::follow) fn check(
-        &mut self,
-        displacement: &Array2<f64>,
-        [u0, stress]: [f64; 2],
-    ) -> Stiffness {
-        let at = self.at(displacement, [u0, stress]);
-        self.all(&at)
-    }
-
-    /// The same where `even` is an upper bound: modes are followed only while there are softer
-    /// ones.
-    fn check_beside(
         &mut self,
         even: Stiffness,
         displacement: &Array2<f64>,
         [u0, stress]: [f64; 2],
     ) -> Stiffness {
-        let at = self.at(displacement, [u0, stress]);
-        let Self { mechanics, tracker } = self;
-        if let Some(bounded) =
-            tracker.bounded(mechanics, &at.state.amplitudes, &at.fields, even.value)
-        {
-            return bounded;
-        }
-        self.all(&at)
-    }
-
-    fn at(&mut self, displacement: &Array2<f64>, [u0, stress]: [f64; 2]) -> Evaluation {
         let mut z = self.mechanics.amplitudes(displacement);
         let control;
         [control, z[0]] = self.mechanics.system.control().balanced(u0, stress);
         let at = self.mechanics.at(z, control);
         self.mechanics.refresh(&at.fields);
-        at
-    }
-
-    fn all(&mut self, at: &Evaluation) -> Stiffness {
         let Self { mechanics, tracker } = self;
-        tracker.check(mechanics, &at.state.amplitudes, &at.fields).0
+        let (z, fields) = (&at.state.amplitudes, &at.fields);
+        let bounded = tracker.bounded(mechanics, z, fields, even.value);
+        bounded.unwrap_or_else(|| tracker.check(mechanics, z, fields).0)
     }
 }
 
@@ -142,7 +118,7 @@ impl Walk {
             displacement += &system.unfolded(height);
         }
         guard.mechanics.cancel = mechanics.cancel.clone();
-        let all = guard.check_beside(even, &displacement, [u0, found.state.stress]);
+        let all = guard.check(even, &displacement, [u0, found.state.stress]);
         if all.value < (1.0 - SOFTER) * even.value {
             (even, mode) = tracker.check(mechanics, z, fields);
         }
@@ -221,7 +197,7 @@ pub(super) fn with_coarse(
     Mechanics { system, slides, .. }: &Mechanics,
 ) -> Tracker {
     let (law, grid) = (system.law(), system.grid());
-    let n = next_fast(mesh_rule::points_for_mu_rho(law, grid.length, RESOLVED).ceil() as usize);
+    let n = points_at(law, grid.length, RESOLVED);
     if !system.is_flat() || !law.is_smooth() || 2 * n > grid.nx {
         return tracker;
     }
