@@ -1,17 +1,20 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
+use crate::dense::Dense;
 use crate::loops::{preset, walked};
+use ndarray::Array2;
 use tackscope::follow::atlas::{Atlas, Cycle, End, Meshes};
 use tackscope::follow::record::JumpRecord;
 use tackscope::follow::run::LoopRun;
 use tackscope::physics::control::Control;
+use tackscope::physics::grid::Grid;
 use tackscope::physics::law::{Law, Morse, Shape};
 use tackscope::physics::theory::flat;
 use tackscope::scene::mesh::{mesh_error, next_fast};
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Scene, Turn};
 use tackscope::solver::Stop;
-use tackscope::solver::sector::Side;
+use tackscope::solver::sector::{Sector, Side};
 use tackscope::study::plan::plan;
 
 fn morse(range: f64) -> Law {
@@ -433,4 +436,35 @@ fn meshes_of_the_plan_are_quick_to_transform_on_a_quarter_cell() {
         }
         assert_eq!(rest, 1);
     }
+}
+
+/// The blocks are of modulations along y; the matrix knows of none.
+#[test]
+fn a_ridge_is_as_soft_as_the_dense_hessian_of_the_whole_cell_says_stable_or_not() {
+    let (length, n) = (128.0, 24);
+    let law = morse(1.0);
+    let mut sector = Sector::ridge(length, n, law);
+    let dense = Dense::new(Grid::square(length, n), f64::INFINITY);
+    let (mut stable, mut unstable) = (0, 0);
+    for u0 in [0.7, 0.8, 0.9, 1.0, 1.2, 1.6, 2.0, 2.4, 2.6, 2.8, 2.9] {
+        let mut kick = vec![0.0; sector.system().dimension()];
+        kick[1] = -law.range;
+        let settled = sector.settle(u0, kick).expect("a ridge");
+        let found = sector.measure(u0, settled, None, 1e-8).expect("a ridge");
+        let line = sector.system().unfolded(&found.fields.gap);
+        let gap = Array2::from_shape_fn((n, n), |(_, i)| line[[0, i]]);
+        let a = dense.at(&gap, &gap, &law, [true; 2], true);
+        let softest = a.symmetric_eigenvalues().min();
+        let (value, error) = (found.stiffness.value, found.stiffness.error);
+        assert!(
+            (value - softest).abs() <= error.max(1e-8),
+            "{value:e} +- {error:e}, not {softest:e} at {u0}"
+        );
+        *(if softest > 0.0 {
+            &mut stable
+        } else {
+            &mut unstable
+        }) += 1;
+    }
+    assert!(stable > 1 && unstable > 1, "{stable} {unstable}");
 }
