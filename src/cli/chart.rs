@@ -2,7 +2,7 @@
 
 use super::progress::Monitor;
 use super::{ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, failures, warn};
-use crate::plot::chart_panel::page;
+use crate::plot::chart_panel::{headline, page};
 use crate::storage::export::write_chart_csv;
 use crate::storage::summary::write_chart_json;
 use crate::storage::{Failure, drawing, presets, scene_file};
@@ -108,8 +108,9 @@ fn closing_words(chart: &Chart) -> String {
         .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
         .count();
     let (points, skipped) = (chart.rows.len(), chart.skipped.len());
+    let headline = headline(chart).map_or_else(String::new, |words| format!("; {words}"));
     format!(
         "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
-         skipped"
+         skipped{headline}"
     )
 }

@@ -32,7 +32,7 @@ use crate::scene::mesh::{next_fast, points_at};
 use crate::scene::{Model, Scene};
 use crate::solver::Lost;
 use crate::solver::mechanics::Mechanics;
-use crate::solver::sector::{NODE, Node, Sector, Side};
+use crate::solver::sector::{Node, SHARP, Sector, Side};
 use std::fmt;
 use trace::both_ways;
 
@@ -391,7 +391,7 @@ impl Atlas {
         };
         let settled = sector.settle(u0, z).ok_or(Lost::Gone);
         let (mut first, fields) = settled
-            .and_then(|z| sector.node(u0, z, None, NODE))
+            .and_then(|z| sector.node(u0, z, None, SHARP))
             .map_err(lost)?;
         let there = first.state.under(driven);
         // On its own mesh it is a little beside the control of the release.
@@ -439,7 +439,7 @@ impl Atlas {
         } else {
             &mut self.square
         };
-        let (node, _) = sector.node(u0, guess, None, NODE)?;
+        let (node, _) = sector.node(u0, guess, None, SHARP)?;
         self.branches[i].insert(node);
         Ok(())
     }

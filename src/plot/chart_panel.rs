@@ -5,7 +5,7 @@ use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, lette
 use super::ticks::digits;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::study::chart::{self, Chart, Judged, Point, Verdict};
+use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, front};
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no
 /// error.
@@ -212,7 +212,7 @@ impl<'a> ChartPanel<'a> {
             .iter()
             .map(|row| (self.cost.of(row), error(row)))
             .collect();
-        let on = chart::front(&pairs);
+        let on = front(&pairs);
         self.rows
             .iter()
             .zip(on)
@@ -335,6 +335,7 @@ fn caption(chart: &Chart) -> Vec<String> {
             reference.errors.dissipated_energy,
         ),
     }];
+    lines.extend(headline(chart));
     let short = |what: &str| {
         if what.chars().count() <= SHORT {
             what.to_owned()
@@ -353,6 +354,25 @@ fn caption(chart: &Chart) -> Vec<String> {
             .map(|three| format!("Failed  {}", three.join("     "))),
     );
     lines
+}
+
+/// How much cheaper the paper's loop is had, at its own error and at the least that its method
+/// reached.
+pub fn headline(chart: &Chart) -> Option<String> {
+    let [budget, best] = chart.saved();
+    let said = |saved: Saved<'_>, of: &str| {
+        format!(
+            "{:.0} times less processor time ({}, n = {}) than {of}, {:.1} % off",
+            saved.ratio(),
+            saved.ours.point.strategy(),
+            saved.ours.point.points,
+            100.0 * saved.paper.errors.dissipated_energy,
+        )
+    };
+    let budget = budget.map(|saved| said(saved, "the paper's method with its budget"));
+    let best = best.map(|saved| said(saved, "the best that method reaches"));
+    let all: Vec<String> = budget.into_iter().chain(best).collect();
+    (!all.is_empty()).then(|| format!("{}.", all.join("; ")))
 }
 
 /// Least and largest of what can be shown on a logarithmic axis; a decade where there is nothing.
@@ -383,7 +403,7 @@ mod tests {
             model: Strategy::WHOLE,
             line: false,
             points: 64,
-            precision: chart::Precision::Double,
+            precision: crate::numerics::precision::Precision::Double,
             step: 0.02,
         };
         let mut marks: Vec<_> = MethodKind::ALL

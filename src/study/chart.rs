@@ -12,6 +12,7 @@ pub use crate::numerics::precision::Precision;
 pub use judge::{Errors, Judged, Reference, Verdict, front};
 pub use points::{Effort, Point, points};
 
+use super::plan::{plan, run_as_planned};
 use crate::follow::atlas::{Atlas, Leg, Place, Unmapped};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{LoopRecord, StateRecord};
@@ -24,6 +25,7 @@ use crate::physics::pattern::Pattern;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Points, Scene};
 use crate::solver::Stop;
+use crate::solver::methods::MethodKind;
 use cpu_time::ProcessTime;
 use points::Predictor;
 use std::fmt;
@@ -40,6 +42,45 @@ pub struct Chart {
     pub skipped: Vec<Skipped>,
     /// True if somebody asked to stop; what was measured stands.
     pub cancelled: bool,
+}
+
+/// What the cheapest loop that is no worse than one of the paper's method saves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saved<'a> {
+    /// The loop of the paper's method.
+    pub paper: &'a Judged,
+    /// The cheapest loop in processor time with an error of the loss as small, or below the
+    /// reference's own.
+    pub ours: &'a Judged,
+}
+
+impl Saved<'_> {
+    /// Processor time of the one over that of the other.
+    pub fn ratio(&self) -> f64 {
+        self.paper.processor_seconds / self.ours.processor_seconds
+    }
+}
+
+impl Chart {
+    /// Against the paper's method with its own budget, and against the loop in which its error is
+    /// least, whatever its verdict.
+    pub fn saved(&self) -> [Option<Saved<'_>>; 2] {
+        let error = |row: &Judged| row.errors.dissipated_energy;
+        let paper = |row: &&Judged| row.point.method == MethodKind::Gfmd && error(row).is_finite();
+        let papers = || self.rows.iter().filter(paper);
+        let budget = papers().find(|row| row.paper_budget);
+        let best = papers().min_by(|a, b| error(a).total_cmp(&error(b)));
+        let floor = self.reference.as_ref();
+        let floor = floor.map_or(f64::NAN, |reference| reference.errors.dissipated_energy);
+        [budget, best].map(|paper| {
+            let paper = paper?;
+            let done = self.rows.iter().filter(|row| row.verdict == Verdict::Done);
+            let ours = done.filter(|row| error(row) <= error(paper).max(floor));
+            let time = |row: &&Judged| row.processor_seconds;
+            let ours = ours.min_by(|a, b| time(a).total_cmp(&time(b)))?;
+            Some(Saved { paper, ours })
+        })
+    }
 }
 
 /// A point that was left out.
@@ -101,8 +142,9 @@ pub fn run(
     let predictor = Predictor::new(&scene)?;
     let total = list
         .iter()
-        .chain(&finest)
-        .map(|p| predictor.seconds(p))
+        .copied()
+        .chain(finest.iter().map(points::solved))
+        .map(|p| predictor.seconds(&p))
         .sum();
     let mut work = Work {
         scene: &scene,
@@ -190,15 +232,17 @@ impl Work<'_> {
                 reference: true,
             });
             let (done, total) = (self.done, self.total);
-            let expected = self.predictor.seconds(point);
-            let loop_ = measure(
+            let expected = self.predictor.seconds(&points::solved(point));
+            let loop_ = timed(
                 self.scene,
                 point,
+                States::Solved,
                 points::REFERENCE * self.effort.seconds() - self.spent,
                 self.cancel,
                 &mut |f| observe(News::Fraction(share(done + f * expected, total))),
             )?;
-            self.finish(expected, &loop_);
+            self.done += expected;
+            self.spent += loop_.processor_seconds;
             loops.push(loop_);
         }
         if self.cancel.requested() {
@@ -302,6 +346,26 @@ pub fn measure(
     cancel: &Cancel,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Measured, Refusal> {
+    timed(scene, point, States::ReadOff, allowed, cancel, progress)
+}
+
+/// What the states of an atlas are.
+#[derive(Clone, Copy, PartialEq)]
+enum States {
+    /// Read off between its nodes.
+    ReadOff,
+    /// Each solved, as by `tackscope run`.
+    Solved,
+}
+
+fn timed(
+    scene: &Scene,
+    point: &Point,
+    states: States,
+    allowed: f64,
+    cancel: &Cancel,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Measured, Refusal> {
     let mut scene = scene.clone();
     scene.drive.step = point.step;
     scene.cell.points = if point.line {
@@ -319,22 +383,27 @@ pub fn measure(
         precision: point.precision,
         trapped_within: None,
     };
+    let observe = &mut |report: Report<'_>| {
+        if processor.elapsed().as_secs_f64() > allowed {
+            out_of_time = true;
+            part.request();
+        }
+        if let Report::State { fraction, .. } = report {
+            progress(fraction);
+        }
+    };
     let LoopRun {
         record,
         outcome,
         counts,
         ..
     } = match point.model {
-        Strategy::Atlas => read_off(&scene, &model),
-        Strategy::Walk(walked) => run_loop(&scene, options(walked), &part, &mut |report| {
-            if processor.elapsed().as_secs_f64() > allowed {
-                out_of_time = true;
-                part.request();
-            }
-            if let Report::State { fraction, .. } = report {
-                progress(fraction);
-            }
-        })?,
+        Strategy::Atlas if states == States::ReadOff => read_off(&scene, &model),
+        Strategy::Atlas => {
+            let plan = plan(&scene, &model, Some(Strategy::Atlas));
+            run_as_planned(&scene, point.method, &plan, &part, observe)?
+        }
+        Strategy::Walk(walked) => run_loop(&scene, options(walked), &part, observe)?,
     };
     Ok(Measured {
         point: *point,

@@ -242,7 +242,7 @@ pub(super) fn rivals(
         .collect()
 }
 
-fn run_as_planned(
+pub(super) fn run_as_planned(
     scene: &Scene,
     method: MethodKind,
     plan: &Plan,

@@ -134,6 +134,62 @@ fn the_reference_is_finer_than_anything_it_judges() {
 }
 
 #[test]
+fn the_references_error_bar_holds_against_an_atlas_half_as_fine_again() {
+    let reference = quick().reference.as_ref().unwrap();
+    let point = *reference.point();
+    assert_eq!(point.model, Strategy::Atlas);
+    let finer = Point {
+        points: point.points * 3 / 2 / 8 * 8,
+        ..point
+    };
+    let finer = measured(&tiny(), finer);
+    let off = (reference.dissipated_energy / finer.dissipated_energy() - 1.0).abs();
+    let stated = reference.errors.dissipated_energy;
+    assert!(off <= stated, "{off:e}, stated {stated:e}");
+    for (ours, better) in reference
+        .finest
+        .record
+        .jumps
+        .iter()
+        .zip(&finer.record.jumps)
+    {
+        let late = (ours.control - better.control).abs();
+        assert!(
+            late <= reference.errors.jumps,
+            "{late:e} {:?}",
+            reference.errors
+        );
+    }
+    assert!(
+        stated < 1e-6 && reference.errors.jumps < 1e-6,
+        "{:?}",
+        reference.errors
+    );
+}
+
+#[test]
+fn what_is_saved_is_against_the_papers_loops_and_no_worse_than_they() {
+    let chart = quick();
+    let floor = chart.reference.as_ref().unwrap().errors.dissipated_energy;
+    let [budget, best] = chart.saved();
+    assert!(
+        budget.is_none(),
+        "the scene's own step is not in a quick chart"
+    );
+    let best = best.unwrap();
+    let error = |row: &tackscope::study::chart::Judged| row.errors.dissipated_energy;
+    assert_eq!(best.paper.point.method, MethodKind::Gfmd);
+    assert_eq!(best.ours.verdict, Verdict::Done);
+    assert!(error(best.ours) <= error(best.paper).max(floor));
+    let beaten = chart.rows.iter().filter(|row| {
+        row.verdict == Verdict::Done
+            && error(row) <= error(best.paper)
+            && row.processor_seconds < best.ours.processor_seconds
+    });
+    assert_eq!(beaten.count(), 0);
+}
+
+#[test]
 fn the_full_chart_of_fig_2_has_the_plan_and_the_papers_budget_in_it() {
     let scene = preset("fig2");
     let (list, _) = points(&scene, Effort::Full { seconds: 180.0 }).unwrap();

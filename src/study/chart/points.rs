@@ -2,6 +2,7 @@
 
 use super::Measured;
 use crate::numerics::precision::Precision;
+use crate::physics::body::Body;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
@@ -150,7 +151,7 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     list.extend(quarters);
     list.extend(atlases(scene, &grid, &meshes, step));
     list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
-    Ok((list, finest(&grid, most, step)))
+    Ok((list, finest(scene, &grid, most, step)))
 }
 
 /// A point of double precision on the whole cell.
@@ -165,15 +166,34 @@ fn double(grid: &Grid, method: MethodKind, points: usize, step: f64) -> Point {
     }
 }
 
-/// The loops of the reference of points on up to `most` points a side, with steps of `step`.
-fn finest(grid: &Grid, most: usize, step: f64) -> [Point; 3] {
-    let finer = next_fast((1.2 * most as f64 + 1.0).ceil() as usize);
+/// The loops of the reference of points on up to `most` points a side, with steps of `step`. Where
+/// there is an atlas its jumps are located directly, and the mesh is all that is left of its error:
+/// then both meshes are finer.
+fn finest(scene: &Scene, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
+    let finer = |share: f64| next_fast((share * most as f64 + 1.0).ceil() as usize);
+    let (model, meshes) = if has_atlas(scene, grid) {
+        (Strategy::Atlas, [1.5, 1.25].map(finer))
+    } else {
+        (Strategy::WHOLE, [finer(1.2), most])
+    };
     [
-        (finer, step / 2.0),
-        (most, step / 2.0),
-        (finer, LONGER * step / 2.0),
+        (meshes[0], step / 2.0),
+        (meshes[1], step / 2.0),
+        (meshes[0], LONGER * step / 2.0),
     ]
-    .map(|(n, step)| double(grid, MethodKind::NewtonKrylov, n, step))
+    .map(|(n, step)| Point {
+        model,
+        ..double(grid, MethodKind::NewtonKrylov, n, step)
+    })
+}
+
+/// A point of the atlas as what its states cost if each is solved.
+pub(super) fn solved(point: &Point) -> Point {
+    let model = match point.model {
+        Strategy::Atlas => Strategy::QUARTER,
+        walk => walk,
+    };
+    Point { model, ..*point }
 }
 
 /// Points along a side of the finest mesh.
@@ -206,9 +226,9 @@ fn affordable(
     // Where even the reference is beyond the means the finest mesh goes, unless the next one traps
     // patterns; then steps get longer.
     let safe = |n: usize| predictor.mu_rho(n) <= SAFE;
-    while finest(grid, most(&meshes, grid), step)
+    while finest(scene, grid, most(&meshes, grid), step)
         .iter()
-        .map(|p| predictor.seconds(p))
+        .map(|p| predictor.seconds(&solved(p)))
         .sum::<f64>()
         > REFERENCE / 1.5 * effort.seconds()
     {
@@ -255,15 +275,22 @@ fn quarters(scene: &Scene, list: &[Point]) -> Vec<Point> {
         .collect()
 }
 
-/// The same read off an atlas, where there is one.
+/// True if there is an atlas of the scene.
+fn has_atlas(scene: &Scene, grid: &Grid) -> bool {
+    let flat = scene.indenter == Indenter::Flat && scene.body == Body::HalfSpace;
+    flat && !grid.is_line() && scene.turn_of_atlas().is_some()
+}
+
+/// The same read off an atlas, where there is one, and on a mesh between those and the reference's.
 fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point> {
-    let flat = scene.indenter == Indenter::Flat;
-    if grid.is_line() || !flat || scene.turn_of_atlas().is_none() {
+    if !has_atlas(scene, grid) {
         return Vec::new();
     }
-    let meshes = meshes.iter().filter(|n| n.is_multiple_of(8));
+    let between = next_fast(9 * most(meshes, grid) / 8);
+    let meshes = meshes.iter().copied().chain([between]);
     meshes
-        .map(|&n| Point {
+        .filter(|n| n.is_multiple_of(8))
+        .map(|n| Point {
             model: Strategy::Atlas,
             ..double(grid, MethodKind::NewtonKrylov, n, step)
         })
