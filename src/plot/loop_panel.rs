@@ -56,7 +56,7 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
 /// The axes of stress against mean displacement, showing this much of each.
 pub(super) fn axes(model: &Model, [x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
     let [length, stress] = [Dimension::Length, Dimension::Stress].map(|of| model.unit(of));
-    let (u0, sigma) = ("mean displacement u_0", "mean stress, tension positive,");
+    let (u0, sigma) = ("mean displacement u_0", "mean tensile stress sigma");
     let natural = "mean stress sigma/sigma_max (tension positive)";
     [
         Axis::of(&length, &format!("{u0}/rho"), u0).from_to(x[0], x[1]),

@@ -159,14 +159,16 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 
 /// A number with three digits.
 pub fn significant(value: f64) -> String {
-    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) {
-        return format!("{value:.2e}");
+    let short = format!("{value:.2e}");
+    // Rounding may have carried into one more digit.
+    let size = short.parse().unwrap_or(value).abs();
+    if size == 0.0 {
+        return "0.00".to_owned();
     }
-    let power = if value == 0.0 {
-        0
-    } else {
-        value.abs().log10().floor() as i32
-    };
+    if !(1e-3..1e4).contains(&size) {
+        return short;
+    }
+    let power = size.log10().floor() as i32;
     format!("{value:.*}", (2 - power).max(0) as usize)
 }
 

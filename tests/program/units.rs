@@ -72,6 +72,7 @@ fn numbers_are_told_with_the_prefix_that_leaves_one_to_three_digits_before_the_p
         (Dimension::SurfaceEnergy, 5.875e-3, "5.88 mJ/m²"),
         (Dimension::Energy, 4.7e-15, "4.70 fJ"),
         (Dimension::Force, 4.2e-4, "420 µN"),
+        (Dimension::Force, 9.9996e-5, "100 µN"),
         (Dimension::Force, 0.0, "0.00 N"),
         (Dimension::Energy, 1e-30, "1.00e-9 zJ"),
     ] {
@@ -377,10 +378,8 @@ fn a_run_in_units_is_the_run_without_times_the_modulus() {
     }
     assert_eq!(told["dissipated_energy"], untold["dissipated_energy"]);
     assert!(untold.get("units").is_none(), "nothing of units");
-    assert_eq!(
-        untold["scene"]["toml"].as_str().unwrap().find("units"),
-        None
-    );
+    let toml = untold["scene"]["toml"].as_str().unwrap();
+    assert!(!toml.contains("[units]"), "{toml}");
     let si = |key: &str| told["units"][key].as_f64().unwrap();
     let loss = told["dissipated_energy"].as_f64().unwrap();
     near(si("loss_joule_per_square_metre"), 0.05 * loss);
@@ -390,6 +389,22 @@ fn a_run_in_units_is_the_run_without_times_the_modulus() {
         .map(|row| row[2].parse::<f64>().unwrap());
     near(si("pull_off_pascal"), 2e6 * pull.fold(0.0, f64::max));
     near(si("pull_off_newton"), 4e-10 * si("pull_off_pascal"));
+}
+
+#[test]
+fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
+    for (name, real) in [
+        ("rubber", "Range: rho = 100 nm"),
+        ("fig2", "Largest strain: sigma_max/E* = 0.0750; holds"),
+    ] {
+        let output = tackscope().args(["scene", name]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert!(errors(&output).contains(real), "{}", errors(&output));
+        let printed = String::from_utf8(output.stdout).unwrap();
+        let scene = presets::find(name).unwrap().scene().unwrap();
+        assert_eq!(parsed(&printed), scene, "all of it was decided");
+        assert_eq!(printed.contains("[units]"), name == "rubber");
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! The window of a scene with units: it speaks in them, and takes numbers in them.
 
 use super::bench::Bench;
-use egui::{Event, Key, Modifiers};
+use egui::{Event, Key, Modifiers, Role};
+use egui_kittest::kittest::Queryable;
 use tackscope::scene::units::SUGGESTED;
 
 /// Runs the command that these words find.
@@ -55,7 +56,9 @@ fn whether_the_scene_is_real_stands_below_the_equations() {
 fn a_scene_is_given_units_by_the_picker_and_loses_them_by_undo() {
     let mut bench = Bench::new();
     bench.click("Advanced");
-    bench.click("Units");
+    let units = bench.window.get_by_role_and_label(Role::ComboBox, "Units");
+    units.click();
+    bench.settle();
     bench.click("SI");
     let scene = bench.state().scene.clone();
     assert_eq!(scene.units, Some(SUGGESTED));
@@ -68,4 +71,40 @@ fn a_scene_is_given_units_by_the_picker_and_loses_them_by_undo() {
     );
     bench.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.state().scene.units, None);
+}
+
+#[test]
+fn every_curve_of_the_plot_is_written_in_the_units_of_its_axes() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let path = home.path().join("curves.csv");
+    let mut bench = Bench::new();
+    command(&mut bench, "preset rubber");
+    command(&mut bench, "curves of the plot as");
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.settle();
+    bench.window.event(Event::Text(path.display().to_string()));
+    bench.settle();
+    bench.click("Write");
+    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(text.contains("x = u₀ (nm), y = stress (kPa)"), "{text}");
+    // The flat state in full contact at its strongest: 250 kPa at 100 nm ln 2.
+    let flat = text
+        .lines()
+        .filter(|line| line.starts_with("a,\"flat state") || line.starts_with("a,flat state"));
+    let points = flat.map(|line| {
+        let numbers: Vec<f64> = line
+            .rsplit(',')
+            .skip(2)
+            .take(2)
+            .map(|x| x.parse().unwrap())
+            .collect();
+        [numbers[1], numbers[0]]
+    });
+    let top = points
+        .max_by(|a, b| a[1].total_cmp(&b[1]))
+        .expect("it is on flat ground");
+    assert!(
+        (top[1] - 250.0).abs() < 0.05 && (top[0] - 69.3).abs() < 1.5,
+        "{top:?}"
+    );
 }
