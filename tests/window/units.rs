@@ -1,9 +1,7 @@
 //! The window of a scene with units: it speaks in them, and takes numbers in them.
 
 use super::bench::Bench;
-use egui::{Event, Key, Modifiers, Role};
-use egui_kittest::kittest::Queryable;
-use tackscope::scene::units::SUGGESTED;
+use egui::{Event, Key, Modifiers};
 
 /// Runs the command that these words find.
 fn command(bench: &mut Bench, words: &str) -> String {
@@ -50,27 +48,6 @@ fn whether_the_scene_is_real_stands_below_the_equations() {
         told.contains("Range: doubtful") && told.contains("E* = 2.00 MPa"),
         "{told}"
     );
-}
-
-#[test]
-fn a_scene_is_given_units_by_the_picker_and_loses_them_by_undo() {
-    let mut bench = Bench::new();
-    bench.click("Advanced");
-    let units = bench.window.get_by_role_and_label(Role::ComboBox, "Units");
-    units.click();
-    bench.settle();
-    bench.click("SI");
-    let scene = bench.state().scene.clone();
-    assert_eq!(scene.units, Some(SUGGESTED));
-    // Nothing that is computed has changed.
-    assert_eq!(scene.law.surface_energy, 0.15);
-    assert!(
-        bench.names().contains("Contact modulus E*"),
-        "{}",
-        bench.names()
-    );
-    bench.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(bench.state().scene.units, None);
 }
 
 #[test]
