@@ -84,6 +84,7 @@ fn random(seed: u64) -> (Scene, Option<Strategy>) {
             step: (start - bottom) / rng.random_range(10.0..100.0),
         },
         accuracy: target,
+        units: None,
         seed,
     };
     if !line {

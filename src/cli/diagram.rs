@@ -65,10 +65,10 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         found.missing.extend(missing);
         found.cancelled |= cancel.requested();
     }
-    let page = page(&found, &model.law, &scene.title);
+    let page = page(&found, &model, &scene.title);
     written.extend([
-        write_branches_csv(&branches, &found),
-        write_points_csv(&points, &found),
+        write_branches_csv(&branches, &found, &scene),
+        write_points_csv(&points, &found, &scene),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page),
     ]);

@@ -23,6 +23,7 @@ use crate::storage::fields::Keep;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, files, line, presets, scene_file};
 use crate::study::map::Vary;
+use crate::study::reality::reality;
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -515,6 +516,9 @@ fn print_scene(arguments: &SceneArguments) -> Result<u8, Failure> {
         scene_file::to_text(&decided)
     };
     print(text.trim_end())?;
+    // What people read stands beside what programs do.
+    warn("is this scene real?");
+    reality(&model).iter().for_each(warn);
     Ok(DONE)
 }
 

@@ -4,15 +4,17 @@ use super::failures;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop};
+use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
 use crate::scene::part::Strategy;
+use crate::scene::units::Units;
 use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
 use crate::storage::folder::Folder;
 use crate::storage::summary::{
     Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
-    Yardstick,
+    UnitsSummary, Yardstick,
 };
 use crate::storage::{Failure, drawing, export, picture};
 use crate::study::error_bar::reference;
@@ -78,7 +80,7 @@ pub(super) fn summary(
     Summary {
         tackscope: env!("CARGO_PKG_VERSION"),
         scene: SceneSummary::new(given, scene),
-        plan: plan_summary(model, plan, run.deviation.as_deref()),
+        plan: plan_summary(scene, model, plan, run.deviation.as_deref()),
         predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),
         measured_error: Number(f64::NAN),
         method,
@@ -102,6 +104,32 @@ pub(super) fn summary(
         wall_seconds: Number(timed.wall_seconds),
         processor_seconds: Number(timed.processor_seconds),
         yardstick: None,
+        units: scene
+            .units
+            .map(|units| in_si(&units, model, run, ledger.as_ref())),
+    }
+}
+
+/// What a loop is in SI.
+fn in_si(units: &Units, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -> UnitsSummary {
+    let word = |of| units.word(of);
+    let loss = ledger.and_then(Ledger::dissipated_energy);
+    let loss = loss.map(|loss| loss * model.law.surface_energy);
+    let stresses = run.record.states.iter().map(|state| state.stress);
+    let pull = stresses.reduce(nan_max);
+    let si = |of, value: Option<f64>| Number::from(value.map(|value| value * units.si(of)));
+    let of_cell = |value: Option<f64>| model.of_cell(value?);
+    UnitsSummary {
+        length: word(Dimension::Length),
+        stress: word(Dimension::Stress),
+        energy: word(Dimension::SurfaceEnergy),
+        stiffness: word(Dimension::Stiffness),
+        contact_modulus: Number(units.contact_modulus),
+        temperature_kelvin: Number(units.temperature),
+        loss_joule_per_square_metre: si(Dimension::SurfaceEnergy, loss),
+        loss_joule: si(Dimension::Energy, of_cell(loss)),
+        pull_off_pascal: si(Dimension::Stress, pull),
+        pull_off_newton: si(Dimension::Force, of_cell(pull)),
     }
 }
 
@@ -188,7 +216,8 @@ fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
+fn plan_summary(scene: &Scene, model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
+    let given = scene.number_given(Dimension::SurfaceEnergy, model.law.surface_energy);
     PlanSummary {
         strategy: deviation
             .as_ref()
@@ -204,7 +233,7 @@ fn plan_summary(model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSumm
         points: [model.grid.nx, model.grid.ny],
         spacing: Number(model.grid.spacing()),
         law: model.law.shape.word(),
-        surface_energy: Number(model.law.surface_energy),
+        surface_energy: Number(given),
         range: Number(model.law.range),
         mu_rho: Number(model.mu_rho),
         warning: model.warning(),
@@ -320,8 +349,8 @@ pub(super) fn write_results(
     let page = loop_panel::page(&run.record, model, &scene.title, error);
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
     let mut written = vec![
-        export::write_loop_csv(&states, &run.record.states),
-        export::write_events_csv(&jumps, &run.record.jumps),
+        export::write_loop_csv(&states, scene, &run.record.states),
+        export::write_events_csv(&jumps, scene, &run.record.jumps),
         drawing::write_page_svg(&svg, &page),
         drawing::write_page_png(&png, &page).and_then(|()| picture::attach_scene(&png, scene)),
     ];

@@ -7,8 +7,10 @@ use super::{
 };
 use crate::follow::run::{LoopRun, Outcome, Report};
 use crate::numerics::cancel::Cancel;
-use crate::physics::parameter::Refusal;
+use crate::physics::parameter::{Dimension, Refusal};
+use crate::scene::parameter;
 use crate::scene::part::Strategy;
+use crate::scene::units::say;
 use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::storage::fields::Collector;
@@ -208,7 +210,7 @@ fn scene(arguments: &RunArguments) -> Result<(Scene, String), Failure> {
     let (mut scene, mut place) = scene_with_points(&arguments.scene, arguments.points)?;
     if let Some(step) = arguments.step {
         place.push_str(&format!(" with --step {step}"));
-        scene.drive.step = step;
+        scene.drive.step = scene.number_taken(parameter::STEP.unit, step);
     }
     if let Some(seed) = arguments.seed {
         scene.seed = seed;
@@ -282,7 +284,32 @@ fn closing_words(told: &Summary, run: &LoopRun) -> String {
         _ => String::new(),
     };
     let (states, tally) = (run.record.states.len(), run.record.tally());
-    format!("{loss}, {tally}, {states} states{ratio}")
+    format!("{loss}, {tally}, {states} states{ratio}{}", in_si(told))
+}
+
+/// Loss and pull-off of a scene with units.
+fn in_si(told: &Summary) -> String {
+    let Some(units) = &told.units else {
+        return String::new();
+    };
+    let said = [
+        (
+            "loss",
+            Dimension::SurfaceEnergy,
+            &units.loss_joule_per_square_metre,
+            "",
+        ),
+        ("", Dimension::Energy, &units.loss_joule, " a cell"),
+        ("pull-off", Dimension::Stress, &units.pull_off_pascal, ""),
+        ("", Dimension::Force, &units.pull_off_newton, " a cell"),
+    ];
+    let known = said.iter().filter(|(.., value, _)| value.0.is_finite());
+    known
+        .map(|(what, of, value, per)| {
+            let separator = if what.is_empty() { " or" } else { "; " };
+            format!("{separator}{what} {}{per}", say(*of, value.0))
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -35,6 +35,7 @@ pub fn flat(title: &str, length: f64, points: Points, start: f64, turn: f64, ste
         },
         accuracy: 0.01,
         seed: 1,
+        units: None,
     }
 }
 
@@ -114,6 +115,7 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
         },
         accuracy: 0.01,
         seed: 1,
+        units: None,
     }
 }
 
@@ -145,6 +147,7 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
         },
         accuracy: 0.01,
         seed: 1,
+        units: None,
     }
 }
 
@@ -168,6 +171,7 @@ pub fn figure_1() -> Scene {
         },
         accuracy: 0.01,
         seed: 1,
+        units: None,
     }
 }
 

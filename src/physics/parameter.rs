@@ -39,14 +39,64 @@ pub struct Parameter {
     pub label: &'static str,
     /// Its letter.
     pub symbol: &'static str,
-    /// Its unit in words, with E* = 1; empty for a pure number.
-    pub unit: &'static str,
+    /// What it is a number of.
+    pub unit: Dimension,
     /// Least and greatest value.
     pub range: RangeInclusive<f64>,
     /// What it is where the file does not say; `None` where it must.
     pub default: Option<Value>,
     /// What is allowed, with an example; `{range}` stands for the range in words.
     pub hint: &'static str,
+}
+
+/// What a number is a number of: powers of the contact modulus E* and of a length, or neither.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A pure number, or one in a unit of its own, which it names.
+    Pure(&'static str),
+    /// A length.
+    Length,
+    /// A stress or a modulus: E*.
+    Stress,
+    /// An energy per area: E* times length.
+    SurfaceEnergy,
+    /// A stiffness per area: E* per length.
+    Stiffness,
+    /// What the machine drives: a length, or the stress of a load.
+    Driven,
+    /// An energy: E* times volume.
+    Energy,
+    /// A force: E* times area.
+    Force,
+}
+
+impl Dimension {
+    /// In words, with E* = 1; empty for a pure number.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pure(unit) => unit,
+            Self::Length => "length",
+            Self::Stress => "E*",
+            Self::SurfaceEnergy => "E* times length",
+            Self::Stiffness => "E* per length",
+            Self::Driven => "length, or E* of a load",
+            Self::Energy => "E* times volume",
+            Self::Force => "E* times area",
+        }
+    }
+
+    /// The powers of E* and of a length; what is driven counts as a length.
+    pub fn powers(self) -> [i32; 2] {
+        match self {
+            Self::Pure(_) => [0, 0],
+            Self::Length | Self::Driven => [0, 1],
+            Self::Stress => [1, 0],
+            Self::SurfaceEnergy => [1, 1],
+            Self::Stiffness => [1, -1],
+            Self::Energy => [1, 3],
+            Self::Force => [1, 2],
+        }
+    }
 }
 
 /// The value of a parameter, of the kind that it takes.
@@ -150,7 +200,7 @@ impl Parameter {
             "| `{}` | {} | {} | {default} | {} |\n",
             self.key,
             self.title(),
-            self.unit,
+            self.unit.word(),
             self.allowed()
         )
     }

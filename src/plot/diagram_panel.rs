@@ -9,6 +9,7 @@ use crate::follow::diagram::{Branch, Diagram, Kind, Point};
 use crate::numerics::vector::hermite;
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
+use crate::scene::Model;
 
 /// Points of a curve between two computed ones.
 const BETWEEN: usize = 8;
@@ -18,7 +19,7 @@ const DEEP: f64 = 0.5;
 const NAMED: f64 = 0.05;
 
 /// The picture of a diagram under the scene's title.
-pub fn page(diagram: &Diagram, law: &Law, title: &str) -> Page<'static> {
+pub fn page(diagram: &Diagram, model: &Model, title: &str) -> Page<'static> {
     let mut title = title.to_owned();
     if diagram.control.frees_mean() {
         title.push_str(&format!(" (under {})", diagram.control));
@@ -33,7 +34,7 @@ pub fn page(diagram: &Diagram, law: &Law, title: &str) -> Page<'static> {
     if diagram.cancelled {
         caption.push("Stopped before all was found.".to_owned());
     }
-    Page::new(&title, caption, vec![diagram_panel(diagram, law)])
+    Page::new(&title, caption, vec![diagram_panel(diagram, model)])
 }
 
 /// What was found, in words.
@@ -60,7 +61,8 @@ pub fn counts(diagram: &Diagram) -> String {
 }
 
 /// The diagram itself.
-pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
+pub fn diagram_panel(diagram: &Diagram, model: &Model) -> Panel {
+    let law = &model.law;
     let at = |p: &Point| place(p.state.mean_displacement, p.state.stress, law);
     // Those of unstable states, of which a long cell has hundreds, must not hide the others.
     let places = |kind: Kind, between_unstable: bool| {
@@ -109,7 +111,7 @@ pub fn diagram_panel(diagram: &Diagram, law: &Law) -> Panel {
         [low - room, high + room]
     });
     let width = x[1] - x[0];
-    let [x_axis, y_axis] = axes([x, y]);
+    let [x_axis, y_axis] = axes(model, [x, y]);
     Panel {
         x: x_axis,
         y: y_axis,

@@ -4,6 +4,8 @@
 use super::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use super::scale::nice;
 use crate::physics::law::Law;
+use crate::physics::parameter::Dimension;
+use crate::scene::Model;
 use crate::study::landscape::{Landscape, Pass, Place};
 
 /// What both diagrams show at least and at most: axes that stay put while the barriers change.
@@ -49,7 +51,9 @@ pub fn at(place: &Place, pass: &Pass, law: &Law) -> [f64; 2] {
 }
 
 /// The paths over all saddles.
-pub fn landscape_panel(landscape: &Landscape, law: &Law, extent: Extent) -> Panel {
+pub fn landscape_panel(landscape: &Landscape, model: &Model, extent: Extent) -> Panel {
+    let law = &model.law;
+    let (length, energy) = (model.unit(Dimension::Length), model.unit_of_barriers());
     let mut series = Vec::new();
     let mut labels = Vec::new();
     for pass in &landscape.passes {
@@ -74,9 +78,13 @@ pub fn landscape_panel(landscape: &Landscape, law: &Law, extent: Extent) -> Pane
     } = extent;
     let room = 0.15 * (deepest + highest);
     Panel {
-        title: "path of steepest descent".to_owned(),
-        x: Axis::linear("way of the surface/rho").from_to(-0.05 * arc, 1.05 * arc),
-        y: Axis::linear("energy/gamma").from_to(-deepest - room, highest + room),
+        title: energy.label(
+            "path of steepest descent",
+            "path of steepest descent: energy",
+        ),
+        x: Axis::of(&length, "way of the surface/rho", "way of the surface")
+            .from_to(-0.05 * arc, 1.05 * arc),
+        y: Axis::of(&energy, "energy/gamma", "energy").from_to(-deepest - room, highest + room),
         series,
         labels,
         ..Panel::default()
@@ -86,11 +94,12 @@ pub fn landscape_panel(landscape: &Landscape, law: &Law, extent: Extent) -> Pane
 /// The barriers along the control, whose values are told in this `unit` under this `label`.
 pub fn barrier_panel(
     landscape: &Landscape,
-    law: &Law,
+    model: &Model,
     extent: Extent,
     (label, unit): (&str, f64),
 ) -> Panel {
-    let gamma = law.surface_energy;
+    let gamma = model.law.surface_energy;
+    let told = model.unit_of_barriers();
     let place = |[control, energy]: &[f64; 2]| [control / unit, energy / gamma];
     let curve = |pass: &Pass| {
         let points = pass.barriers.iter().map(place).collect();
@@ -100,9 +109,9 @@ pub fn barrier_panel(
     let now = now.map(|pass| place(&[landscape.control, pass.barrier()]));
     let here = Series::symbols("", Symbol::Circle, Colour::Ink, now.collect()).filled();
     Panel {
-        title: "barrier".to_owned(),
+        title: told.label("barrier", "barrier"),
         x: Axis::linear(label),
-        y: Axis::linear("barrier/gamma").from_to(0.0, 1.15 * extent.highest),
+        y: Axis::of(&told, "barrier/gamma", "barrier").from_to(0.0, 1.15 * extent.highest),
         series: landscape.passes.iter().map(curve).chain([here]).collect(),
         ..Panel::default()
     }

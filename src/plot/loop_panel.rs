@@ -9,8 +9,10 @@ use crate::follow::record::{Direction, JumpRecord, LoopRecord};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
+use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::scene::Model;
+use crate::scene::units::Unit;
 use crate::study::plan::promise;
 
 /// Points of the flat state's curve and of the edges of the loss: finer than a diagram of 900
@@ -39,7 +41,7 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     let peak = if flat.is_empty() { 0.0 } else { 1.0 };
     let y = ends(1, &[0.0, peak], [-0.2, 1.0]);
     let closed = record.ledger(model.law.surface_energy).open.is_none();
-    let [x_axis, y_axis] = axes([x, y]);
+    let [x_axis, y_axis] = axes(model, [x, y]);
     Panel {
         x: x_axis,
         y: y_axis,
@@ -52,10 +54,13 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
 }
 
 /// The axes of stress against mean displacement, showing this much of each.
-pub(super) fn axes([x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
+pub(super) fn axes(model: &Model, [x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
+    let [length, stress] = [Dimension::Length, Dimension::Stress].map(|of| model.unit(of));
+    let (u0, sigma) = ("mean displacement u_0", "mean tensile stress sigma");
+    let natural = "mean stress sigma/sigma_max (tension positive)";
     [
-        Axis::linear("mean displacement u_0/rho").from_to(x[0], x[1]),
-        Axis::linear("mean stress sigma/sigma_max (tension positive)").from_to(y[0], y[1]),
+        Axis::of(&length, &format!("{u0}/rho"), u0).from_to(x[0], x[1]),
+        Axis::of(&stress, natural, sigma).from_to(y[0], y[1]),
     ]
 }
 
@@ -64,7 +69,7 @@ pub(super) fn axes([x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
 pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>) -> Page<'static> {
     Page::new(
         title,
-        vec![caption(record, &model.law, error)],
+        vec![caption(record, model, error)],
         vec![loop_panel(record, model)],
     )
 }
@@ -228,12 +233,14 @@ pub fn names(curve: &Curve, width: f64) -> Vec<Label> {
 }
 
 /// The numbers of a loop in one line; `error` is the relative error to be stated of its loss.
-fn caption(record: &LoopRecord, law: &Law, error: Option<f64>) -> String {
-    let ledger = record.ledger(law.surface_energy);
+fn caption(record: &LoopRecord, model: &Model, error: Option<f64>) -> String {
+    let ledger = record.ledger(model.law.surface_energy);
+    let unit = model.unit(Dimension::SurfaceEnergy);
+    let energy = |value: f64| energy(value, &unit);
     let loss = match (ledger.dissipated_energy(), &ledger.open) {
         _ if record.states.is_empty() => "No states were computed".to_owned(),
         (Some(loss), _) => format!(
-            "Dissipated energy {} γ per area and loop ({})",
+            "Dissipated energy {} per area and loop ({})",
             energy(loss),
             promise(error)
         ),
@@ -244,23 +251,20 @@ fn caption(record: &LoopRecord, law: &Law, error: Option<f64>) -> String {
         return format!("{loss};  no jumps.");
     }
     format!(
-        "{loss};  {}, releasing {} γ.",
+        "{loss};  {}, releasing {}.",
         record.tally(),
         energy(record.released_energy_sum())
     )
 }
 
-/// An energy with four digits, and zero where rounding leaves nothing.
-fn energy(value: f64) -> String {
-    if !value.is_finite() {
-        return "(not available)".to_owned();
-    }
-    let text = format!("{value:.4}");
-    if text == "-0.0000" {
-        "0.0000".to_owned()
+/// An energy (gamma) with four digits, and zero where rounding leaves nothing.
+fn energy(value: f64, unit: &Unit) -> String {
+    let number = if value.is_finite() {
+        unit.number(value, 4).replace('-', "\u{2212}")
     } else {
-        text.replace('-', "\u{2212}")
-    }
+        "(not available)".to_owned()
+    };
+    format!("{number} {}", unit.name("γ"))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! and a plot in the window; its legend lists every name with the look it stands for, once.
 
 use crate::follow::record::Direction;
+use crate::scene::units::Unit;
 use ndarray::Array2;
 use std::borrow::Cow;
 
@@ -69,14 +70,27 @@ impl Panel {
 }
 
 /// An axis.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
+    /// How many of that unit a value of 1 is told as.
+    pub unit: f64,
     /// Logarithmic (values at or below zero are not shown).
     pub logarithmic: bool,
     /// What is shown; `None` is what the data need.
     pub range: Option<[f64; 2]>,
+}
+
+impl Default for Axis {
+    fn default() -> Self {
+        Self {
+            label: String::new(),
+            unit: 1.0,
+            logarithmic: false,
+            range: None,
+        }
+    }
 }
 
 impl Axis {
@@ -88,12 +102,20 @@ impl Axis {
         }
     }
 
+    /// The same of values in natural units, under the label `natural`, told as the `quantity` in
+    /// another unit where there is one.
+    pub fn of(unit: &Unit, natural: &str, quantity: &str) -> Self {
+        Self {
+            unit: unit.scale,
+            ..Self::linear(&unit.label(natural, quantity))
+        }
+    }
+
     /// A logarithmic axis that shows what the data need.
     pub fn logarithmic(label: &str) -> Self {
         Self {
-            label: label.to_owned(),
             logarithmic: true,
-            range: None,
+            ..Self::linear(label)
         }
     }
 

@@ -31,6 +31,8 @@ pub struct Scale {
     pub low: f64,
     /// Upper end, likewise.
     pub high: f64,
+    /// [`Axis::unit`].
+    pub unit: f64,
 }
 
 impl Scale {
@@ -64,7 +66,19 @@ impl Scale {
             logarithmic: axis.logarithmic,
             low,
             high,
+            unit: axis.unit,
         }
+    }
+
+    /// Both ends as they are told, logarithms where it is logarithmic.
+    pub fn told(&self) -> [f64; 2] {
+        [self.low, self.high].map(|end| {
+            if self.logarithmic {
+                end + self.unit.log10()
+            } else {
+                end * self.unit
+            }
+        })
     }
 
     /// The value as it is shown: its logarithm where the axis is logarithmic. Not finite where it

@@ -27,7 +27,8 @@ pub fn ticks(scale: &Scale) -> (Vec<Tick>, i32) {
 }
 
 fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
-    let largest = scale.low.abs().max(scale.high.abs());
+    let [low, high] = scale.told();
+    let largest = low.abs().max(high.abs());
     let exponent = largest.log10().floor() as i32;
     let factor = if (-2..5).contains(&exponent) {
         0
@@ -35,9 +36,9 @@ fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
         exponent
     };
     let unit = 10f64.powi(factor);
-    let step = spacing((scale.high - scale.low) / unit, WANTED);
-    let marks = multiples(scale.low / unit, scale.high / unit, step);
-    let at = |value: f64| (value * unit - scale.low) / (scale.high - scale.low);
+    let step = spacing((high - low) / unit, WANTED);
+    let marks = multiples(low / unit, high / unit, step);
+    let at = |value: f64| (value * unit - low) / (high - low);
     (
         marks
             .map(|v| Tick {
@@ -50,15 +51,16 @@ fn linear_ticks(scale: &Scale) -> (Vec<Tick>, i32) {
 }
 
 fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
-    let at = |value: f64| (value.log10() - scale.low) / (scale.high - scale.low);
+    let [from, to] = scale.told();
+    let at = |value: f64| (value.log10() - from) / (to - from);
     let inside = |value: &f64| (-1e-9..=1.0 + 1e-9).contains(&at(*value));
-    let decades = scale.low.floor() as i32..=scale.high.ceil() as i32;
+    let decades = from.floor() as i32..=to.ceil() as i32;
     let values = |mantissas: &[u8], stride: usize| -> Vec<f64> {
         let powers = decades.clone().filter(|k| k.rem_euclid(stride as i32) == 0);
         let all = powers.flat_map(|k| mantissas.iter().map(move |m| f64::from(*m) * 10f64.powi(k)));
         all.filter(inside).collect()
     };
-    let span = scale.high - scale.low;
+    let span = to - from;
     let stride = ((span / TICKS[1] as f64).ceil() as usize).max(1);
     let full: [&[u8]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
     let wanted = TICKS[0]..=TICKS[1] + 1;
@@ -84,7 +86,7 @@ fn logarithmic_ticks(scale: &Scale) -> Vec<Tick> {
         }
         None => {
             // Much less than a decade: steps as on a linear axis.
-            let (low, high) = (10f64.powf(scale.low), 10f64.powf(scale.high));
+            let (low, high) = (10f64.powf(from), 10f64.powf(to));
             let step = spacing(high - low, WANTED);
             let marks = multiples(low, high, step).filter(|v| *v > 0.0);
             ticks.extend(marks.map(|v| Tick {
@@ -355,6 +357,38 @@ mod tests {
                     "{data:?} {scale:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn the_number_of_a_tick_is_its_value_in_the_unit_of_the_axis() {
+        let read = |text: &str| text.replace('\u{2212}', "-").parse::<f64>().unwrap();
+        for unit in [0.02, 1.0, 100.0, 4.9e6] {
+            let axis = Axis {
+                unit,
+                ..Axis::linear("").from_to(-0.4, 4.3)
+            };
+            let scale = Scale::new(&axis, std::iter::empty());
+            let (list, factor) = ticks(&scale);
+            assert!(list.len() > 2);
+            for tick in list {
+                let value = scale.low + tick.at * (scale.high - scale.low);
+                let told = read(&tick.label.unwrap()) * 10f64.powi(factor);
+                assert!((told - value * unit).abs() < 1e-9 * unit, "{told} {value}");
+            }
+            let axis = Axis {
+                unit,
+                ..Axis::logarithmic("").from_to(1e-3, 7.0)
+            };
+            let scale = Scale::new(&axis, std::iter::empty());
+            let first = ticks(&scale)
+                .0
+                .into_iter()
+                .find(|tick| tick.label.is_some());
+            let at = scale.low + first.unwrap().at * (scale.high - scale.low);
+            // The first number is a power of ten in the unit.
+            let power = at + unit.log10();
+            assert!((power - power.round()).abs() < 1e-9, "{power}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Edits of a scene, and what follows what when a value of the scene is edited: range or mesh after
 //! mu_rho, and the drive after the law.
 
+use super::units::Units;
 use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
@@ -76,6 +77,13 @@ pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
 pub fn with_surface_energy(scene: &Scene, model: &Model, surface_energy: f64) -> Scene {
     let mut scene = decided(scene, model);
     scene.law.surface_energy = surface_energy;
+    fit_drive(&mut scene);
+    scene
+}
+
+/// The scene of a body of another modulus, in units of its file.
+pub fn with_contact_modulus(scene: &Scene, model: &Model, contact_modulus: f64) -> Scene {
+    let mut scene = decided(scene, model).with_contact_modulus(contact_modulus);
     fit_drive(&mut scene);
     scene
 }
@@ -231,7 +239,8 @@ pub fn check_key(scene: &Scene, key: &str) -> Result<(), Refusal> {
     Err(Refusal::new("key", format!("\"{key}\""), &allowed))
 }
 
-/// The scene with another value of the number of this `key`; what follows it follows.
+/// The scene with another value of the number of this `key`, as its file has it; what follows it
+/// follows.
 ///
 /// # Errors
 /// As [`check_key`], or a value that is not allowed.
@@ -242,6 +251,11 @@ pub fn with_parameter(
     value: f64,
 ) -> Result<Scene, Refusal> {
     check_key(scene, key)?;
+    let known = scene.numbers().into_iter();
+    let known = known
+        .map(|(parameter, _)| parameter)
+        .find(|parameter| parameter.key == key);
+    let value = known.map_or(value, |known| scene.number_taken(known.unit, value));
     let of = |parameter: &Parameter| parameter.key == key;
     let whole = value.round().max(0.0);
     // The number of this key among the own ones of a body, a law or a ground.
@@ -290,6 +304,14 @@ pub fn with_parameter(
         },
         "noise.seed" => Scene {
             seed: whole as u64,
+            ..scene.clone()
+        },
+        "body.contact_modulus" => with_contact_modulus(scene, model, value),
+        "units.temperature" => Scene {
+            units: scene.units.map(|units| Units {
+                temperature: value,
+                ..units
+            }),
             ..scene.clone()
         },
         _ => return Err(Refusal::new(key, value, "a number that can be varied")),

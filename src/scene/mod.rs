@@ -1,12 +1,14 @@
 //! Floor 2: what to compute: the scene, as a file or the window describes it, its parameters with
 //! limits and units, the decided model, and the mesh an "auto" asks for.
 //!
-//! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1.
+//! May use `physics` and `numerics`; solves nothing. Lengths are in any one unit, E* is 1; what they
+//! are to people is in [`units`].
 
 pub mod edit;
 pub mod mesh;
 pub mod parameter;
 pub mod part;
+pub mod units;
 pub mod window;
 
 use crate::physics::body::Body;
@@ -17,6 +19,7 @@ use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::parameter::{Parameter, Refusal, Value, number};
 use mesh::{next_fast, points_for};
+use units::Units;
 
 /// A complete description of what is computed. The contact modulus E* is 1; lengths are in any one
 /// unit.
@@ -40,6 +43,8 @@ pub struct Scene {
     pub accuracy: f64,
     /// Seed of the perturbations that choose between equivalent patterns.
     pub seed: u64,
+    /// What the numbers of its file are in; nothing is computed otherwise for them.
+    pub units: Option<Units>,
 }
 
 /// The periodic cell.
@@ -132,6 +137,8 @@ pub struct Model {
     pub mu_rho: f64,
     /// In words: which model, and why.
     pub reason: String,
+    /// Those of the scene.
+    pub units: Option<Units>,
 }
 
 impl Model {
@@ -203,7 +210,7 @@ impl Scene {
         self.model().map(|_| ())
     }
 
-    /// Every number that the scene gives, with what is allowed of it.
+    /// Every number that the scene's file gives, with what is allowed of it.
     pub fn numbers(&self) -> Vec<(&'static Parameter, Value)> {
         let Self {
             cell,
@@ -213,9 +220,18 @@ impl Scene {
             drive,
             accuracy,
             seed,
+            units,
             ..
-        } = self;
-        let mut numbers = vec![
+        } = &self.given();
+        let mut numbers = Vec::new();
+        // Without E* no other number has a meaning.
+        if let Some(units) = units {
+            let modulus = Value::Number(units.contact_modulus);
+            numbers.push((&parameter::CONTACT_MODULUS, modulus));
+            let temperature = Value::Number(units.temperature);
+            numbers.push((&parameter::TEMPERATURE, temperature));
+        }
+        numbers.extend([
             (&parameter::LENGTH, Value::Number(cell.length)),
             (
                 &parameter::SURFACE_ENERGY,
@@ -225,7 +241,7 @@ impl Scene {
             (&parameter::STEP, Value::Number(drive.step)),
             (&parameter::TARGET, Value::Number(*accuracy)),
             (&parameter::SEED, Value::Whole(*seed)),
-        ];
+        ]);
         if let Points::Square(n) | Points::Line(n) = cell.points {
             numbers.push((&parameter::POINTS, Value::Whole(n as u64)));
         }
@@ -322,6 +338,7 @@ impl Scene {
             indenter: self.indenter,
             mu_rho,
             reason,
+            units: self.units,
         })
     }
 
@@ -376,6 +393,7 @@ impl Scene {
             turn,
             step,
         } = self.drive;
+        let told = |value: f64| number(self.number_given(parameter::START.unit, value));
         // At zero load u0 goes below the ground by no more than about the length of the cell.
         let reach = start.abs()
             + if turn == Turn::ZeroLoad {
@@ -386,16 +404,17 @@ impl Scene {
         if step < STEP_SHARE * reach {
             return Err(Refusal::new(
                 "drive.step",
-                number(step),
+                told(step),
                 &format!(
-                    "at least {STEP_SHARE:e} of {reach:e}, else it is lost in the digits of u0"
+                    "at least {STEP_SHARE:e} of {:e}, else it is lost in the digits of u0",
+                    self.number_given(parameter::START.unit, reach)
                 ),
             ));
         }
         if control == Control::Load && start <= 0.0 {
             return Err(Refusal::new(
                 "drive.start",
-                number(start),
+                told(start),
                 "a load above 0, which pulls: the drive of a load begins apart from the ground",
             ));
         }
@@ -403,17 +422,17 @@ impl Scene {
             if turn >= start {
                 return Err(Refusal::new(
                     "drive.turn",
-                    number(turn),
+                    told(turn),
                     &format!(
                         "a number below drive.start = {}, or \"zero_load\"",
-                        number(start)
+                        told(start)
                     ),
                 ));
             }
             if (start - turn) / step > STEPS_MAX {
                 return Err(Refusal::new(
                     "drive.step",
-                    number(step),
+                    told(step),
                     "at least a 200,000th of drive.start - drive.turn",
                 ));
             }
@@ -465,6 +484,7 @@ pub(crate) mod tests {
             },
             accuracy: 0.01,
             seed: 1,
+            units: None,
         }
     }
 }

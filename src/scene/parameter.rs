@@ -7,13 +7,14 @@ use crate::physics::body::Body;
 use crate::physics::grid::POINTS_MAX;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
+use crate::physics::parameter::Dimension::{Driven, Length, Pure, Stiffness, SurfaceEnergy};
 use crate::physics::parameter::{BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MAX, Value};
 
 /// Largest magnitude of a mean displacement.
 const FAR: f64 = 1e110;
 
 macro_rules! parameters {
-    ($($(#[$doc:meta])* $name:ident: $key:literal, $label:literal, $symbol:literal, $unit:literal,
+    ($($(#[$doc:meta])* $name:ident: $key:literal, $label:literal, $symbol:literal, $unit:expr,
         $range:expr, $default:expr, $hint:expr;)*) => {
         $($(#[$doc])* pub static $name: Parameter = Parameter {
             key: $key,
@@ -32,34 +33,40 @@ macro_rules! parameters {
 
 parameters! {
     /// Side of the cell.
-    LENGTH: "cell.length", "Length", "L", "length", LENGTHS, None, POSITIVE;
+    LENGTH: "cell.length", "Length", "L", Length, LENGTHS, None, POSITIVE;
     /// Points along a side.
-    POINTS: "cell.points", "Points", "n", "", 4.0..=POINTS_MAX as f64, None,
+    POINTS: "cell.points", "Points", "n", Pure(""), 4.0..=POINTS_MAX as f64, None,
         "an even number {range}, as in 64 or [64, 1], or \"auto\"";
+    /// Modulus of the body, of a scene with units.
+    CONTACT_MODULUS: "body.contact_modulus", "Contact modulus", "E*", Pure("units.modulus"), 1e-30..=1e30,
+        None, POSITIVE;
     /// Work of adhesion.
-    SURFACE_ENERGY: "law.surface_energy", "Surface energy", "γ", "E* times length", LENGTHS, None,
+    SURFACE_ENERGY: "law.surface_energy", "Surface energy", "γ", SurfaceEnergy, LENGTHS, None,
         POSITIVE;
     /// Range of the law.
-    RANGE: "law.range", "Range", "ρ", "length", LENGTHS, None, POSITIVE;
+    RANGE: "law.range", "Range", "ρ", Length, LENGTHS, None, POSITIVE;
     /// The mesh number in place of the range.
-    MU_RHO: "law.mu_rho", "Mesh number", "μᵨ", "", 1e-30..=1e4, None, POSITIVE;
+    MU_RHO: "law.mu_rho", "Mesh number", "μᵨ", Pure(""), 1e-30..=1e4, None, POSITIVE;
     /// Stiffness of the spring through which a stage pulls.
-    STIFFNESS: "drive.stiffness", "Stiffness of the spring", "k", "E* per length", LENGTHS, None,
+    STIFFNESS: "drive.stiffness", "Stiffness of the spring", "k", Stiffness, LENGTHS, None,
         POSITIVE;
     /// Where the drive begins and ends.
-    START: "drive.start", "Start of the drive", "", "length, or E* of a load", -FAR..=FAR, None,
+    START: "drive.start", "Start of the drive", "", Driven, -FAR..=FAR, None,
         "a finite number, {range}, as in 4.2";
     /// Where it turns.
-    TURN: "drive.turn", "Turn of the drive", "", "length, or E* of a load", -FAR..=FAR, None,
+    TURN: "drive.turn", "Turn of the drive", "", Driven, -FAR..=FAR, None,
         "a number below drive.start, {range}, or \"zero_load\"";
     /// Largest step.
-    STEP: "drive.step", "Step of the drive", "", "length, or E* of a load", LENGTHS, None, POSITIVE;
+    STEP: "drive.step", "Step of the drive", "", Driven, LENGTHS, None, POSITIVE;
     /// Relative error that the plan must meet.
-    TARGET: "accuracy.target", "Accuracy", "", "", 1e-100..=BELOW_ONE, Some(Value::Number(0.01)),
+    TARGET: "accuracy.target", "Accuracy", "", Pure(""), 1e-100..=BELOW_ONE, Some(Value::Number(0.01)),
         "a number above 0 and below 1, {range}, as in 0.01";
     /// Seed of the perturbations.
-    SEED: "noise.seed", "Seed", "", "", 0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number \
+    SEED: "noise.seed", "Seed", "", Pure(""), 0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number \
         {range}";
+    /// Temperature, of a scene with units.
+    TEMPERATURE: "units.temperature", "Temperature", "T", Pure("K"), 1e-3..=1e5,
+        Some(Value::Number(298.15)), POSITIVE;
 }
 
 /// Every number of the scene file, in the order of its tables.
@@ -69,13 +76,13 @@ pub fn all() -> Vec<&'static Parameter> {
             .copied()
             .filter(move |parameter| parameter.key.starts_with(name))
     };
-    let mut all: Vec<_> = table("cell.").collect();
+    let mut all: Vec<_> = table("cell.").chain(table("body.")).collect();
     all.extend(Body::all().iter().flat_map(Body::parameters));
     all.extend(table("law."));
     all.extend(Shape::all().iter().flat_map(Shape::parameters));
     all.extend(Indenter::all().iter().flat_map(Indenter::parameters));
     all.extend(
-        ["drive.", "accuracy.", "noise."]
+        ["drive.", "accuracy.", "noise.", "units."]
             .into_iter()
             .flat_map(table),
     );

@@ -1,7 +1,8 @@
 //! Every table as CSV: what a walk went through, every branch, the chart of speed against accuracy,
 //! the paper's figures, tables and findings.
 //!
-//! Numbers are written with as many digits as bring back the same number; one that is not finite is
+//! Of a scene with units what has a dimension is in them, under the same names; ratios (over gamma,
+//! sigma_max, E*/L) stay ratios. Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
 mod barriers;
@@ -15,7 +16,9 @@ pub use map::{MAP_COLUMNS, write_map_csv};
 use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::paper::figure::{Figure, Finding, Table};
+use crate::physics::parameter::Dimension;
 use crate::plot::panel::{Axis, Content, Panel, Role, letter};
+use crate::scene::Scene;
 use crate::study::chart::{Chart, Errors, Judged, Point, Reference, Verdict};
 use ndarray::Array2;
 use std::fmt::Write;
@@ -46,21 +49,22 @@ const FINDING_COLUMNS: &str = "where,quantity,found,expected,source,deviation,to
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure> {
+pub fn write_loop_csv(path: &Path, scene: &Scene, states: &[StateRecord]) -> Result<(), Failure> {
+    let given = |of, value| number(scene.number_given(of, value));
     let row = |s: &StateRecord| {
         vec![
             s.direction.to_string(),
             number(s.mean_displacement),
-            number(s.stress),
+            given(Dimension::Stress, s.stress),
             number(s.stress_over_max),
             number(s.contact_area),
             s.pattern.to_string(),
             number(s.residual),
             number(s.stiffness_min),
-            number(s.energy),
+            given(Dimension::SurfaceEnergy, s.energy),
             quoted(&s.part.to_string()),
             format!("{:.4}", s.milliseconds),
-            number(s.control),
+            given(Dimension::Driven, s.control),
         ]
     };
     write_rows(path, LOOP_COLUMNS, states.iter().map(row))
@@ -71,9 +75,10 @@ pub fn write_loop_csv(path: &Path, states: &[StateRecord]) -> Result<(), Failure
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_events_csv(path: &Path, jumps: &[JumpRecord]) -> Result<(), Failure> {
+pub fn write_events_csv(path: &Path, scene: &Scene, jumps: &[JumpRecord]) -> Result<(), Failure> {
     let row = |jump: &JumpRecord| {
-        let more = [jump.control, jump.mean_displacement_after].map(number);
+        let control = scene.number_given(Dimension::Driven, jump.control);
+        let more = [control, jump.mean_displacement_after].map(number);
         cells_of(jump).into_iter().chain(more).collect()
     };
     write_rows(path, EVENT_COLUMNS, jumps.iter().map(row))
@@ -188,8 +193,18 @@ fn of_reference(reference: &Reference) -> Vec<String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_figure_csv(path: &Path, figure: &Figure) -> Result<(), Failure> {
-    let mut text = format!("# Fig. {}: {}\n", figure.number, one_line(&figure.title));
-    let panels = named_panels(figure);
+    let heading = format!("Fig. {}: {}", figure.number, figure.title);
+    write_panels_csv(path, &heading, &figure.panels)
+}
+
+/// Writes what diagrams show as [`write_figure_csv`] does, in the units of their axes, under a
+/// heading as a comment.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_panels_csv(path: &Path, heading: &str, panels: &[Panel]) -> Result<(), Failure> {
+    let mut text = format!("# {}\n", one_line(heading));
+    let panels = named_panels(panels);
     for (name, panel) in &panels {
         let _ = writeln!(
             text,
@@ -273,9 +288,9 @@ fn titled(panel: &Panel) -> String {
 }
 
 /// The diagrams and those inside them: a, b, b inset 1, ...
-fn named_panels(figure: &Figure) -> Vec<(String, &Panel)> {
+fn named_panels(panels: &[Panel]) -> Vec<(String, &Panel)> {
     let mut list = Vec::new();
-    for (i, panel) in figure.panels.iter().enumerate() {
+    for (i, panel) in panels.iter().enumerate() {
         let name = letter(i).to_string();
         let inner = panel
             .insets
@@ -296,8 +311,12 @@ fn named_panels(figure: &Figure) -> Vec<(String, &Panel)> {
 
 fn rows(text: &mut String, name: &str, panel: &Panel) {
     let mut row = |series: &str, role: &str, from: [f64; 2], to: [Option<f64>; 2]| {
-        let [x, y] = from.map(number);
-        let [x_to, y_to] = to.map(|v| v.map(number).unwrap_or_default());
+        let units = [panel.x.unit, panel.y.unit];
+        let [x, y] = [0, 1].map(|k| number(from[k] * units[k]));
+        let [x_to, y_to] = [0, 1].map(|k| {
+            let told = to[k].map(|value| number(value * units[k]));
+            told.unwrap_or_default()
+        });
         let series = quoted(series);
         let _ = writeln!(text, "{name},{series},{role},{x},{y},{x_to},{y_to}");
     };

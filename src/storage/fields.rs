@@ -9,6 +9,7 @@ use super::{Failure, files, scene_file};
 use crate::follow::record::StateRecord;
 use crate::follow::run::Report;
 use crate::physics::grid::Grid;
+use crate::physics::parameter::Dimension;
 use crate::scene::{Model, Scene, edit};
 use ndarray::Array2;
 use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
@@ -164,6 +165,7 @@ impl Collector {
         let Grid { nx, ny, .. } = model.grid;
         let shape = [self.rows.len() as u64, ny as u64, nx as u64];
         let mut archive = Archive(ZipWriter::new(BufWriter::new(file)));
+        let given = |of, value| scene.number_given(of, value);
         let mut field = |archive: &mut Archive<'_>, name: &str, which: usize, law: bool| {
             scratch.rewind()?;
             archive.array(name, &shape, |push| {
@@ -176,7 +178,7 @@ impl Collector {
                     for number in bytes.chunks_exact(size_of::<f64>()) {
                         let value = f64::from_le_bytes(number.try_into().expect("of this size"));
                         push(if law {
-                            model.law.at(value).traction
+                            given(Dimension::Stress, model.law.at(value).traction)
                         } else {
                             value
                         })?;
@@ -190,15 +192,25 @@ impl Collector {
         field(&mut archive, "traction", 0, true)?;
         let records = || self.rows.iter().map(|row| &row.record);
         archive.list("mean_displacement", records().map(|s| s.mean_displacement))?;
-        archive.list("stress", records().map(|s| s.stress))?;
-        archive.list("control", records().map(|s| s.control))?;
-        archive.list("energy", records().map(|s| s.energy))?;
+        archive.list(
+            "stress",
+            records().map(|s| given(Dimension::Stress, s.stress)),
+        )?;
+        archive.list(
+            "control",
+            records().map(|s| given(Dimension::Driven, s.control)),
+        )?;
+        archive.list(
+            "energy",
+            records().map(|s| given(Dimension::SurfaceEnergy, s.energy)),
+        )?;
         archive.list("state", self.rows.iter().map(|row| row.index as i64))?;
         archive.list("event", self.rows.iter().map(|row| row.event))?;
         let branches: Vec<String> = records().map(|s| s.direction.to_string()).collect();
         archive.texts("branch", &shape[..1], &branches)?;
         archive.array("wave_stiffness", &shape[1..], |push| {
-            waves(&model.grid).try_for_each(|q| push(stiffness(model, q)))
+            waves(&model.grid)
+                .try_for_each(|q| push(given(Dimension::Stiffness, stiffness(model, q))))
         })?;
         archive.array("length", &[], |push| push(model.grid.length))?;
         archive.texts(

@@ -23,7 +23,7 @@ macro_rules! presets {
     };
 }
 
-presets! { "fig2" "fig3" "no-hysteresis" "coarse-mesh" "ridge-line" "hertz" "wavy" "rough" "soft-machine" "thin-film" }
+presets! { "fig2" "fig3" "no-hysteresis" "coarse-mesh" "ridge-line" "hertz" "wavy" "rough" "soft-machine" "thin-film" "rubber" }
 
 /// Every preset, in the order of the menu.
 pub fn all() -> &'static [Preset] {

@@ -73,6 +73,9 @@ pub struct Summary {
     pub processor_seconds: Number,
     /// The paper's method on the same loop, if asked for.
     pub yardstick: Option<Yardstick>,
+    /// What the numbers of a scene with units are in, and its results in SI; else it is not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitsSummary>,
 }
 
 /// How the loop ended.
@@ -136,6 +139,32 @@ impl SceneSummary {
             toml: scene_file::to_text(scene),
         }
     }
+}
+
+/// Units of the tables and of this file, and what the loop is in SI. A line cell has no depth, and
+/// so no force and no energy.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnitsSummary {
+    /// Of lengths, u0 among them.
+    pub length: String,
+    /// Of stresses and of a load.
+    pub stress: String,
+    /// Of energies per area, gamma among them.
+    pub energy: String,
+    /// Of a spring's stiffness per area, and of `wave_stiffness` in `fields.npz`.
+    pub stiffness: String,
+    /// E* in units of stress.
+    pub contact_modulus: Number,
+    /// Temperature.
+    pub temperature_kelvin: Number,
+    /// What the loop loses per area; not available unless it is closed.
+    pub loss_joule_per_square_metre: Number,
+    /// The same of the square cell.
+    pub loss_joule: Number,
+    /// Largest mean stress, in tension.
+    pub pull_off_pascal: Number,
+    /// The same times the area of the square cell.
+    pub pull_off_newton: Number,
 }
 
 /// The chosen model.

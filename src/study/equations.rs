@@ -2,10 +2,10 @@
 //!
 //! Formulas are lines of text as diagrams have them: names of Greek letters, `_` and `^`. E* is 1.
 
-use super::why::fixed;
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{LoopRecord, StateRecord};
 use crate::physics::control::Control;
+use crate::physics::parameter::Dimension;
 use crate::scene::{Model, Scene};
 
 /// One equation.
@@ -30,14 +30,18 @@ pub fn equations(scene: &Scene, model: &Model, record: &LoopRecord) -> [Equation
         law(model),
         equilibrium(model, now),
         limit(scene, model),
-        loss(record),
+        loss(model, record),
     ]
 }
 
 fn energy(model: &Model, now: Option<&StateRecord>) -> Equation {
     let gamma = model.law.surface_energy;
     let now = now.map_or_else(String::new, |now| {
-        format!("; here V/A = {} gamma_0", fixed(now.energy / gamma, 4))
+        let unit = model.unit(Dimension::SurfaceEnergy);
+        format!(
+            "; here V/A = {}",
+            unit.say(now.energy / gamma, 4, "gamma_0")
+        )
     });
     Equation {
         name: "Energy",
@@ -45,8 +49,10 @@ fn energy(model: &Model, now: Option<&StateRecord>) -> Equation {
         sentence: "Bending the surface costs elastic energy, the more the shorter the wave; the \
                    adhesion pays for it.",
         here: format!(
-            "L = {:.1} rho, longest wave q = 2pi/L = {:.4} /rho{now}",
-            model.grid.length / model.law.range,
+            "L = {}, longest wave q = 2pi/L = {:.4} /rho{now}",
+            model
+                .unit_across()
+                .say(model.grid.length / model.law.range, 1, "rho"),
             model.grid.q1() * model.law.range
         ),
     }
@@ -54,16 +60,26 @@ fn energy(model: &Model, now: Option<&StateRecord>) -> Equation {
 
 fn law(model: &Model) -> Equation {
     let law = &model.law;
-    Equation {
-        name: "Cohesive law",
-        formula: format!("gamma(g) = gamma_0 {}", law.shape.form().formula()),
-        sentence: "How the energy of two facing pieces of surface depends on the gap between them.",
-        here: format!(
+    let here = match model.units {
+        None => format!(
             "gamma_0 = {:.4} E* times length, rho = {:.4}, sigma_max = {:.4} E*",
             law.surface_energy,
             law.range,
             law.traction_max()
         ),
+        Some(units) => {
+            let gamma = units.say(Dimension::SurfaceEnergy, law.surface_energy);
+            let rho = units.say(Dimension::Length, law.range);
+            let [top, modulus] =
+                [law.traction_max(), 1.0].map(|stress| units.say(Dimension::Stress, stress));
+            format!("gamma_0 = {gamma}, rho = {rho}, sigma_max = {top}, E* = {modulus}")
+        }
+    };
+    Equation {
+        name: "Cohesive law",
+        formula: format!("gamma(g) = gamma_0 {}", law.shape.form().formula()),
+        sentence: "How the energy of two facing pieces of surface depends on the gap between them.",
+        here,
     }
 }
 
@@ -79,11 +95,10 @@ fn equilibrium(model: &Model, now: Option<&StateRecord>) -> Equation {
             } else {
                 format!("off by {:.0e} sigma_max at most", now.residual)
             };
-            format!(
-                "u0 = {} rho, sigma = {} sigma_max, {off}",
-                fixed(now.mean_displacement / model.law.range, 4),
-                fixed(now.stress_over_max, 4),
-            )
+            let [length, stress] = [Dimension::Length, Dimension::Stress].map(|of| model.unit(of));
+            let u0 = length.say(now.mean_displacement / model.law.range, 4, "rho");
+            let sigma = stress.say(now.stress_over_max, 4, "sigma_max");
+            format!("u0 = {u0}, sigma = {sigma}, {off}")
         }),
     }
 }
@@ -91,16 +106,17 @@ fn equilibrium(model: &Model, now: Option<&StateRecord>) -> Equation {
 fn limit(scene: &Scene, model: &Model) -> Equation {
     let control = scene.control();
     let branch = FlatBranch::new(model.law, model.equivalent_length, control);
-    let rho = model.law.range;
+    let unit = model.unit(Dimension::Length);
+    let say = |u0: f64| unit.say(u0 / model.law.range, 4, "rho");
     let here = match (branch.unstable_gaps(), control) {
         (None, _) => "nowhere: the law is never so soft".to_owned(),
         (Some((lower, _)), Control::Load) => {
-            format!("at u0 = {:.4} rho on retraction", lower / rho)
+            format!("at u0 = {} on retraction", say(lower))
         }
         (Some((lower, upper)), _) => format!(
-            "at u0 = {:.4} rho on approach, {:.4} rho on retraction",
-            upper / rho,
-            lower / rho
+            "at u0 = {} on approach, {} on retraction",
+            say(upper),
+            say(lower)
         ),
     };
     let (formula, sentence) = match control {
@@ -127,16 +143,17 @@ fn limit(scene: &Scene, model: &Model) -> Equation {
     }
 }
 
-fn loss(record: &LoopRecord) -> Equation {
+fn loss(model: &Model, record: &LoopRecord) -> Equation {
+    let unit = model.unit(Dimension::SurfaceEnergy);
     Equation {
         name: "Loss",
         formula: "gamma_hys = ∮ sigma d u0 = ∑_jumps (V_before - V_after)/A".to_owned(),
         sentence: "What a closed loop loses is the area between its two curves, and just as well \
                    the sum of what each jump sets free.",
         here: format!(
-            "{}, {} gamma_0 set free so far",
+            "{}, {} set free so far",
             record.tally(),
-            fixed(record.released_energy_sum(), 4)
+            unit.say(record.released_energy_sum(), 4, "gamma_0")
         ),
     }
 }

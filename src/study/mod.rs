@@ -1,6 +1,6 @@
 //! Floor 4: what is done with loops: the plan and the run that follows it, the error bar, the chart
 //! of speed against accuracy, the live loop of a dragged parameter; what is ahead of a surface, why
-//! it snapped, and the equations it obeys.
+//! it snapped, the equations it obeys, and whether it is real.
 //!
 //! May use `follow` and all below it; no threads, channels or files.
 
@@ -12,5 +12,6 @@ pub mod landscape;
 pub mod live_loop;
 pub mod map;
 pub mod plan;
+pub mod reality;
 pub mod time_step_map;
 pub mod why;

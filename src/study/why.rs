@@ -15,10 +15,11 @@ use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
-use crate::physics::law::Law;
 use crate::physics::mesh_rule;
+use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::flat;
+use crate::scene::units::fixed;
 use crate::scene::{Model, Scene, window};
 use ndarray::Array2;
 use std::f64::consts::PI;
@@ -172,12 +173,10 @@ impl Words<'_> {
     fn place(&self) -> String {
         match self.scene.control() {
             Control::Displacement => {
-                format!(
-                    "{:.3} ranges",
-                    self.of.jump.mean_displacement / self.model.law.range
-                )
+                let ranges = self.of.jump.mean_displacement / self.model.law.range;
+                self.model.unit(Dimension::Length).say(ranges, 3, "ranges")
             }
-            control => told(control, self.of.jump.control, &self.model.law, 3),
+            control => told(control, self.of.jump.control, self.model, 3),
         }
     }
 
@@ -212,6 +211,7 @@ impl Words<'_> {
             Direction::Retraction => "falls off faster with distance",
         };
         let at = self.of.jump.mean_displacement / self.model.law.range;
+        let at = self.model.unit(Dimension::Length).say(at, 3, "ranges");
         let (resists, sum) = match holder {
             Holder::LongestWave => ("the longest wave of the cell can resist", "γ″ + πE*/L"),
             Holder::SoftestWave => ("the softest wave of the layer can resist", "γ″ + S"),
@@ -229,14 +229,14 @@ impl Words<'_> {
                     Direction::Retraction => "falls off with distance",
                 };
                 return format!(
-                    "{} {at:.3} ranges the pull {change} while the load stays what it is: the body \
-                     gives way as a block, γ″ < 0 (at the limit {law:.4} E*/L).",
+                    "{} {at} the pull {change} while the load stays what it is: the body gives \
+                     way as a block, γ″ < 0 (at the limit {law:.4} E*/L).",
                     self.side()
                 );
             }
         };
         format!(
-            "{} {at:.3} ranges the pull {faster} than {resists}: {sum} < 0 (at the limit {} + \
+            "{} {at} the pull {faster} than {resists}: {sum} < 0 (at the limit {} + \
              {held:.4}, in E*/L).",
             self.side(),
             minus(law, 4),
@@ -256,14 +256,15 @@ impl Words<'_> {
 
     fn symmetry(&self, shape: Shape, wave: Option<[usize; 2]>) -> String {
         let length = self.model.grid.length / self.model.law.range;
+        let across = self.model.unit_across();
         let what = match shape {
             Shape::BreakUp { waves } => format!(
-                "a wave along it, {:.1} ranges long, that makes it thick and thin in turn",
-                length / waves as f64
+                "a wave along it, {} long, that makes it thick and thin in turn",
+                across.say(length / waves as f64, 1, "ranges")
             ),
             Shape::Meander { waves } => format!(
-                "a wave along it, {:.1} ranges long, that moves it to and fro",
-                length / waves as f64
+                "a wave along it, {} long, that moves it to and fro",
+                across.say(length / waves as f64, 1, "ranges")
             ),
             Shape::Stretching => {
                 "a disturbance that makes it longer along one axis and shorter along the other"
@@ -290,12 +291,13 @@ impl Words<'_> {
 
     fn mesh(&self) -> String {
         let Model { grid, law, .. } = self.model;
+        let across = self.model.unit_across();
         let points = mesh_rule::points_for_mu_rho(law, grid.length, mesh_rule::SAFE).ceil();
         format!(
-            "The mesh lies: the edge of the contact moved on by one spacing, {:.2} ranges, which a \
+            "The mesh lies: the edge of the contact moved on by one spacing, {}, which a \
              mesh of μᵨ = {:.2} had held back. With {points:.0} points a side (μᵨ = {}) there is no \
              such jump.",
-            grid.spacing() / law.range,
+            across.say(grid.spacing() / law.range, 2, "ranges"),
             self.model.mu_rho,
             mesh_rule::SAFE
         )
@@ -324,31 +326,19 @@ impl Words<'_> {
     }
 }
 
-/// A number with so many decimals, and no sign before a zero.
-pub(super) fn fixed(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_owned(),
-        _ => text,
-    }
-}
-
-/// The same with a minus sign that is none of a hyphen.
+/// A number with so many decimals and a minus sign that is none of a hyphen.
 fn minus(value: f64, digits: usize) -> String {
     fixed(value, digits).replace('-', "−")
 }
 
 /// What is driven at this value: "u₀ = 3.102 ρ".
-fn told(control: Control, value: f64, law: &Law, digits: usize) -> String {
-    let (unit, word) = match control {
-        Control::Load => (law.traction_max(), "σₘₐₓ"),
-        _ => (law.range, "ρ"),
+fn told(control: Control, value: f64, model: &Model, digits: usize) -> String {
+    let (natural, word, of) = match control {
+        Control::Load => (model.law.traction_max(), "σₘₐₓ", Dimension::Stress),
+        _ => (model.law.range, "ρ", Dimension::Length),
     };
-    format!(
-        "{} = {} {word}",
-        control.symbol(),
-        minus(value / unit, digits)
-    )
+    let value = model.unit(of).say(value / natural, digits, word);
+    format!("{} = {}", control.symbol(), value.replace('-', "−"))
 }
 
 /// Why nothing can snap in a scene.
@@ -367,6 +357,7 @@ pub fn calm(scene: &Scene, model: &Model) -> Option<Calm> {
         return None;
     }
     let rho = model.law.range;
+    let across = model.unit_across();
     let (remedy, what) = if model.body == Body::HalfSpace {
         ("Make the cell longer.", "The cell has")
     } else {
@@ -378,10 +369,9 @@ pub fn calm(scene: &Scene, model: &Model) -> Option<Calm> {
     Some(Calm {
         remedy,
         reason: format!(
-            "{what} {:.1} ranges, and below L_c = {:.1} ranges every wave is stiffer than the law \
-             is soft.",
-            model.equivalent_length / rho,
-            flat::critical_length(&model.law) / rho
+            "{what} {}, and below L_c = {} every wave is stiffer than the law is soft.",
+            across.say(model.equivalent_length / rho, 1, "ranges"),
+            across.say(flat::critical_length(&model.law) / rho, 1, "ranges")
         ),
     })
 }
@@ -391,7 +381,7 @@ pub fn ahead(scene: &Scene, model: &Model, record: &LoopRecord) -> String {
     if let Some(calm) = calm(scene, model) {
         return format!("Here nothing snaps. {} {}", calm.remedy, calm.reason);
     }
-    let (control, law) = (scene.control(), &model.law);
+    let control = scene.control();
     let Some(now) = record.states.last() else {
         return String::new();
     };
@@ -414,18 +404,18 @@ pub fn ahead(scene: &Scene, model: &Model, record: &LoopRecord) -> String {
     if high < near || far < low {
         return format!(
             "It would snap at {}, beyond the end of the drive.",
-            told(control, ahead.nearest, law, 3)
+            told(control, ahead.nearest, model, 3)
         );
     }
     if near == far {
         return format!(
             "It snaps at {} on the way {way}: there the flat surface gives way.",
-            told(control, near, law, 4)
+            told(control, near, model, 4)
         );
     }
     format!(
         "The next jump on the way {way} is between {} and {}.",
-        told(control, near, law, 3),
-        told(control, far, law, 3)
+        told(control, near, model, 3),
+        told(control, far, model, 3)
     )
 }

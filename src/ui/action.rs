@@ -88,6 +88,10 @@ pub enum Action {
     ClearSelection,
     /// The scene as text on the clipboard.
     CopyScene,
+    /// The picture of the stress curve on the clipboard.
+    CopyPicture,
+    /// This text on the clipboard.
+    CopyText(String),
     /// A scene as text from the clipboard.
     PasteScene(String),
     /// Panels and view as they were at first.
@@ -116,6 +120,8 @@ pub enum FileTask {
     ExportLoopCsv,
     /// Write the recorded jumps.
     ExportEventsCsv,
+    /// Write every curve of the plot.
+    ExportCurvesCsv,
     /// Write the curve of stress against u0 as a picture.
     ExportLoopPng,
     /// Write the gap map as a picture.
@@ -128,7 +134,9 @@ impl FileTask {
         match self {
             FileTask::OpenScene => "Open scene",
             FileTask::SaveScene => "Save scene",
-            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => "Export CSV",
+            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
+                "Export CSV"
+            }
             FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
         }
     }
@@ -139,6 +147,7 @@ impl FileTask {
             FileTask::OpenScene | FileTask::SaveScene => "scene.toml",
             FileTask::ExportLoopCsv => "loop.csv",
             FileTask::ExportEventsCsv => "events.csv",
+            FileTask::ExportCurvesCsv => "curves.csv",
             FileTask::ExportLoopPng => "loop.png",
             FileTask::ExportGapPng => "gap.png",
         }
@@ -149,9 +158,10 @@ impl FileTask {
     pub fn variants(self) -> &'static [(FileTask, &'static str)] {
         match self {
             FileTask::OpenScene | FileTask::SaveScene => &[],
-            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => &[
+            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => &[
                 (FileTask::ExportLoopCsv, "states (loop.csv)"),
                 (FileTask::ExportEventsCsv, "jumps (events.csv)"),
+                (FileTask::ExportCurvesCsv, "curves of the plot"),
             ],
             FileTask::ExportLoopPng | FileTask::ExportGapPng => &[
                 (FileTask::ExportLoopPng, "stress curve"),

@@ -7,6 +7,7 @@ use super::tabs::Tabs;
 use super::view_state::ViewState;
 use super::{controls, gap_map, keys, loop_plot, profile, status_bar, toolbar};
 use crate::plot::loop_panel;
+use crate::plot::panel::Page;
 use crate::scene::Scene;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
@@ -254,6 +255,18 @@ impl App {
                 state.messages.notice =
                     Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
+            Action::CopyPicture => match drawing::page_image(&page(state)) {
+                Ok(image) => {
+                    let size = [image.width() as usize, image.height() as usize];
+                    ctx.copy_image(egui::ColorImage::from_rgb(size, &image));
+                    state.messages.notice = Some("picture of the stress curve copied".to_owned());
+                }
+                Err(why) => state.messages.fail(why, "Export it as PNG instead."),
+            },
+            Action::CopyText(text) => {
+                ctx.copy_text(text);
+                state.messages.notice = Some("copied as text".to_owned());
+            }
             Action::PasteScene(text) => match scene_file::received("clipboard", text.as_bytes()) {
                 Ok(scene) => state.open_scene(scene),
                 Err(failure) => state
@@ -303,16 +316,18 @@ impl App {
                 return;
             }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
-            FileTask::ExportLoopCsv => export::write_loop_csv(path, &state.run.record.states),
-            FileTask::ExportEventsCsv => export::write_events_csv(path, &state.run.record.jumps),
-            FileTask::ExportLoopPng => {
-                let ledger = state.run.record.ledger(state.model.law.surface_energy);
-                let error = ledger.stated_error(state.predicted_error());
-                let page =
-                    loop_panel::page(&state.run.record, &state.model, &state.scene.title, error);
-                drawing::write_page_png(path, &page)
-                    .and_then(|()| picture::attach_scene(path, &state.scene))
+            FileTask::ExportLoopCsv => {
+                export::write_loop_csv(path, &state.scene, &state.run.record.states)
             }
+            FileTask::ExportEventsCsv => {
+                export::write_events_csv(path, &state.scene, &state.run.record.jumps)
+            }
+            FileTask::ExportCurvesCsv => {
+                let panel = loop_plot::panel(state);
+                export::write_panels_csv(path, &state.scene.title, &[panel])
+            }
+            FileTask::ExportLoopPng => drawing::write_page_png(path, &page(state))
+                .and_then(|()| picture::attach_scene(path, &state.scene)),
             FileTask::ExportGapPng => match state.pictured() {
                 Some(frame) => picture::write_gap_png(path, &frame.gap)
                     .and_then(|()| picture::attach_scene(path, &state.scene)),
@@ -328,6 +343,13 @@ impl App {
             Err(failure) => self.state.messages.fail(failure, OTHER_PATH),
         }
     }
+}
+
+/// The picture of the stress curve.
+fn page(state: &ViewState) -> Page<'static> {
+    let ledger = state.run.record.ledger(state.model.law.surface_energy);
+    let error = ledger.stated_error(state.predicted_error());
+    loop_panel::page(&state.run.record, &state.model, &state.scene.title, error)
 }
 
 impl eframe::App for App {

@@ -122,6 +122,16 @@ fn files() -> Vec<Command> {
             Action::AskFile(FileTask::ExportEventsCsv),
         ),
         one(
+            "Export the curves of the plot as CSV",
+            "",
+            Action::AskFile(FileTask::ExportCurvesCsv),
+        ),
+        one(
+            "Copy the picture of the stress curve",
+            "",
+            Action::CopyPicture,
+        ),
+        one(
             "Export the stress curve as PNG",
             "S",
             Action::AskFile(FileTask::ExportLoopPng),

@@ -4,14 +4,16 @@ use super::action::Action;
 use super::machine::Told;
 use super::theme::Palette;
 use super::view_state::ViewState;
-use super::widgets::{SEED_MAX, card, field, labelled, named, number, own, whole};
+use super::widgets::{SEED_MAX, card, field, given, labelled, named, number, own, whole};
 use super::{machine, sliders, theme};
 use crate::follow::record::Direction;
 use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::{Law, Shape};
+use crate::physics::parameter::Dimension;
 use crate::scene::edit::{self, Follows};
 use crate::scene::part::Strategy;
+use crate::scene::units::{SUGGESTED, Units};
 use crate::scene::{Points, Scene, Turn, parameter};
 use crate::solver::methods::MethodKind;
 use egui::{ComboBox, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -58,10 +60,10 @@ fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             let drag = field(&mut target)
                 .range(range)
                 .clamp_existing_to_range(false)
-                .speed(0.01)
+                .speed(0.01 * told.measure.scale)
                 .max_decimals(6);
             if ui
-                .add(drag.suffix(told.suffix))
+                .add(drag.suffix(told.suffix.as_str()))
                 .labelled_by(label.id)
                 .changed()
             {
@@ -70,7 +72,7 @@ fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             ui.add_space(4.0);
             ui.label("Actual");
             ui.label(
-                RichText::new(format!("{:.4}{}", state.run.actual / unit, told.suffix))
+                RichText::new(told.say(state.run.actual, 4))
                     .heading()
                     .strong(),
             );
@@ -97,8 +99,10 @@ fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             ui.small("Shift: fine");
             if let Some((pattern, sample)) = state.foreseen() {
                 let stress = sample.stress / state.model.law.traction_max();
+                let unit = state.model.unit(Dimension::Stress);
                 let words = format!(
-                    "ahead: {pattern}, stable\n{stress:.3} σₘₐₓ\n{:.2} E*/L",
+                    "ahead: {pattern}, stable\n{}\n{:.2} E*/L",
+                    unit.say(stress, 3, "σₘₐₓ"),
                     sample.stiffness_min
                 );
                 let colour = theme::palette(ui).live;
@@ -149,15 +153,16 @@ fn change(state: &ViewState, actions: &mut Vec<Action>, change: impl FnOnce(&mut
 
 fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
-    let rho = state.rho();
-    if let Some(ratio) = number(
+    let across = model.unit_across();
+    let one = state.rho() / across.scale;
+    if let Some(length) = number(
         ui,
         &parameter::LENGTH,
-        model.grid.length / rho,
-        1.0..=65536.0,
-        "ρ",
+        model.grid.length / one,
+        across.scale..=65536.0 * across.scale,
+        across.name("ρ"),
     ) {
-        actions.push(Action::edit(edit::with_length(scene, model, ratio * rho)));
+        actions.push(Action::edit(edit::with_length(scene, model, length * one)));
     }
     let line = model.grid.is_line();
     labelled(ui, "Points n", |ui| {
@@ -210,6 +215,7 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    units(ui, state, actions);
     law(ui, state, actions);
     drive(ui, state, actions);
     elastic_body(ui, state, actions);
@@ -219,24 +225,52 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     methods(ui, state, actions);
 }
 
+/// Whether the numbers have units, and what only such a scene has.
+fn units(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (scene, model) = (&state.scene, &state.model);
+    let names = ["none: E* is 1", "SI"];
+    let present = names[usize::from(scene.units.is_some())];
+    if let Some(i) = chosen(ui, "Units", present, &names) {
+        change(state, actions, |scene| {
+            scene.units = (i == 1).then_some(SUGGESTED);
+        });
+    }
+    let Some(units) = scene.units else {
+        return;
+    };
+    let value = units.contact_modulus;
+    let word = units.modulus.word;
+    if let Some(modulus) = number(ui, &parameter::CONTACT_MODULUS, value, 1e-6..=1e6, word) {
+        let scene = edit::with_contact_modulus(scene, model, modulus);
+        actions.push(Action::edit(scene));
+    }
+    let value = units.temperature;
+    if let Some(temperature) = number(ui, &parameter::TEMPERATURE, value, 1.0..=1e4, "K") {
+        let units = Units {
+            temperature,
+            ..units
+        };
+        change(state, actions, |scene| scene.units = Some(units));
+    }
+}
+
 /// The numbers of the cohesive law.
 fn law(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model) = (&state.scene, &state.model);
-    let rho = state.rho();
-    if let Some(value) = number(
+    if let Some(value) = given(
         ui,
+        scene,
         &parameter::SURFACE_ENERGY,
         scene.law.surface_energy,
         1e-6..=1e6,
-        "",
     ) {
         actions.push(Action::edit(edit::with_surface_energy(scene, model, value)));
     }
-    if let Some(value) = number(ui, &parameter::RANGE, rho, 1e-6..=1e6, "") {
+    if let Some(value) = given(ui, scene, &parameter::RANGE, model.law.range, 1e-6..=1e6) {
         actions.push(Action::edit(edit::with_range(scene, model, value)));
     }
     let shape = scene.law.shape;
-    if let Some(values) = own(ui, shape.parameters(), &shape.values(), rho) {
+    if let Some(values) = own(ui, shape.parameters(), &shape.values(), model) {
         actions.push(Action::edit(edit::with_shape(
             scene,
             model,
@@ -349,7 +383,7 @@ fn elastic_body(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let names: Vec<_> = all.iter().map(|body| body.elastic().name()).collect();
     let asked = chosen(ui, "Body", body.elastic().name(), &names)
         .map(|i| all[i].elastic().suited(&model.grid));
-    let edited = own(ui, body.parameters(), &body.values(), state.rho());
+    let edited = own(ui, body.parameters(), &body.values(), model);
     if let Some(body) = asked.or(edited.map(|values| body.with(&values))) {
         actions.push(Action::edit(edit::with_body(scene, model, body)));
     }
@@ -367,7 +401,7 @@ fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui,
         scene.indenter.parameters(),
         &scene.indenter.values(),
-        state.rho(),
+        model,
     ) {
         change(state, actions, |scene| {
             scene.indenter = scene.indenter.with(&values);

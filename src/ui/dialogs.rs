@@ -273,7 +273,9 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
     let (kind, extensions): (_, &[&str]) = match task {
         FileTask::OpenScene => ("Scene, or a picture with its scene", &["toml", "png"]),
         FileTask::SaveScene => ("Scene", &["toml"]),
-        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv => ("CSV", &["csv"]),
+        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
+            ("CSV", &["csv"])
+        }
         FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
     };
     let dialog = rfd::AsyncFileDialog::new()

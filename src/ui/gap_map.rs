@@ -7,6 +7,7 @@ use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{described, named};
 use crate::physics::indenter::Indenter;
+use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
@@ -282,8 +283,9 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         pos2(map.right() + 10.0, map.top() + 16.0),
         pos2(map.right() + 22.0, map.bottom() - 2.0),
     );
-    let rho = state.rho();
-    let top = scale::gap_scale(&state.scene, &state.model) / rho;
+    let unit = state.model.unit(Dimension::Length);
+    let one = state.rho() / unit.scale;
+    let top = scale::gap_scale(&state.scene, &state.model) / one;
     let steps = 64;
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);
@@ -298,7 +300,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     ui.painter().text(
         pos2(bar.left() - 2.0, map.top()),
         Align2::LEFT_TOP,
-        "gap / ρ",
+        unit.label("gap / ρ", "gap"),
         theme::small(),
         text,
     );
@@ -308,7 +310,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         ui.painter()
             .hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
         let above = value + spacing > top * 1.001
-            && cache.picture.as_ref().is_some_and(|p| p.max / rho > top);
+            && cache.picture.as_ref().is_some_and(|p| p.max / one > top);
         let label = format!(
             "{}{}",
             if above { "≥" } else { "" },
@@ -322,7 +324,7 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
             text,
         );
     }
-    let contact = bar.bottom() - (state.model.law.contact_gap() / rho / top) as f32 * bar.height();
+    let contact = bar.bottom() - (state.model.law.contact_gap() / one / top) as f32 * bar.height();
     ui.painter()
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
@@ -456,13 +458,14 @@ fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<
     let gap = picture.gap[(index(y, ny), index(x, nx))];
     let (rho, length) = (state.rho(), state.model.grid.length);
     let traction = state.model.law.at(gap).traction / state.model.law.traction_max();
+    let (model, across) = (&state.model, state.model.unit_across());
     let force = if traction >= 0.0 { "pulls" } else { "pushes" };
     Some(format!(
-        "x {:.1} ρ   y {:.1} ρ   gap {:.3} ρ   stress {:.3} σₘₐₓ ({force})",
-        f64::from(x) * length / rho,
-        f64::from(y) * length / rho,
-        gap / rho,
-        traction
+        "x {}   y {}   gap {}   stress {} ({force})",
+        across.say(f64::from(x) * length / rho, 1, "ρ"),
+        across.say(f64::from(y) * length / rho, 1, "ρ"),
+        model.unit(Dimension::Length).say(gap / rho, 3, "ρ"),
+        model.unit(Dimension::Stress).say(traction, 3, "σₘₐₓ")
     ))
 }
 
@@ -476,9 +479,10 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
         .state
         .as_ref()
         .map_or("at rest", |s| s.pattern.word());
+    let unit = state.model.unit(Dimension::Length);
     format!(
-        "Gap map: {pattern}, gap from {:.3} to {:.3} rho",
-        picture.min / state.rho(),
-        picture.max / state.rho()
+        "Gap map: {pattern}, gap from {} to {}",
+        unit.number(picture.min / state.rho(), 3),
+        unit.say(picture.max / state.rho(), 3, "rho")
     )
 }

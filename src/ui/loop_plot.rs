@@ -8,8 +8,11 @@ use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::physics::parameter::Dimension;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
+use crate::scene::Model;
+use crate::scene::units::Unit;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::plan::promise;
 use crate::worker::protocol::Frame as Picture;
@@ -53,7 +56,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         }
     });
     let height = (height - (ui.cursor().top() - top) - 36.0).max(120.0);
-    let hover = |x: f64, y: f64| Some(format!("u₀ {x:.3} ρ\nstress {y:.3} σₘₐₓ"));
+    let [length, stress] = units(&state.model);
+    let hover = |x: f64, y: f64| {
+        let (u0, stress) = (length.say(x, 3, "ρ"), stress.say(y, 3, "σₘₐₓ"));
+        Some(format!("u₀ {u0}\nstress {stress}"))
+    };
     let shown = diagram::show(ui, &panel, "loop", height, hover);
     let (response, transform) = (shown.response, shown.transform);
     if let Some(pointer) = response
@@ -98,6 +105,20 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
     });
 }
 
+/// In what u0 and the stress are told.
+fn units(model: &Model) -> [Unit; 2] {
+    [Dimension::Length, Dimension::Stress].map(|of| model.unit(of))
+}
+
+/// The axes of stress against u0 with short names.
+pub fn axes(model: &Model) -> [Axis; 2] {
+    let [length, stress] = units(model);
+    [
+        Axis::of(&length, "u₀ / ρ", "u₀"),
+        Axis::of(&stress, "stress / σ_max", "stress"),
+    ]
+}
+
 /// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks
 /// against it.
 fn dissipated(state: &ViewState) -> (String, Option<String>) {
@@ -106,11 +127,12 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
         let contested = contested(&state.run.record.jumps);
         let words = match (ledger.dissipated_energy(), &ledger.open) {
             (Some(loss), _) if contested.is_some() => {
-                format!("∮ dissipated {loss:.4}{} γ", or_else(state, loss))
+                format!("∮ dissipated {}", either(state, loss))
             }
             (Some(loss), _) => {
                 format!(
-                    "∮ dissipated {loss:.4} γ, {}",
+                    "∮ dissipated {}, {}",
+                    energy(state, loss),
                     promise(ledger.stated_error(state.predicted_error()))
                 )
             }
@@ -132,13 +154,14 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
     let loss = live.dissipated_energy;
     if let Some(contested) = contested(&live.jumps) {
         return (
-            format!("∮ live loop: {loss:.4}{} γ", or_else(state, loss)),
+            format!("∮ live loop: {}", either(state, loss)),
             Some(contested),
         );
     }
     (
         format!(
-            "∮ live loop: {loss:.4} γ lost in {} jumps, {}",
+            "∮ live loop: {} lost in {} jumps, {}",
+            energy(state, loss),
             live.jumps.len(),
             promise(Some(live.predicted_error))
         ),
@@ -151,11 +174,28 @@ fn contested(jumps: &[JumpRecord]) -> Option<String> {
     jumps.iter().find_map(JumpRecord::contested_words)
 }
 
-/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it: " or
-/// 0.1292".
-fn or_else(state: &ViewState, loss: f64) -> String {
+/// An energy per area (gamma) as it is told.
+fn energy(state: &ViewState, energy: f64) -> String {
+    state
+        .model
+        .unit(Dimension::SurfaceEnergy)
+        .say(energy, 4, "γ")
+}
+
+/// The `loss` of a loop, and what it would lose by its other landing, as the live loop knows it:
+/// "0.1175 or 0.1292 γ".
+fn either(state: &ViewState, loss: f64) -> String {
+    let unit = state.model.unit(Dimension::SurfaceEnergy);
+    let other = other_loss(state, loss);
+    let other =
+        other.map(|other| format!("{} or ", unit.number(loss, 4)) + &unit.say(other, 4, "γ"));
+    other.unwrap_or_else(|| unit.say(loss, 4, "γ"))
+}
+
+/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it.
+fn other_loss(state: &ViewState, loss: f64) -> Option<f64> {
     let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
-        return String::new();
+        return None;
     };
     let mut known: Vec<f64> = live
         .rivals
@@ -163,18 +203,17 @@ fn or_else(state: &ViewState, loss: f64) -> String {
         .filter_map(|rival| rival.dissipated_energy)
         .collect();
     if known.is_empty() {
-        return String::new();
+        return None;
     }
     // The live loop may take the other of two; of both values the farther one is not this loop's.
     known.push(live.dissipated_energy);
-    let other = known
+    known
         .into_iter()
-        .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()));
-    other.map_or_else(String::new, |other| format!(" or {other:.4}"))
+        .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()))
 }
 
 /// Everything that is shown, on the axes of the scene.
-fn panel(state: &ViewState) -> Panel {
+pub fn panel(state: &ViewState) -> Panel {
     let ([left, bottom], [right, top]) = state.axes();
     let law = &state.model.law;
     let latest = state.run.record.jumps.len().saturating_sub(JUMPS_MAX);
@@ -184,9 +223,10 @@ fn panel(state: &ViewState) -> Panel {
         .as_ref()
         .filter(|closed| closed.summary.ledger.open.is_none());
     let theory = theory(state, [[left, right], [bottom, top]]);
+    let [x, y] = axes(&state.model);
     let mut panel = Panel {
-        x: Axis::linear("u₀ / ρ").from_to(left, right),
-        y: Axis::linear("stress / σ_max").from_to(bottom, top),
+        x: x.from_to(left, right),
+        y: y.from_to(bottom, top),
         areas: closed.map_or_else(Vec::new, |closed| closed.loss.clone()),
         series: loop_panel::branches(&state.run.curve)
             .into_iter()
@@ -375,26 +415,34 @@ fn theory(state: &ViewState, axes: [[f64; 2]; 2]) -> Vec<(Series, Option<Label>)
 
 /// The plot in one sentence.
 fn sentence(state: &ViewState) -> String {
+    let [length, stress] = units(&state.model);
     if let Some(frame) = state.jumping() {
         return format!(
-            "Stress against u0: jumping at u0 {:.3} rho, stress {:.3} sigma_max",
-            frame.mean_displacement / state.rho(),
-            frame.stress / state.model.law.traction_max()
+            "Stress against u0: jumping at u0 {}, stress {}",
+            length.say(frame.mean_displacement / state.rho(), 3, "rho"),
+            stress.say(
+                frame.stress / state.model.law.traction_max(),
+                3,
+                "sigma_max"
+            )
         );
     }
     let Some(now) = &state.run.state else {
         return "Stress against u0: nothing recorded yet".to_owned();
     };
     let mut words = format!(
-        "Stress against u0: {} at u0 {:.3} rho, stress {:.3} sigma_max, {}",
+        "Stress against u0: {} at u0 {}, stress {}, {}",
         now.pattern,
-        now.mean_displacement / state.rho(),
-        now.stress_over_max,
+        length.say(now.mean_displacement / state.rho(), 3, "rho"),
+        stress.say(now.stress_over_max, 3, "sigma_max"),
         state.run.record.tally()
     );
     if let Some(closed) = &state.run.closed_loop {
         words.push_str(&match closed.summary.ledger.dissipated_energy() {
-            Some(loss) => format!(", dissipated {loss:.4} gamma"),
+            Some(loss) => {
+                let unit = state.model.unit(Dimension::SurfaceEnergy);
+                format!(", dissipated {}", unit.say(loss, 4, "gamma"))
+            }
             None => ", loop not closed".to_owned(),
         });
     }
@@ -444,28 +492,42 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                 }
                 if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
                     let words = format!(
-                        "{} → {} released {:.4} γ",
-                        jump.from, jump.to, jump.released_energy
+                        "{} → {} released {}",
+                        jump.from,
+                        jump.to,
+                        energy(state, jump.released_energy)
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }
-                if ui.small_button("Walk to this u₀").clicked() {
-                    actions.push(Action::SetTarget(s.mean_displacement));
-                }
+                ui.horizontal(|ui| {
+                    if ui.small_button("Walk to this u₀").clicked() {
+                        actions.push(Action::SetTarget(s.mean_displacement));
+                    }
+                    let copy = named(ui.small_button("Copy"), "Copy these numbers");
+                    if copy.clicked() {
+                        actions.push(Action::CopyText(numbers(state, s).join("\n")));
+                    }
+                });
             });
     });
 }
 
 /// The numbers, one a line.
 fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
+    let [length, stress] = units(&state.model);
+    let unit = state.model.unit(Dimension::SurfaceEnergy);
+    let gamma = state.model.law.surface_energy;
     [
-        format!("u₀ {:.5} ρ", s.mean_displacement / state.rho()),
-        format!("stress {:.5} σₘₐₓ", s.stress_over_max),
+        format!(
+            "u₀ {}",
+            length.say(s.mean_displacement / state.rho(), 5, "ρ")
+        ),
+        format!("stress {}", stress.say(s.stress_over_max, 5, "σₘₐₓ")),
         format!(
             "eigenvalue {:.3} ± {:.3} E*/L",
             s.stiffness_min, s.stiffness_error
         ),
-        format!("energy {:.5} γ", s.energy / state.model.law.surface_energy),
+        format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
         format!(
             "contact {:.1} %, residual {:.0e}",
             100.0 * s.contact_area,

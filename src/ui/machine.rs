@@ -4,11 +4,13 @@
 use super::action::Action;
 use super::theme::Palette;
 use super::view_state::ViewState;
-use super::widgets::{card, number};
+use super::widgets::{card, given};
 use crate::physics::control::Control;
+use crate::physics::parameter::Dimension;
 use crate::plot::panel::{Colour, Role, Series};
 use crate::scene::edit;
 use crate::scene::parameter;
+use crate::scene::units::Unit;
 use egui::{Painter, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 use std::f64::consts::PI;
 
@@ -17,16 +19,26 @@ use std::f64::consts::PI;
 const SOFT: f64 = 3.0;
 
 /// In what the control is told.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Told {
     /// Its name.
     pub name: &'static str,
     /// Its letter.
     pub symbol: &'static str,
     /// What stands behind its numbers.
-    pub suffix: &'static str,
+    pub suffix: String,
     /// What is 1 (length; E* of a load).
     pub unit: f64,
+    /// That beside the natural unit.
+    pub measure: Unit,
+}
+
+impl Told {
+    /// A value with its unit, in as fine steps as with so many `decimals` of natural units.
+    pub fn say(&self, value: f64, decimals: usize) -> String {
+        let natural = value / self.unit / self.measure.scale;
+        self.measure.number(natural, decimals) + &self.suffix
+    }
 }
 
 /// In what the control of this scene is told.
@@ -37,16 +49,19 @@ pub fn told(state: &ViewState) -> Told {
         Control::Spring { .. } => "Stage",
         Control::Load => "Load",
     };
-    let (suffix, unit) = if state.scene.control() == Control::Load {
-        (" σₘₐₓ", law.traction_max())
+    let (of, natural, one) = if state.scene.control() == Control::Load {
+        (Dimension::Stress, "σₘₐₓ", law.traction_max())
     } else {
-        (" ρ", law.range)
+        (Dimension::Length, "ρ", law.range)
     };
+    let measure = state.model.unit(of);
+    let (suffix, unit) = (format!(" {}", measure.name(natural)), one / measure.scale);
     Told {
         name,
         symbol: state.scene.control().symbol(),
         suffix,
         unit,
+        measure,
     }
 }
 
@@ -78,7 +93,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
     if let Control::Spring { stiffness } = present {
         let range = 1e-9..=1e9;
-        let wanted = number(ui, &parameter::STIFFNESS, stiffness, range, "");
+        let wanted = given(ui, scene, &parameter::STIFFNESS, stiffness, range);
         asked = asked.or(wanted.map(|stiffness| Control::Spring { stiffness }));
         ui.small(if scene.control().stiffness() < wave {
             "Softer than the body's softest wave: it snaps as one block."

@@ -10,6 +10,7 @@ use super::view_state::ViewState;
 use super::widgets::described;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
+use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
@@ -26,7 +27,8 @@ pub fn show(
     let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
     let (low, high) = heights(state);
-    let rho = state.rho();
+    let unit = state.model.unit(Dimension::Length);
+    let one = state.rho() / unit.scale;
     let picture = picture.filter(|_| !state.is_waiting());
     let cut = picture.map(|p| gap_map::cut(&state.view, p));
     let name = match cut {
@@ -63,7 +65,7 @@ pub fn show(
         ui,
         state,
         frame,
-        (low / rho, high / rho),
+        (low / one, high / one),
         cut.is_none_or(|(along_x, _)| along_x),
     );
 }
@@ -186,7 +188,11 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
             );
         }
     }
-    let length = state.model.grid.length / state.rho();
+    let [across, up] = [
+        state.model.unit_across(),
+        state.model.unit(Dimension::Length),
+    ];
+    let length = state.model.grid.length / state.rho() * across.scale;
     let (values, spacing) = ticks::within(0.0, length, 5.5);
     for value in values.into_iter().filter(|value| *value <= 0.9 * length) {
         let x = frame.left() + (value / length) as f32 * frame.width();
@@ -207,7 +213,11 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
             colour,
         );
     }
-    let name = if along_x { "x / ρ" } else { "y / ρ" };
+    let name = if along_x {
+        across.label("x / ρ", "x")
+    } else {
+        across.label("y / ρ", "y")
+    };
     painter.text(
         pos2(frame.right() + 2.0, frame.bottom() + 5.0),
         Align2::RIGHT_TOP,
@@ -218,7 +228,7 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
     painter.text(
         pos2(frame.left() - 32.0, frame.top() + 2.0),
         Align2::LEFT_TOP,
-        "z/ρ",
+        up.label("z/ρ", "z"),
         theme::small(),
         colour,
     );

@@ -6,6 +6,7 @@ use super::theme;
 use super::view_state::ViewState;
 use crate::follow::record::StateRecord;
 use crate::physics::grid::Grid;
+use crate::physics::parameter::Dimension;
 use crate::scene::part::{Part, Strategy};
 use crate::solver::Stop;
 use crate::study::plan::promise;
@@ -45,7 +46,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         if let Some(live) = &state.plots.live {
             part(ui, "");
             let colour = theme::palette(ui).live;
-            ui.label(RichText::new(live.words()).color(colour));
+            ui.label(RichText::new(live.words(&state.model)).color(colour));
         }
     });
 }
@@ -61,8 +62,9 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let (text, colour) = match state.jumping() {
         Some(frame) => {
             let u0 = frame.mean_displacement / state.rho();
+            let unit = state.model.unit(Dimension::Length);
             (
-                format!("jumping at u₀ = {u0:.3} ρ, no equilibrium"),
+                format!("jumping at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
                 palette.jump,
             )
         }

@@ -13,7 +13,7 @@ pub use run::{ClosedLoop, RunView, Selection};
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::numerics::cancel::Cancel;
-use crate::physics::parameter::Refusal;
+use crate::physics::parameter::{Dimension, Refusal};
 use crate::plot::curve::eigenvalue_scale;
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
@@ -406,13 +406,15 @@ impl ViewState {
 
     /// A jump in words.
     pub fn say_jump(&self, jump: &JumpRecord) -> String {
+        let [length, energy] =
+            [Dimension::Length, Dimension::SurfaceEnergy].map(|of| self.model.unit(of));
         format!(
-            "{} → {} at u₀ = {:.3} ρ on {}, released {:.4} γ ({})",
+            "{} → {} at u₀ = {} on {}, released {} ({})",
             jump.from,
             jump.to,
-            jump.mean_displacement / self.rho(),
+            length.say(jump.mean_displacement / self.rho(), 3, "ρ"),
             jump.direction,
-            jump.released_energy,
+            energy.say(jump.released_energy, 4, "γ"),
             jump.cause_words()
         )
     }

@@ -2,7 +2,8 @@
 //! and pictures with a name, jobs under way.
 
 use super::theme::{self, Palette};
-use crate::physics::parameter::{Parameter, Value};
+use crate::physics::parameter::{Dimension, Parameter, Value};
+use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::{
     Align, Align2, DragValue, Id, Layout, Painter, ProgressBar, Rect, Response, Role, Sense,
@@ -101,19 +102,37 @@ pub fn number(
     (changed && edited != value).then_some(edited)
 }
 
-/// What only a law or a ground has, lengths in ranges; `None` while nothing is edited. A value that
+/// The same of a number with E* = 1, which is shown as the scene's file gives it.
+pub fn given(
+    ui: &mut Ui,
+    scene: &Scene,
+    parameter: &Parameter,
+    value: f64,
+    range: RangeInclusive<f64>,
+) -> Option<f64> {
+    let of = parameter.unit;
+    let word = scene.units.map_or_else(String::new, |units| {
+        let word = units.word(of).replace("^2", "²");
+        word.replace("um", "µm").replace("uJ", "µJ")
+    });
+    let shown = scene.number_given(of, value);
+    number(ui, parameter, shown, range, &word).map(|new| scene.number_taken(of, new))
+}
+
+/// What only a law or a ground has, lengths as those of the gap; `None` while nothing is edited. A value that
 /// is refused beside the others is said to be by the scene.
 pub fn own(
     ui: &mut Ui,
     parameters: &[Parameter],
     values: &[Value],
-    rho: f64,
+    model: &Model,
 ) -> Option<Vec<Value>> {
+    let length = model.unit(Dimension::Length);
     let mut edited = values.to_vec();
     for (parameter, value) in parameters.iter().zip(&mut edited) {
         let (low, high) = (*parameter.range.start(), *parameter.range.end());
-        let (unit, word) = if parameter.unit == "length" {
-            (rho, "ρ")
+        let (unit, word) = if parameter.unit == Dimension::Length {
+            (model.law.range / length.scale, length.name("ρ"))
         } else {
             (1.0, "")
         };

@@ -10,3 +10,4 @@ mod hostile_scenes;
 mod kills;
 mod scene_files;
 mod signals;
+mod units;

@@ -53,7 +53,8 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             "wavy",
             "rough",
             "soft-machine",
-            "thin-film"
+            "thin-film",
+            "rubber"
         ]
     );
     for preset in presets::all() {
@@ -574,7 +575,7 @@ prop_compose! {
         let bottom = if let Turn::At(turn) = turn { turn } else { 0.0 };
         Scene {
             title, source, cell: Cell { length, points }, body, law: LawChoice { shape, surface_energy, range }, indenter,
-            drive: Drive { control, start: bottom + drop, turn, step: drop / steps }, accuracy, seed,
+            drive: Drive { control, start: bottom + drop, turn, step: drop / steps }, accuracy, seed, units: None,
         }
     }
 }
@@ -747,6 +748,14 @@ fn giving(parameter: &Parameter) -> (String, String) {
         "indenter.seed" => {
             text = replaced(text, "kind = \"flat\"", ROUGH);
             line = "seed = 3".to_owned();
+        }
+        "body.contact_modulus" | "units.temperature" => {
+            text = replaced(
+                text,
+                "[law]",
+                "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
+            );
+            text += "\n[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n";
         }
         "body.thickness" | "body.poisson" => {
             text = replaced(

@@ -67,5 +67,6 @@ pub fn flat_ground(shape: Shape, periods: f64, points: Points) -> Scene {
         },
         accuracy: 0.01,
         seed: 1,
+        units: None,
     }
 }

@@ -182,6 +182,7 @@ fn random_scene(rng: &mut Pcg64, most: usize) -> (Scene, Part) {
         indenter,
         accuracy: 0.01,
         seed: rng.random_range(0..1000),
+        units: None,
     };
     (scene, part)
 }

@@ -11,5 +11,6 @@ mod live_loop;
 mod loops;
 mod map;
 mod plan;
+mod reality;
 mod time_step_map;
 mod why;

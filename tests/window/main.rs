@@ -16,6 +16,7 @@ mod paper;
 mod select;
 mod stepped;
 mod tabs;
+mod units;
 mod why;
 
 use bench::{Bench, fig2};

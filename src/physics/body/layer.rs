@@ -3,7 +3,7 @@
 use super::{Body, Elastic};
 use crate::physics::grid::Grid;
 use crate::physics::parameter::{
-    BELOW_ONE, LENGTHS, Own, POSITIVE, Parameter, Refusal, Value, number,
+    BELOW_ONE, Dimension, LENGTHS, Own, POSITIVE, Parameter, Refusal, Value, number,
 };
 
 /// A layer of uniform thickness t, bonded to a rigid plate; its surface is free of friction.
@@ -37,7 +37,7 @@ impl Own for Layer {
             key: "body.thickness",
             label: "Layer thickness",
             symbol: "t",
-            unit: "length",
+            unit: Dimension::Length,
             range: LENGTHS,
             default: None,
             hint: POSITIVE,
@@ -46,7 +46,7 @@ impl Own for Layer {
             key: "body.poisson",
             label: "Poisson's ratio",
             symbol: "ν",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: -BELOW_ONE..=0.5,
             default: None,
             hint: "a number above -1, at most 0.5 (incompressible), {range}",

@@ -3,7 +3,7 @@
 use super::{Ground, Indenter};
 use crate::physics::grid::Grid;
 use crate::physics::law::Law;
-use crate::physics::parameter::{LENGTHS, Own, POSITIVE, Parameter, Value};
+use crate::physics::parameter::{Dimension, LENGTHS, Own, POSITIVE, Parameter, Value};
 use crate::physics::theory::jkr::Jkr;
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ impl Own for Hertz {
         key: "indenter.radius",
         label: "Tip radius",
         symbol: "R",
-        unit: "length",
+        unit: Dimension::Length,
         range: LENGTHS,
         default: None,
         hint: POSITIVE,

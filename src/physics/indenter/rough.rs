@@ -11,7 +11,9 @@ use super::{Ground, Indenter};
 use crate::numerics::fourier::Fourier;
 use crate::physics::grid::Grid;
 use crate::physics::law::Law;
-use crate::physics::parameter::{LENGTHS, Own, Parameter, Refusal, SEED_MAX, Value, number};
+use crate::physics::parameter::{
+    Dimension, LENGTHS, Own, Parameter, Refusal, SEED_MAX, Value, number,
+};
 use ndarray::Array2;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -70,7 +72,7 @@ impl Own for Rough {
             key: "indenter.hurst",
             label: "Hurst exponent",
             symbol: "",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: 1e-12..=1.0,
             default: None,
             hint: "a number above 0, at most 1, {range}, as in 0.8",
@@ -79,7 +81,7 @@ impl Own for Rough {
             key: "indenter.rms",
             label: "RMS height",
             symbol: "",
-            unit: "length",
+            unit: Dimension::Length,
             range: LENGTHS,
             default: None,
             hint: "the root mean square height, a finite number above 0, {range}",
@@ -88,7 +90,7 @@ impl Own for Rough {
             key: "indenter.longest",
             label: "Longest wave",
             symbol: "",
-            unit: "length",
+            unit: Dimension::Length,
             range: LENGTHS,
             default: None,
             hint: "a wavelength, at most cell.length, {range}",
@@ -97,7 +99,7 @@ impl Own for Rough {
             key: "indenter.shortest",
             label: "Shortest wave",
             symbol: "",
-            unit: "length",
+            unit: Dimension::Length,
             range: LENGTHS,
             default: None,
             hint: "a wavelength from cell.length/512 to indenter.longest, {range}",
@@ -106,7 +108,7 @@ impl Own for Rough {
             key: "indenter.seed",
             label: "Surface seed",
             symbol: "",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: 0.0..=SEED_MAX,
             default: Some(Value::Whole(1)),
             hint: "a whole number {range}",

@@ -3,7 +3,7 @@
 use super::{Ground, Indenter};
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::law::Law;
-use crate::physics::parameter::{LENGTHS, Own, POSITIVE, Parameter, Refusal, Value};
+use crate::physics::parameter::{Dimension, LENGTHS, Own, POSITIVE, Parameter, Refusal, Value};
 use std::f64::consts::TAU;
 
 /// Sinusoidal waves, h = -amplitude sum_i (1 - cos(2 pi periods_i r_i/L)), a crest in the middle of
@@ -34,7 +34,7 @@ impl Own for Wave {
             key: "indenter.amplitude",
             label: "Amplitude",
             symbol: "",
-            unit: "length",
+            unit: Dimension::Length,
             range: LENGTHS,
             default: None,
             hint: POSITIVE,
@@ -43,7 +43,7 @@ impl Own for Wave {
             key: "indenter.periods",
             label: "Waves",
             symbol: "",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: 0.0..=(POINTS_MAX / 4) as f64,
             default: None,
             hint: "a whole number of waves along x, or along x and y as in [2, 1], each {range}",

@@ -1,7 +1,7 @@
 //! The cosine law with a true cut-off (Eq. 31), as printed and with a continuous stiffness.
 
 use super::Form;
-use crate::physics::parameter::{Own, Parameter, Value};
+use crate::physics::parameter::{Dimension, Own, Parameter, Value};
 use std::f64::consts::PI;
 
 /// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the
@@ -21,7 +21,7 @@ impl Own for Cosine {
         key: "law.smooth",
         label: "Smooth at contact (C2)",
         symbol: "",
-        unit: "",
+        unit: Dimension::Pure(""),
         range: 0.0..=1.0,
         default: Some(Value::Flag(false)),
         hint: "true or false",

@@ -2,7 +2,7 @@
 
 use super::{Form, fill_by_point};
 use crate::numerics::exponential::{exp, map_sum};
-use crate::physics::parameter::{BELOW_ONE, Own, Parameter, Value};
+use crate::physics::parameter::{BELOW_ONE, Dimension, Own, Parameter, Value};
 
 /// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to
 /// 1e-14.
@@ -29,7 +29,7 @@ impl Own for DoubleExponential {
         key: "law.ratio",
         label: "Ratio of ranges",
         symbol: "",
-        unit: "",
+        unit: Dimension::Pure(""),
         range: 1e-6..=BELOW_ONE,
         default: None,
         hint: "a number above 0 and below 1, {range} (repulsive over attractive range)",

@@ -1,7 +1,7 @@
 //! The m-n Mie law (8-2 between half-spaces with Lennard-Jones interactions).
 
 use super::Form;
-use crate::physics::parameter::{Own, Parameter, Refusal, Value, number};
+use crate::physics::parameter::{Dimension, Own, Parameter, Refusal, Value, number};
 
 /// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is
 /// singular at zero gap, and even exponents would give a plausible number on the wrong side of it.
@@ -25,7 +25,7 @@ impl Own for Mie {
             key: "law.m",
             label: "Mie exponent",
             symbol: "m",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: 1e-9..=100.0,
             default: None,
             hint: "a number above law.n, {range}, as in 8",
@@ -34,7 +34,7 @@ impl Own for Mie {
             key: "law.n",
             label: "Mie exponent",
             symbol: "n",
-            unit: "",
+            unit: Dimension::Pure(""),
             range: 1e-9..=100.0,
             default: None,
             hint: "a finite number above 0, {range}, as in 2",

@@ -15,6 +15,7 @@ use super::picture::write_png;
 use super::{Failure, files};
 use crate::paper::figure::Table;
 use crate::plot::panel::{Page, Panel};
+use image::RgbImage;
 use legend::Legend;
 use std::path::Path;
 use svg::{Anchor, RULE, Sheet, ink, set, solid, width};
@@ -64,6 +65,15 @@ pub fn write_table_png(path: &Path, table: &Table) -> Result<(), Failure> {
 /// The page as the text of an SVG.
 pub fn page_svg(page: &Page<'_>) -> String {
     page_sheet(page).svg()
+}
+
+/// The page as an image, at least 1800 pixels wide.
+///
+/// # Errors
+/// A page that cannot be drawn.
+pub fn page_image(page: &Page<'_>) -> Result<RgbImage, String> {
+    let image = page_sheet(page).pixels();
+    image.map_err(|error| error.to_string())
 }
 
 fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {

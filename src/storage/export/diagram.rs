@@ -2,7 +2,9 @@
 
 use super::{number, write_rows};
 use crate::follow::diagram::Diagram;
+use crate::physics::parameter::Dimension;
 use crate::physics::system::State;
+use crate::scene::Scene;
 use crate::storage::Failure;
 use std::path::Path;
 
@@ -21,7 +23,8 @@ const POINT_COLUMNS: &str =
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+pub fn write_branches_csv(path: &Path, diagram: &Diagram, scene: &Scene) -> Result<(), Failure> {
+    let given = |of, value| number(scene.number_given(of, value));
     let rows = diagram.branches.iter().flat_map(|branch| {
         branch.points.iter().enumerate().map(|(i, point)| {
             let State {
@@ -34,13 +37,16 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
                 branch.name.clone(),
                 i.to_string(),
                 number(mean_displacement),
-                number(stress),
-                number(point.state.body_energy(diagram.control)),
+                given(Dimension::Stress, stress),
+                given(
+                    Dimension::SurfaceEnergy,
+                    point.state.body_energy(diagram.control),
+                ),
                 point.index[0].min(point.index[1]).to_string(),
                 point.pattern.to_string(),
                 point.kind.to_string(),
                 number(point.residual),
-                number(control),
+                given(Dimension::Driven, control),
             ]
         })
     });
@@ -53,14 +59,19 @@ pub fn write_branches_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure>
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_points_csv(path: &Path, diagram: &Diagram) -> Result<(), Failure> {
+pub fn write_points_csv(path: &Path, diagram: &Diagram, scene: &Scene) -> Result<(), Failure> {
+    let given = |of, value| number(scene.number_given(of, value));
     // u0, stress, energy with that of the machine, and control.
     let row = |kind: &str, branch: &str, [u0, stress, energy, control]: [f64; 4], index| {
         let body = energy - diagram.control.energy(control, u0);
         let mut cells = [kind, branch].map(str::to_owned).to_vec();
-        cells.extend([u0, stress, body].map(number));
+        cells.extend([
+            number(u0),
+            given(Dimension::Stress, stress),
+            given(Dimension::SurfaceEnergy, body),
+        ]);
         cells.extend(<[usize; 2]>::map(index, |count| count.to_string()));
-        cells.push(number(control));
+        cells.push(given(Dimension::Driven, control));
         cells
     };
     let events = diagram.events().map(|(branch, point)| {

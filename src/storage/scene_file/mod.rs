@@ -72,14 +72,15 @@ pub fn refused(file: &str, error: Refusal) -> Failure {
 
 /// The scene file of a scene; [`parse`] gives the same scene back.
 pub fn to_text(scene: &Scene) -> String {
-    let (body, ground) = (&scene.body, &scene.indenter);
+    let scene = &scene.given();
+    let ground = &scene.indenter;
     let mut text = format!("format = {FORMAT}\n");
     let mut line = |key: &str, value: Value| text.push_str(&format!("{key} = {value}\n"));
     line("title", scene.title.as_str().into());
     line("source", scene.source.as_str().into());
     for (name, keys) in [
         ("cell", cell(scene)),
-        ("body", kind(body.word(), body.parameters(), &body.values())),
+        ("body", body(scene)),
         ("law", law(scene)),
         (
             "indenter",
@@ -88,7 +89,11 @@ pub fn to_text(scene: &Scene) -> String {
         ("drive", drive(scene)),
         ("accuracy", vec![("target", scene.accuracy.into())]),
         ("noise", vec![("seed", seed(scene.seed))]),
+        ("units", units(scene)),
     ] {
+        if keys.is_empty() {
+            continue;
+        }
         text.push_str(&format!("\n[{name}]\n"));
         for (key, value) in keys {
             text.push_str(&format!("{key} = {value}\n"));
@@ -112,6 +117,28 @@ fn cell(scene: &Scene) -> Keys {
         Points::Line(n) => Value::Array(vec![whole(n), whole(1)]),
     };
     vec![("length", scene.cell.length.into()), ("points", points)]
+}
+
+fn body(scene: &Scene) -> Keys {
+    let body = &scene.body;
+    let modulus = scene.units.map(|units| {
+        let value = units.contact_modulus.into();
+        (parameter::CONTACT_MODULUS.name(), value)
+    });
+    let own = kind(body.word(), body.parameters(), &body.values());
+    own.into_iter().chain(modulus).collect()
+}
+
+/// What the numbers are in; nothing of a scene without units.
+fn units(scene: &Scene) -> Keys {
+    scene.units.map_or_else(Vec::new, |units| {
+        vec![
+            ("length", units.length.word.into()),
+            ("modulus", units.modulus.word.into()),
+            ("energy", units.surface_energy.word.into()),
+            (parameter::TEMPERATURE.name(), units.temperature.into()),
+        ]
+    })
 }
 
 fn law(scene: &Scene) -> Keys {

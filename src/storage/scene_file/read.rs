@@ -7,6 +7,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
 use crate::physics::parameter::{Parameter, Value as Own};
 use crate::scene::parameter;
+use crate::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units, Word};
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use crate::storage::Failure;
 use crate::storage::failure::{near, quote};
@@ -26,15 +27,14 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
     format_version(&root)?;
     root.only(&[
         "format", "title", "source", "cell", "body", "law", "indenter", "drive", "accuracy",
-        "noise",
+        "noise", "units",
     ])?;
-    let scene = Scene {
+    let body_table = root.inside("body")?;
+    let given = Scene {
         title: root.text_or("title", "untitled")?,
         source: root.text_or("source", "")?,
         cell: cell(&root.required("cell", "length and points")?)?,
-        body: root
-            .inside("body")?
-            .map_or(Ok(Body::HalfSpace), |section| body(&section))?,
+        body: body_table.as_ref().map_or(Ok(Body::HalfSpace), body)?,
         law: law(&root.required("law", "kind, surface_energy, and range or mu_rho")?)?,
         indenter: root
             .inside("indenter")?
@@ -42,7 +42,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
         drive: drive(&root.required("drive", "start, turn and step")?)?,
         accuracy: accuracy(&root.optional("accuracy")?)?,
         seed: noise(&root.optional("noise")?)?,
+        units: units(&root, body_table.as_ref())?,
     };
+    let scene = given.taken();
     scene
         .validate()
         .map_err(|error| refused(file_name, error))?;
@@ -119,7 +121,8 @@ fn law(section: &Section<'_>) -> Result<LawChoice, Failure> {
 fn body(section: &Section<'_>) -> Result<Body, Failure> {
     let kinds = Body::all();
     let body = kinds[kind(section, &kinds.iter().map(Body::word).collect::<Vec<_>>())?];
-    let values = own(section, &["kind"], body.parameters(), &body.values())?;
+    let common = ["kind", parameter::CONTACT_MODULUS.name()];
+    let values = own(section, &common, body.parameters(), &body.values())?;
     Ok(body.with(&values))
 }
 
@@ -239,6 +242,46 @@ fn control(section: &Section<'_>) -> Result<Control, Failure> {
     }
     section.only(&keys)?;
     Ok(kinds[kind])
+}
+
+/// What the numbers are in. The modulus of the `body` is told with them, and not without.
+fn units(root: &Section<'_>, body: Option<&Section<'_>>) -> Result<Option<Units>, Failure> {
+    let modulus = &parameter::CONTACT_MODULUS;
+    let told = body.filter(|body| body.has(modulus.name()));
+    let Some(section) = root.inside("units")? else {
+        return match told {
+            None => Ok(None),
+            Some(body) => Err(body.refuse(
+                modulus.name(),
+                body.given(modulus)?,
+                "not without [units], which say what it is in; without them E* is 1",
+            )),
+        };
+    };
+    section.only(&["length", "modulus", "energy", parameter::TEMPERATURE.name()])?;
+    let Some(body) = told else {
+        return Err(root.missing(
+            modulus.key,
+            "the contact modulus E* of the body in units.modulus, as in 2.0, in [body]",
+        ));
+    };
+    let word = |key: &str, all: &'static [Word], word: &str| {
+        let words: Vec<&str> = all.iter().map(|known| known.word).collect();
+        Word::find(all, word).ok_or_else(|| section.refuse_word(key, word, &words))
+    };
+    let text =
+        |key: &str, example: &str| section.text(key, &format!("a unit, as in \"{example}\""));
+    Ok(Some(Units {
+        length: word("length", &LENGTHS, text("length", "um")?)?,
+        modulus: word("modulus", &MODULI, text("modulus", "MPa")?)?,
+        surface_energy: word(
+            "energy",
+            &SURFACE_ENERGIES,
+            &section.text_or("energy", "mJ/m^2")?,
+        )?,
+        contact_modulus: body.number(modulus)?,
+        temperature: section.number(&parameter::TEMPERATURE)?,
+    }))
 }
 
 fn accuracy(section: &Section<'_>) -> Result<f64, Failure> {

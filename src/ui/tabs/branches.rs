@@ -3,12 +3,13 @@
 
 use super::{Tab, Title, Update, doing};
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
-use crate::physics::law::Law;
+use crate::physics::parameter::Dimension;
 use crate::plot::diagram_panel::{counts, diagram_panel, place};
 use crate::plot::panel::{Colour, Panel, Role, Series, Symbol};
 use crate::scene::{Model, Scene};
 use crate::ui::action::Action;
 use crate::ui::diagram;
+use crate::ui::loop_plot::axes;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
 use crate::worker::SolverHandle;
@@ -54,10 +55,10 @@ struct Seen {
     mode: usize,
 }
 
-/// A diagram with the law that scales it.
+/// A diagram with the model whose law scales it.
 struct Shown {
     diagram: Arc<Diagram>,
-    law: Law,
+    model: Model,
     /// As it is drawn.
     panel: Panel,
 }
@@ -119,8 +120,8 @@ impl Branches {
         let Some(job) = &mut self.job else { return };
         let end = job.poll();
         if let Some(diagram) = job.so_far.take() {
-            let law = state.model.law;
-            let panel = diagram_panel(&diagram, &law);
+            let model = state.model.clone();
+            let panel = diagram_panel(&diagram, &model);
             let marks = [Symbol::Square, Symbol::Circle];
             let beneath = |series: &&Series| {
                 series.role == Role::Unstable && series.colour != Colour::FLAT
@@ -131,7 +132,7 @@ impl Branches {
             self.at = None;
             self.shown = Some(Shown {
                 diagram,
-                law,
+                model,
                 panel,
             });
         }
@@ -262,11 +263,12 @@ impl Shown {
             1 => "unstable along one mode: a pass between two valleys".to_owned(),
             many => format!("unstable along {many} modes"),
         };
+        let u0 = point.state.mean_displacement / self.model.law.range;
         Some(format!(
-            "Map: {} on \"{}\" at {:.3} ρ, {softness}",
+            "Map: {} on \"{}\" at {}, {softness}",
             point.pattern,
             branch.name,
-            point.state.mean_displacement / self.law.range
+            self.model.unit(Dimension::Length).say(u0, 3, "ρ")
         ))
     }
 }
@@ -275,8 +277,8 @@ impl Shown {
 /// clicked.
 fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Option<At> {
     let mut panel = shown.panel.clone();
-    panel.x.label = "u₀ / ρ".to_owned();
-    panel.y.label = "stress / σ_max".to_owned();
+    let [x, y] = axes(&shown.model);
+    (panel.x.label, panel.y.label) = (x.label, y.label);
     if let Some(now) = &state.run.state {
         let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
         let here = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
@@ -286,7 +288,11 @@ fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Opt
     }
     let seen = at.and_then(|at| {
         let state = &shown.point(at)?.1.state;
-        Some(place(state.mean_displacement, state.stress, &shown.law))
+        Some(place(
+            state.mean_displacement,
+            state.stress,
+            &shown.model.law,
+        ))
     });
     let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());
     panel.series.push(frame);
@@ -315,7 +321,7 @@ fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Opt
 
 /// Every point with its branch and place, and where it is drawn.
 fn points(shown: &Shown) -> impl Iterator<Item = (At, [f64; 2])> + '_ {
-    let law = &shown.law;
+    let law = &shown.model.law;
     shown
         .diagram
         .branches

@@ -1,7 +1,8 @@
-//! The model's equations with the numbers of the scene.
+//! The model's equations with the numbers of the scene, and whether such a scene is real.
 
 use super::{Tab, Title};
 use crate::study::equations::equations;
+use crate::study::reality::{Check, Verdict, reality};
 use crate::ui::action::Action;
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
@@ -18,7 +19,7 @@ impl Tab for Equations {
     fn title(&self) -> Title {
         Title::new(
             "Equations",
-            "the model in five lines, with the numbers of this scene",
+            "the model in five lines with the numbers of this scene, and whether it can be real",
         )
     }
 
@@ -37,6 +38,28 @@ impl Tab for Equations {
                     ui.label(theme::set(&equation.here, NUMBERS, weak));
                     ui.add_space(6.0);
                 }
+                ui.separator();
+                ui.label(RichText::new("Is this scene real?").heading().strong());
+                for check in reality(&state.model) {
+                    verdict(ui, &check);
+                }
             });
     }
+}
+
+/// An assumption with its numbers, and whether it holds.
+fn verdict(ui: &mut Ui, check: &Check) {
+    let palette = theme::palette(ui);
+    let (mark, colour) = match check.verdict {
+        Verdict::Holds => ("✔", palette.good),
+        Verdict::Doubtful => ("⚠", palette.warn),
+        Verdict::Fails => ("✖", palette.warn),
+    };
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(mark).color(colour).strong());
+        ui.label(RichText::new(format!("{}: {}", check.name, check.verdict)).strong());
+    });
+    ui.label(theme::set(&check.here, NUMBERS, palette.approach));
+    ui.label(&check.sentence);
+    ui.add_space(6.0);
 }

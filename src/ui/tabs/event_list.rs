@@ -2,9 +2,11 @@
 
 use super::{Tab, Title};
 use crate::follow::record::{Cause, Direction};
+use crate::physics::parameter::Dimension;
 use crate::ui::action::Action;
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
+use crate::ui::widgets::named;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.
@@ -57,14 +59,20 @@ impl Tab for EventList {
 /// Sum and table.
 fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
+    let [length, energy] =
+        [Dimension::Length, Dimension::SurfaceEnergy].map(|of| state.model.unit(of));
     ui.label(
         RichText::new(format!(
-            "{}, {:.4} γ released",
+            "{}, {} released",
             state.run.record.tally(),
-            state.run.record.released_energy_sum() + 0.0
+            energy.say(state.run.record.released_energy_sum() + 0.0, 4, "γ")
         ))
         .weak(),
     );
+    if !jumps.is_empty() && named(ui.small_button("Copy"), "Copy the jumps").clicked() {
+        let lines = jumps.iter().map(|jump| state.say_jump(jump) + "\n");
+        actions.push(Action::CopyText(lines.collect()));
+    }
     if jumps.is_empty() {
         ui.label(RichText::new("No jump yet.").weak());
         return;
@@ -99,7 +107,9 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 .min_col_width(0.0)
                 .spacing([gap, 3.0])
                 .show(ui, |ui| {
-                    for title in ["", "u₀/ρ", "pattern", "released/γ", "cause"] {
+                    let u0 = length.label("u₀/ρ", "u₀");
+                    let released = energy.label("released/γ", "released");
+                    for title in ["", &u0, "pattern", &released, "cause"] {
                         ui.label(RichText::new(title).small().weak());
                     }
                     ui.end_row();
@@ -112,7 +122,7 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                             .on_hover_text(jump.direction.to_string());
                         let place = ui.selectable_label(
                             selected == Some(index),
-                            format!("{:.3}", jump.mean_displacement / state.rho()),
+                            length.number(jump.mean_displacement / state.rho(), 3),
                         );
                         if place
                             .on_hover_text("the numbers of the state after it (J, K)")
@@ -122,7 +132,7 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                         }
                         ui.label(format!("{} → {}", jump.from, jump.to))
                             .on_hover_text(state.say_jump(jump));
-                        ui.label(format!("{:.4}", jump.released_energy));
+                        ui.label(energy.number(jump.released_energy, 4));
                         // A narrow list is cut at its right: first what is unusual.
                         let cause = jump.contested_words().map_or_else(
                             || jump.cause.to_string(),

@@ -5,10 +5,12 @@ use super::{Tab, Title, Update};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::StateRecord;
 use crate::numerics::cancel::Cancel;
+use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::plot::landscape_panel::{Extent, at, barrier_panel, landscape_panel};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
 use crate::scene::Scene;
+use crate::scene::units::significant;
 use crate::solver::Lost;
 use crate::study::landscape::{BEFORE, Ground, Landscape, Standing};
 use crate::ui::action::Action;
@@ -91,7 +93,7 @@ impl Tab for LandscapeTab {
             return;
         };
         let law = &state.model.law;
-        let mut paths = landscape_panel(&landscape, law, self.extent);
+        let mut paths = landscape_panel(&landscape, &state.model, self.extent);
         paths.series.extend(ball(&landscape, law, down));
         let place = before.and_then(|[pass, place]| {
             let pass = landscape.passes.get(pass)?;
@@ -101,11 +103,16 @@ impl Tab for LandscapeTab {
         let frame = Series::symbols("", Symbol::Frame, Colour::Ink, frame);
         paths.series.push(frame);
         let told = told(state);
-        let label = format!("{} /{}", told.symbol, told.suffix);
-        let mut barriers = barrier_panel(&landscape, law, self.extent, (&label, told.unit));
-        let (left, right) = (state.axes().0[0], state.axes().1[0]);
-        if told.unit == law.range {
-            barriers.x = barriers.x.from_to(left, right);
+        let label = match state.model.units {
+            None => format!("{} /{}", told.symbol, told.suffix),
+            Some(_) => format!("{} ({})", told.symbol, told.suffix.trim()),
+        };
+        let mut barriers =
+            barrier_panel(&landscape, &state.model, self.extent, (&label, told.unit));
+        if state.scene.control() != Control::Load {
+            let [left, right] = [state.axes().0[0], state.axes().1[0]];
+            let ranges = law.range / told.unit;
+            barriers.x = barriers.x.from_to(left * ranges, right * ranges);
         }
         diagram::legend(ui, &paths);
         let size = ui.available_size();
@@ -240,16 +247,23 @@ impl LandscapeTab {
             return why
                 .unwrap_or_else(|| "The branches come first: saddles are on them.".to_owned());
         };
-        let gamma = state.model.law.surface_energy;
+        let model = &state.model;
         let branches = state.plots.branches.as_ref();
         let complete = branches.is_some_and(|branches| branches.is_complete());
         let mut words = match shown.passes.first() {
             _ if self.fall.is_some() => "The barrier is gone.".to_owned(),
-            Some(pass) => format!(
-                "The lowest barrier is {:.2e} γL², to {}",
-                pass.barrier() / gamma,
-                pass.to
-            ),
+            Some(pass) => {
+                let gamma = format!("{:.2e} γL²", pass.barrier() / model.law.surface_energy);
+                match (model.units, model.in_kt(pass.barrier())) {
+                    (Some(units), Some(kt)) => format!(
+                        "The lowest barrier is {} kT, to {} ({gamma}, T = {} K)",
+                        significant(kt),
+                        pass.to,
+                        units.temperature
+                    ),
+                    _ => format!("The lowest barrier is {gamma}, to {}", pass.to),
+                }
+            }
             None if complete => "No saddle: no other state is within reach.".to_owned(),
             None => "No saddle is known here: not every branch was followed.".to_owned(),
         };

@@ -25,7 +25,7 @@ const REACH: f64 = 2.0;
 fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
     let decided = edit::decided(&state.scene, &state.model);
     let goes = |parameter: &Parameter| match parameter.key.split_once('.') {
-        Some(("drive" | "accuracy", _)) => parameter.key == parameter::STIFFNESS.key,
+        Some(("drive" | "accuracy" | "units", _)) => parameter.key == parameter::STIFFNESS.key,
         _ => true,
     };
     let numbers = decided.numbers().into_iter();

@@ -4,6 +4,7 @@
 use super::{Tab, Title, Update};
 use crate::follow::record::JumpRecord;
 use crate::physics::indenter::Indenter;
+use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::scene::Scene;
 use crate::study::why::{Evidence, Explanation, ahead, explain};
@@ -297,7 +298,9 @@ fn small_map(ui: &mut Ui, map: &Map, side: f32) {
 fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
     let all = state.run.record.released_energy_sum() + 0.0;
     let this = told.jump.released_energy + 0.0;
-    ui.label(format!("{this:.4} of {all:.4} γ set free"))
+    let unit = state.model.unit(Dimension::SurfaceEnergy);
+    let (freed, sum) = (unit.number(this, 4), unit.say(all, 4, "γ"));
+    ui.label(format!("{freed} of {sum} set free"))
         .on_hover_text("what this jump turned into heat, of what all jumps did so far");
     let (_, bar) = ui.allocate_space(vec2(ui.available_width().min(220.0), 12.0));
     let colour = theme::palette(ui).jump;

@@ -5,10 +5,12 @@ use super::{Films, ViewState};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::{Direction, LoopRecord};
 use crate::paper::overlay::ZeroRange;
+use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
 use crate::plot::panel::Series;
 use crate::plot::scale;
+use crate::scene::Model;
 use crate::scene::window;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
@@ -121,11 +123,14 @@ impl LiveView {
     }
 
     /// The loop in words: what it dissipates, how long it took, which model; or why there is none.
-    pub fn words(&self) -> String {
+    pub fn words(&self, model: &Model) -> String {
+        let energy = model.unit(Dimension::SurfaceEnergy);
         match &self.state.found {
             Ok(found) => format!(
-                "loop {:.4} γ in {:.0} ms (atlas, {} points)",
-                found.dissipated_energy, self.state.milliseconds, found.points
+                "loop {} in {:.0} ms (atlas, {} points)",
+                energy.say(found.dissipated_energy, 4, "γ"),
+                self.state.milliseconds,
+                found.points
             ),
             Err(reason) => format!("no live loop: {reason}"),
         }

@@ -1,0 +1,319 @@
+//! Whether a scene can be real: each assumption of the model with the numbers of the scene, and
+//! whether it holds. Estimates, good to a factor of a few; what needs lengths in metres is asked of
+//! scenes with units alone.
+
+use crate::physics::indenter::Indenter;
+use crate::physics::mesh_rule;
+use crate::physics::parameter::Dimension;
+use crate::physics::theory::{flat, units::tabor};
+use crate::scene::Model;
+use crate::scene::units::{Units, significant};
+use std::f64::consts::PI;
+use std::fmt;
+
+/// Distance between atoms that touch without a bond (m), 0.3 to 0.4 nm in most solids
+/// (Israelachvili, Intermolecular and Surface Forces, 3rd edition, chapter 7).
+const ATOMS: f64 = 0.3e-9;
+/// So many of these distances may a law of van der Waals forces reach.
+const REACH: f64 = 10.0;
+/// Strains and slopes up to here are small: their squares are a hundredth.
+const SMALL: f64 = 0.1;
+/// From here on nothing of linear elasticity is left.
+const LARGE: f64 = 0.5;
+/// Tabor's parameter above which a tip is that of JKR, and below which it is that of DMT (Johnson
+/// and Greenwood 1997, doi 10.1006/jcis.1997.4984).
+const TABOR: [f64; 2] = [5.0, 0.1];
+/// Barriers are about this share of gamma L^2 before they begin to vanish.
+const BARRIER: f64 = 1e-3;
+/// In kT: over lower barriers heat goes within seconds.
+const HOT: f64 = 30.0;
+
+/// Whether an assumption holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It does.
+    Holds,
+    /// To be read with care.
+    Doubtful,
+    /// It does not.
+    Fails,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Verdict::Holds => "holds",
+            Verdict::Doubtful => "doubtful",
+            Verdict::Fails => "fails",
+        })
+    }
+}
+
+/// An assumption in this scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Check {
+    /// What is assumed.
+    pub name: &'static str,
+    /// The numbers, as formulas are written.
+    pub here: String,
+    /// Whether it holds.
+    pub verdict: Verdict,
+    /// What that means.
+    pub sentence: String,
+}
+
+impl Check {
+    fn new(
+        name: &'static str,
+        here: String,
+        verdict: Verdict,
+        sentence: impl Into<String>,
+    ) -> Self {
+        Self {
+            name,
+            here,
+            verdict,
+            sentence: sentence.into(),
+        }
+    }
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            name,
+            here,
+            verdict,
+            sentence,
+        } = self;
+        write!(f, "{name}: {here}; {verdict}. {sentence}")
+    }
+}
+
+/// Up to `SMALL` it holds, from `LARGE` on it fails.
+fn smallness(value: f64) -> Verdict {
+    if value <= SMALL {
+        Verdict::Holds
+    } else if value < LARGE {
+        Verdict::Doubtful
+    } else {
+        Verdict::Fails
+    }
+}
+
+/// Every assumption that the scene of this model makes, in the order in which they fail.
+pub fn reality(model: &Model) -> Vec<Check> {
+    let mut checks = Vec::new();
+    let atoms = model.units.map(|units| Atoms::new(model, units));
+    if let Some(atoms) = &atoms {
+        checks.extend([atoms.range(), atoms.strength()]);
+    }
+    checks.push(strain(model, atoms.as_ref()));
+    checks.extend(slope(model));
+    checks.push(cell(model, atoms.as_ref()));
+    checks.extend(tip(model));
+    checks.push(mesh(model, atoms.as_ref()));
+    checks.extend(heat(model));
+    checks
+}
+
+/// A scene beside the distance between atoms.
+struct Atoms<'a> {
+    model: &'a Model,
+    units: Units,
+    /// The range of the law in distances between atoms.
+    range: f64,
+}
+
+impl<'a> Atoms<'a> {
+    fn new(model: &'a Model, units: Units) -> Self {
+        let range = model.law.range * units.si(Dimension::Length) / ATOMS;
+        Self {
+            model,
+            units,
+            range,
+        }
+    }
+
+    /// Whether forces between atoms reach so far.
+    fn range(&self) -> Check {
+        let (verdict, sentence) = if self.range < 0.5 {
+            let why = "Atoms cannot come closer: no law between continuous bodies is as short.";
+            (Verdict::Fails, why)
+        } else if self.range <= REACH {
+            (Verdict::Holds, "Van der Waals forces reach as far.")
+        } else {
+            let why = "Forces between atoms do not reach so far. The law stands for what a mesh can \
+                carry, or for longer things, such as chains: contact comes at larger gaps, and the \
+                edges of contacts are blunter than they are.";
+            (Verdict::Doubtful, why)
+        };
+        let range = self.units.say(Dimension::Length, self.model.law.range);
+        let here = format!(
+            "rho = {range}, {} distances of 0.3 nm between atoms",
+            significant(self.range)
+        );
+        Check::new("Range", here, verdict, sentence)
+    }
+
+    /// sigma_max against that of a law of the same energy which reaches from atom to atom.
+    fn strength(&self) -> Check {
+        let top = self.model.law.traction_max();
+        let [here, strongest] =
+            [top, top * self.range].map(|stress| self.units.say(Dimension::Stress, stress));
+        let (verdict, sentence) = if self.range < 0.5 {
+            (Verdict::Fails, "Stronger than atoms hold each other.")
+        } else if self.range <= REACH {
+            (
+                Verdict::Holds,
+                "The pull is as strong as that between atoms.",
+            )
+        } else {
+            let why = "Where pull-off is decided by strength, as under a load, flat surfaces hold \
+                each other more strongly than this scene says; where by energy, as at the edge of a \
+                wide contact, they do not.";
+            (Verdict::Doubtful, why)
+        };
+        let here = format!("sigma_max = {here}, theoretical strength (range 0.3 nm) {strongest}");
+        Check::new("Strength", here, verdict, sentence)
+    }
+}
+
+/// The strain where the law pulls most.
+fn strain(model: &Model, atoms: Option<&Atoms<'_>>) -> Check {
+    let strain = model.law.traction_max();
+    let verdict = smallness(strain);
+    let mut sentence = match verdict {
+        Verdict::Holds => "Linear elasticity holds up to the edges of contacts.".to_owned(),
+        Verdict::Doubtful => {
+            "At the edges of contacts linear elasticity is a rough guide.".to_owned()
+        }
+        Verdict::Fails => "At the edges of contacts linear elasticity does not hold.".to_owned(),
+    };
+    if let Some(atoms) = atoms.filter(|atoms| atoms.range > REACH) {
+        let real = strain * atoms.range;
+        if smallness(real) != Verdict::Holds {
+            let real = significant(real);
+            sentence += &format!(
+                " A law of 0.3 nm would strain them by {real}: a body as soft blunts its edges, and \
+                 the larger range may stand for that."
+            );
+        }
+    }
+    let here = format!("sigma_max/E* = {}", significant(strain));
+    Check::new("Largest strain", here, verdict, sentence)
+}
+
+/// The slope of the ground where it is touched.
+fn slope(model: &Model) -> Option<Check> {
+    let (slope, what) = match model.indenter {
+        Indenter::Flat => return None,
+        Indenter::Hertz(tip) => {
+            // JKR at zero load: a^3 = 9 pi gamma R^2/(2 E*).
+            let gamma = model.law.surface_energy;
+            let slope = (4.5 * PI * gamma / tip.radius).cbrt();
+            (slope, "radius of the contact at zero load/R")
+        }
+        _ => {
+            let height = model.indenter.height(&model.grid)?;
+            let (ny, nx) = height.dim();
+            let two = 2.0 * model.grid.spacing();
+            let squares = height.indexed_iter().map(|((j, i), _)| {
+                let x = height[(j, (i + 1) % nx)] - height[(j, (i + nx - 1) % nx)];
+                let y = height[((j + 1) % ny, i)] - height[((j + ny - 1) % ny, i)];
+                (x * x + y * y) / (two * two)
+            });
+            let mean = squares.sum::<f64>() / height.len() as f64;
+            (mean.sqrt(), "root mean square slope of the ground")
+        }
+    };
+    let verdict = smallness(slope);
+    let sentence = match verdict {
+        Verdict::Holds => "The ground is as good as level, as the half-space takes it.",
+        Verdict::Doubtful => "The half-space takes slopes for small, which these hardly are.",
+        Verdict::Fails => "The half-space takes slopes for small, which these are not.",
+    };
+    let here = format!("{what} = {}", significant(slope));
+    Some(Check::new("Slopes", here, verdict, sentence))
+}
+
+/// Whether anything can snap.
+fn cell(model: &Model, atoms: Option<&Atoms<'_>>) -> Check {
+    let critical = flat::critical_length(&model.law);
+    let ratio = model.equivalent_length / critical;
+    let mut sentence = if ratio > 1.0 {
+        "The cell is long enough for the surface to snap.".to_owned()
+    } else {
+        "In a cell as short nothing snaps, and nothing is lost.".to_owned()
+    };
+    let mut here = format!("L/L_c = {}", significant(ratio));
+    if let Some(atoms) = atoms {
+        // L_c goes as the range squared.
+        let [now, real] = [critical, critical / (atoms.range * atoms.range)]
+            .map(|length| atoms.units.say(Dimension::Length, length));
+        here += &format!(", L_c = {now}");
+        if atoms.range > REACH {
+            sentence += &format!(" With a range of 0.3 nm L_c would be {real}.");
+        }
+    }
+    Check::new("Length of the cell", here, Verdict::Holds, sentence)
+}
+
+/// Which theory of tips is near.
+fn tip(model: &Model) -> Option<Check> {
+    let Indenter::Hertz(tip) = model.indenter else {
+        return None;
+    };
+    let mu = tabor(tip.radius, model.law.surface_energy, model.law.range);
+    let sentence = match mu {
+        mu if mu > TABOR[0] => "Soft: the theory of Johnson, Kendall and Roberts is near.",
+        mu if mu < TABOR[1] => "Stiff: the theory of Derjaguin, Muller and Toporov is near.",
+        _ => "Between soft and stiff tips: neither JKR nor DMT holds.",
+    };
+    let here = format!("mu_T = {}", significant(mu));
+    Some(Check::new(
+        "Tabor parameter",
+        here,
+        Verdict::Holds,
+        sentence,
+    ))
+}
+
+/// Whether the mesh shows the law, and no more than there is.
+fn mesh(model: &Model, atoms: Option<&Atoms<'_>>) -> Check {
+    let spacing = model.grid.spacing();
+    let mut here = format!("mu_rho = {}", significant(model.mu_rho));
+    let mut below = false;
+    if let Some(Atoms { units, .. }) = atoms {
+        here += &format!(", spacing {}", units.say(Dimension::Length, spacing));
+        below = spacing * units.si(Dimension::Length) < ATOMS;
+    }
+    let (verdict, sentence) = if !mesh_rule::is_safe(model.mu_rho) {
+        let why = "Too coarse for this law: some jumps may belong to the mesh.";
+        (Verdict::Doubtful, why)
+    } else if below {
+        let why = "The mesh is finer than atoms: a body of atoms has no such waves.";
+        (Verdict::Doubtful, why)
+    } else {
+        (Verdict::Holds, "The mesh shows the law.")
+    };
+    Check::new("Mesh", here, verdict, sentence)
+}
+
+/// Whether heat takes the surface over its barriers.
+fn heat(model: &Model) -> Option<Check> {
+    let cell = model.in_kt(model.law.surface_energy)?;
+    let (verdict, sentence) = if BARRIER * cell > HOT {
+        let why = "Heat matters only where a barrier is about to vanish.";
+        (Verdict::Holds, why)
+    } else {
+        let why = "Heat takes the surface over its barriers: it snaps earlier, and by chance.";
+        (Verdict::Doubtful, why)
+    };
+    let temperature = model.units?.temperature;
+    let here = format!(
+        "gamma L^2 = {} kT at {temperature} K, barriers are a thousandth of it",
+        significant(cell)
+    );
+    Some(Check::new("No heat", here, verdict, sentence))
+}
