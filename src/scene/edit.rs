@@ -126,7 +126,7 @@ pub fn decided(scene: &Scene, model: &Model) -> Scene {
 /// else leaves it alone.
 fn fit_drive(scene: &mut Scene) {
     let (Indenter::Flat, Ok(model)) = (
-        scene.indenter,
+        &scene.indenter,
         Scene {
             drive: SAFE,
             ..scene.clone()
@@ -199,7 +199,7 @@ pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
             enclosing(&law, limits, scene.control(), control)
         }
         _ => {
-            let mut drive = with_ground(&scene, model, model.indenter).drive;
+            let mut drive = with_ground(&scene, model, model.indenter.clone()).drive;
             drive.control = control;
             if control == Control::Load {
                 let pull_off = model.indenter.ground().pull_off(&law, &model.grid);
@@ -254,7 +254,7 @@ pub fn with_parameter(
         };
         Some(values)
     };
-    let (body, law, ground) = (scene.body, scene.law.shape, scene.indenter);
+    let (body, law, ground) = (scene.body, scene.law.shape, &scene.indenter);
     if let Some(values) = own(body.parameters(), body.values()) {
         return Ok(with_body(scene, model, body.with(&values)));
     }
@@ -262,9 +262,7 @@ pub fn with_parameter(
         return Ok(with_shape(scene, model, law.with(&values)));
     }
     if let Some(values) = own(ground.parameters(), ground.values()) {
-        let mut edited = scene.clone();
-        edited.indenter = ground.with(&values);
-        return Ok(edited);
+        return Ok(with_ground_values(scene, &values));
     }
     let drive = |edit: &dyn Fn(&mut Drive)| {
         let mut edited = scene.clone();
@@ -323,18 +321,32 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
     high.min(lower - 0.2 * law.range)
 }
 
+/// The scene with other values of its ground's own parameters, as many and of the same kinds.
+pub fn with_ground_values(scene: &Scene, values: &[Value]) -> Scene {
+    let mut scene = scene.clone();
+    let ground = scene.indenter.with(values);
+    set_ground(&mut scene, ground);
+    scene
+}
+
+/// Ground that repeats in one cell alone brings it along.
+fn set_ground(scene: &mut Scene, indenter: Indenter) {
+    scene.cell.length = indenter.ground().period().unwrap_or(scene.cell.length);
+    scene.indenter = indenter;
+}
+
 /// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and
 /// far into the valleys of waves and rough ground.
 pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
     let mut scene = decided(scene, model);
-    scene.indenter = indenter;
-    let (rho, ground) = (model.law.range, indenter.ground());
+    set_ground(&mut scene, indenter);
+    let (rho, ground) = (model.law.range, scene.indenter.ground());
     let turn = if ground.turns_at_zero_load() {
         Turn::ZeroLoad
     } else {
         Turn::At(-0.85 * ground.relief(&model.law))
     };
-    scene.drive = if indenter == Indenter::Flat {
+    scene.drive = if scene.indenter == Indenter::Flat {
         SAFE
     } else {
         Drive {

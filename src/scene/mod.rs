@@ -319,7 +319,7 @@ impl Scene {
             body: self.body,
             equivalent_length: self.body.equivalent_length(&grid),
             law,
-            indenter: self.indenter,
+            indenter: self.indenter.clone(),
             mu_rho,
             reason,
         })

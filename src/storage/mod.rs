@@ -12,6 +12,7 @@ mod failure;
 pub mod fields;
 pub mod files;
 pub mod folder;
+pub mod heights;
 pub mod picture;
 pub mod presets;
 pub mod report;
@@ -20,4 +21,5 @@ pub mod summary;
 
 pub use failure::{Failure, line};
 pub use files::{read_regular, remove};
+pub use heights::{Opened, open};
 pub use picture::open_scene;

@@ -6,6 +6,7 @@ mod command_line;
 mod data;
 mod files;
 mod floors;
+mod heights;
 mod hostile_scenes;
 mod kills;
 mod scene_files;
