@@ -44,7 +44,7 @@ pub fn numbers(what: &str, of: &Statistics) -> String {
 }
 
 /// The heights over the cell; of a profile, height over x.
-fn map_panel(report: &GroundReport) -> Panel {
+pub fn map_panel(report: &GroundReport) -> Panel {
     let length = report.grid.length;
     let x = Axis::linear("x (length)").from_to(0.0, length);
     if report.grid.is_line() {

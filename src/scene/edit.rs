@@ -4,11 +4,12 @@
 use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::parameter::{Parameter, Refusal, Value};
 use crate::physics::theory::flat;
+use crate::physics::topography::Topography;
 
 /// What follows when mu_rho is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -328,6 +329,25 @@ pub fn with_ground_values(scene: &Scene, values: &[Value]) -> Scene {
     set_ground(&mut scene, ground);
     scene
 }
+
+/// The scene on measured ground, with the choices of the measured ground that it had; where nothing
+/// tells the size of the map, it fills the present cell. A map has no line cell.
+pub fn with_heights(scene: &Scene, model: &Model, map: Topography) -> Scene {
+    let choices = match &scene.indenter {
+        Indenter::Measured(measured) => measured.clone(),
+        _ => Measured::default(),
+    };
+    let is_map = map.heights.nrows() > 1;
+    let ground = Indenter::Measured(choices.of(map).filling(model.grid.length));
+    let mut scene = with_ground(scene, model, ground);
+    if let (true, Points::Line(n)) = (is_map, scene.cell.points) {
+        scene.cell.points = Points::Square(n.min(SQUARE_MAX));
+    }
+    scene
+}
+
+/// Points along a side of the square cell that a line cell becomes.
+const SQUARE_MAX: usize = 128;
 
 /// Ground that repeats in one cell alone brings it along.
 fn set_ground(scene: &mut Scene, indenter: Indenter) {

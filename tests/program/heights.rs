@@ -192,7 +192,10 @@ fn sdf_binary() -> Vec<u8> {
 
 /// NetCDF classic, written by hand: dimensions x and y, variables x, y and heights (x, y).
 fn netcdf() -> Vec<u8> {
-    let word = |bytes: &mut Vec<u8>, n: usize| bytes.extend((n as u32).to_be_bytes());
+    let words = |bytes: &mut Vec<u8>, all: &[usize]| {
+        bytes.extend(all.iter().flat_map(|n| (*n as u32).to_be_bytes()));
+    };
+    let word = |bytes: &mut Vec<u8>, n: usize| words(bytes, &[n]);
     let name = |bytes: &mut Vec<u8>, text: &str| {
         word(bytes, text.len());
         bytes.extend(text.bytes());
@@ -200,12 +203,13 @@ fn netcdf() -> Vec<u8> {
     };
     let mut bytes = b"CDF\x01".to_vec();
     word(&mut bytes, 0);
-    (word(&mut bytes, 10), word(&mut bytes, 2));
+    words(&mut bytes, &[10, 2]);
     for axis in ["x", "y"] {
-        (name(&mut bytes, axis), word(&mut bytes, N));
+        name(&mut bytes, axis);
+        word(&mut bytes, N);
     }
-    (word(&mut bytes, 0), word(&mut bytes, 0));
-    (word(&mut bytes, 11), word(&mut bytes, 3));
+    words(&mut bytes, &[0, 0]);
+    words(&mut bytes, &[11, 3]);
     let mut begins = Vec::new();
     for (variable, dimensions) in [("x", &[0][..]), ("y", &[1]), ("heights", &[0, 1])] {
         name(&mut bytes, variable);
@@ -214,16 +218,14 @@ fn netcdf() -> Vec<u8> {
             .iter()
             .for_each(|dimension| word(&mut bytes, *dimension));
         if variable == "heights" {
-            (word(&mut bytes, 0), word(&mut bytes, 0));
+            words(&mut bytes, &[0, 0]);
         } else {
-            (word(&mut bytes, 12), word(&mut bytes, 2));
-            (
-                name(&mut bytes, "length"),
-                word(&mut bytes, 6),
-                word(&mut bytes, 1),
-            );
+            words(&mut bytes, &[12, 2]);
+            name(&mut bytes, "length");
+            words(&mut bytes, &[6, 1]);
             bytes.extend(SIDE.to_be_bytes());
-            (name(&mut bytes, "length_unit"), word(&mut bytes, 2));
+            name(&mut bytes, "length_unit");
+            word(&mut bytes, 2);
             name(&mut bytes, "um");
         }
         word(&mut bytes, 6);

@@ -870,7 +870,7 @@ fn every_body_law_and_ground_of_the_pickers_opens_from_its_file() {
                 "{text}"
             );
             assert!(
-                text.contains(shape.word()) && text.contains(indenter.word()),
+                text.contains(shape.word()) && text.contains(ground.word()),
                 "{text}"
             );
         }
@@ -967,7 +967,7 @@ fn a_drive_into_the_wall_of_a_mie_law_is_refused_on_any_ground() {
     ] {
         let mut scene = scene_file::parse(fig2(), NAME).unwrap();
         scene.law.shape = Shape::Mie(Mie { m: 9.0, n: 3.0 });
-        scene.indenter = indenter;
+        scene.indenter = indenter.clone();
         scene.drive.turn = Turn::At(level + 0.01);
         assert!(
             scene.model().is_ok(),

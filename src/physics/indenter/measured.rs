@@ -228,6 +228,26 @@ impl Measured {
         }
     }
 
+    /// The same, with a size by which its period is `length`, where nothing tells its size.
+    pub fn filling(self, length: f64) -> Self {
+        if self.side() > 0.0 {
+            return self;
+        }
+        let (rows, columns) = self.topography.heights.dim();
+        // Of square pixels; the square out of the middle is what repeats.
+        let side = if rows == 1 {
+            1.0
+        } else {
+            columns as f64 / rows.min(columns) as f64
+        };
+        let size = side * length / self.periods();
+        Self {
+            size,
+            worked: Arc::default(),
+            ..self
+        }
+    }
+
     /// The map, as its file has it.
     pub fn topography(&self) -> &Topography {
         &self.topography
@@ -274,7 +294,7 @@ impl Measured {
         let levelled = self.topography.level(self.side(), scale, self.detrend)?;
         let field = levelled.periodic(self.periodic);
         let (ny, nx) = field.dim();
-        let length = self.period_of(&levelled);
+        let length = self.periods() * levelled.side;
         let shortest = self.shortest * (1.0 - 1e-9);
         let amplitudes = amplitudes(&field);
         // Points of a mirrored map lie half a spacing off the mirror, which is the cell's corner.
@@ -318,10 +338,11 @@ impl Measured {
         })
     }
 
-    fn period_of(&self, levelled: &Levelled) -> f64 {
+    /// Sides of the map along a side of the cell.
+    fn periods(&self) -> f64 {
         match self.periodic {
-            Periodic::Mirror => 2.0 * levelled.side,
-            Periodic::Window | Periodic::AsIs => levelled.side,
+            Periodic::Mirror => 2.0,
+            Periodic::Window | Periodic::AsIs => 1.0,
         }
     }
 
@@ -405,7 +426,7 @@ impl Ground for Measured {
 
     fn period(&self) -> Option<f64> {
         let worked = self.worked().as_ref().ok()?;
-        Some(self.period_of(&worked.levelled))
+        Some(self.periods() * worked.levelled.side)
     }
 
     fn check_in(&self, length: f64) -> Result<(), Refusal> {

@@ -29,17 +29,21 @@ fn array(bytes: &[u8]) -> Result<([usize; 2], Vec<f64>), Fault> {
     points(nx, ny)?;
     let fortran = file.order() == Order::Fortran;
     let dtype = file.dtype().descr();
-    macro_rules! try_as {
-        ($($number:ty),*) => {
+    macro_rules! first_of {
+        ($($number:ty, $real:expr;)*) => {
             $(if let Ok(values) = NpyFile::new(bytes).expect("as above").data::<$number>() {
-                values.map(|value| value.map(|x| x as f64)).collect::<Result<Vec<f64>, _>>()
+                values.map(|value| value.map($real)).collect::<Result<Vec<f64>, _>>()
             } else)* {
                 let reason = format!("an array of the type {dtype}");
                 return Err(Fault::new(reason, "save real numbers, as float64"));
             }
         };
     }
-    let values = try_as!(f64, f32, i64, i32, i16, i8, u64, u32, u16, u8);
+    let values = first_of! {
+        f64, |x| x; f32, f64::from; i32, f64::from; i16, f64::from; i8, f64::from;
+        u32, f64::from; u16, f64::from; u8, f64::from;
+        i64, |x| x as f64; u64, |x| x as f64;
+    };
     let values = values.map_err(|error| Fault::broken(error.to_string()))?;
     let turned = |k: usize| values[(k % nx) * ny + k / nx];
     let values = if fortran && values.len() == nx * ny {

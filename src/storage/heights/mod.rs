@@ -12,14 +12,13 @@
 mod binary;
 mod text;
 
-use super::{Failure, files, picture};
+use super::{Failure, files};
 use crate::physics::topography::{Topography, Unit};
-use crate::scene::Scene;
 use ndarray::Array2;
 use std::path::Path;
 
 /// Longest height file that is read, in bytes.
-const BYTES_MAX: u64 = 1 << 28;
+pub(super) const BYTES_MAX: u64 = 1 << 28;
 
 /// Most points of a map: their waves take the memory of sixteen such maps.
 const POINTS_MAX: usize = 1 << 22;
@@ -92,34 +91,6 @@ fn points(nx: usize, ny: usize) -> Result<usize, Fault> {
     }
 }
 
-/// What a file holds.
-#[derive(Debug)]
-pub enum Opened {
-    /// A scene.
-    Scene(Scene),
-    /// Measured heights.
-    Heights(Topography),
-}
-
-/// The scene or the heights of a regular file. A scene is a picture that holds one, a file named
-/// `.toml`, or text with a line that begins with `format` or a bracket.
-///
-/// # Errors
-/// A file that cannot be read, or that holds no allowed scene and no heights.
-pub fn open(path: &Path) -> Result<Opened, Failure> {
-    let bytes = files::read_regular(path, BYTES_MAX)?;
-    let named = path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-    let is_key = |line: &str| line.starts_with("format") || line.starts_with('[');
-    let has_keys = || std::str::from_utf8(&bytes).is_ok_and(|text| text.lines().any(is_key));
-    if named || bytes.starts_with(b"\x89PNG") || has_keys() {
-        picture::open_scene(path).map(Opened::Scene)
-    } else {
-        of_bytes(path, &bytes).map(Opened::Heights)
-    }
-}
-
 /// Reads a height file.
 ///
 /// # Errors
@@ -130,7 +101,7 @@ pub fn read(path: &Path) -> Result<Topography, Failure> {
 }
 
 /// The heights in the bytes of a file.
-fn of_bytes(path: &Path, bytes: &[u8]) -> Result<Topography, Failure> {
+pub(super) fn of_bytes(path: &Path, bytes: &[u8]) -> Result<Topography, Failure> {
     let map =
         map_of(bytes).map_err(|fault| Failure::unreadable(path, &fault.reason, fault.remedy))?;
     Ok(Topography {
