@@ -46,6 +46,7 @@ pub struct Worked {
     waves: Vec<Component>,
     /// Mean square of q h_q by the larger of both wave numbers, of all waves that shall be shown.
     rings: Vec<f64>,
+    relief: f64,
 }
 
 /// Units that the scene's lengths may be.
@@ -331,10 +332,14 @@ impl Measured {
                 waves.push(Component { wave, amplitude });
             }
         }
+        let heights = &levelled.heights;
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let relief = highest - heights.sum() / heights.len() as f64;
         Ok(Worked {
             levelled,
             waves,
             rings,
+            relief,
         })
     }
 
@@ -414,14 +419,9 @@ impl Ground for Measured {
         [false, self.topography.heights.nrows() == 1]
     }
 
-    /// The highest point above the mean.
+    /// The highest point of the file above its mean.
     fn relief(&self, _law: &Law) -> f64 {
-        let Ok(Worked { levelled, .. }) = self.worked() else {
-            return 0.0;
-        };
-        let heights = &levelled.heights;
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        highest - heights.mean().unwrap_or(0.0)
+        self.worked().as_ref().map_or(0.0, |worked| worked.relief)
     }
 
     fn period(&self) -> Option<f64> {

@@ -433,7 +433,11 @@ impl<'a> Section<'a> {
         }
         let word = self.text(key, &parameter.allowed())?;
         let chosen = words.iter().position(|known| *known == word);
-        let chosen = chosen.ok_or_else(|| self.refuse_word(key, word, words))?;
+        let chosen = chosen.ok_or_else(|| {
+            let near = near(word, words.iter().copied());
+            let allowed = format!("allowed is {}{near}", parameter.allowed());
+            self.refuse(key, &Value::String(word.to_owned()), &allowed)
+        })?;
         Ok(Own::Choice { chosen, words })
     }
 
