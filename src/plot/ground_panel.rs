@@ -5,8 +5,8 @@ use super::ticks::digits;
 use crate::physics::topography::Statistics;
 use crate::study::ground::GroundReport;
 
-/// Decades of the spectrum below its greatest value that are shown: beyond them is rounding.
-const DECADES: f64 = 14.0;
+/// Decades of the spectrum below its greatest value that are shown.
+const DECADES: f64 = 9.0;
 
 /// All three.
 pub fn panels(report: &GroundReport) -> Vec<Panel> {
