@@ -8,6 +8,7 @@
 mod chart;
 mod diagram;
 mod figure;
+mod ground;
 mod map;
 mod progress;
 mod report;
@@ -80,6 +81,12 @@ enum Command {
     /// Writes map.csv (jumps and ends of patterns, with the loss), map.svg and map.png into the
     /// folder. A value whose loop is not known is said, and in the picture: exit code 3.
     Map(MapArguments),
+    /// Look at the ground before anything runs
+    ///
+    /// Writes ground.svg and ground.png (map, distribution of heights, power spectrum), ground.json
+    /// (rms height, slope and curvature, what was done to a height file), spectrum.csv and
+    /// heights.csv (a height file) into the folder.
+    Ground(GroundArguments),
     /// Chart the speed of every method against its accuracy on the loop of a scene
     ///
     /// Writes chart.csv, chart.json, chart.svg and chart.png into the folder. Errors are against a
@@ -171,6 +178,20 @@ struct MapArguments {
     #[arg(long, value_name = "N", default_value_t = 97, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     rows: u32,
     /// Points a side in place of the scene's (a line cell stays a line), where loops are walked
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+}
+
+/// What `tackscope ground` is told.
+#[derive(Args, Clone, Debug)]
+struct GroundArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, a height file, or - for a scene from
+    /// standard input
+    #[arg(value_name = "SCENE|FILE")]
+    scene: String,
+    #[command(flatten)]
+    output: Output,
+    /// Points a side in place of the scene's, or of a height file's
     #[arg(long, value_name = "N")]
     points: Option<usize>,
 }
@@ -303,6 +324,7 @@ pub fn main() -> ExitCode {
             Some(Command::Run(arguments)) => code(run::run(&arguments)),
             Some(Command::Diagram(arguments)) => code(diagram::diagram(&arguments)),
             Some(Command::Map(arguments)) => code(map::map(&arguments)),
+            Some(Command::Ground(arguments)) => code(ground::ground(&arguments)),
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),

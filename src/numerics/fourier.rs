@@ -230,6 +230,21 @@ fn gather<T: Copy>(from: &[T], width: usize, first: usize, to: &mut [T], length:
     }
 }
 
+/// Amplitudes u_k = (1/N) sum_r u(r) e^{-i k r} of a field of any shape, those of wave numbers along y
+/// in rows and along x in columns, in the order of numpy's `fft2`.
+pub fn amplitudes(field: &Array2<f64>) -> Array2<Complex<f64>> {
+    let (ny, nx) = field.dim();
+    let share = 1.0 / field.len() as f64;
+    let rows = f64::column_plans(nx).0;
+    let mut along: Vec<Complex<f64>> = field.iter().map(|u| Complex::from(u * share)).collect();
+    rows.process(&mut along);
+    let along = Array2::from_shape_vec((ny, nx), along).expect("as many as there are points");
+    let mut turned: Vec<Complex<f64>> = along.t().iter().copied().collect();
+    f64::column_plans(ny).0.process(&mut turned);
+    let turned = Array2::from_shape_vec((nx, ny), turned).expect("as many as there are points");
+    turned.reversed_axes()
+}
+
 /// Plans along one axis, forward and inverse.
 pub type Pair<F, I> = (Arc<F>, Arc<I>);
 

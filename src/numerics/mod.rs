@@ -13,6 +13,7 @@ pub mod eigen;
 pub mod exponential;
 pub mod factor;
 pub mod fourier;
+pub mod harmonic;
 pub mod krylov;
 pub mod lanczos;
 pub mod memory;

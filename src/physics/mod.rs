@@ -18,3 +18,4 @@ pub mod preconditioner;
 mod state;
 pub mod system;
 pub mod theory;
+pub mod topography;

@@ -110,6 +110,13 @@ pub enum Value {
     Counts([usize; 2]),
     /// Yes or no.
     Flag(bool),
+    /// One of some words.
+    Choice {
+        /// Which of them.
+        chosen: usize,
+        /// The words, in the order of lists.
+        words: &'static [&'static str],
+    },
 }
 
 /// What a law or a ground has of its own. One without parameters needs no more than a default.
@@ -122,8 +129,8 @@ pub trait Own: Default {
         Vec::new()
     }
 
-    /// The one with these values, as many and of the same kinds as [`Own::values`].
-    fn of(_values: &[Value]) -> Self {
+    /// The same with these values, as many and of the same kinds as [`Own::values`].
+    fn with(&self, _values: &[Value]) -> Self {
         Self::default()
     }
 
@@ -177,7 +184,7 @@ impl Parameter {
             Value::Number(x) => self.range.contains(&x),
             Value::Whole(n) => self.range.contains(&(n as f64)),
             Value::Counts(both) => both.iter().all(|n| self.range.contains(&(*n as f64))),
-            Value::Flag(_) => true,
+            Value::Flag(_) | Value::Choice { .. } => true,
         };
         if inside {
             Ok(value)
@@ -213,6 +220,7 @@ impl std::fmt::Display for Value {
             Value::Whole(n) => n.fmt(f),
             Value::Counts(both) => write!(f, "{both:?}"),
             Value::Flag(flag) => flag.fmt(f),
+            Value::Choice { chosen, words } => write!(f, "\"{}\"", words[*chosen]),
         }
     }
 }
@@ -245,6 +253,15 @@ impl Value {
     pub(crate) fn flag(self) -> bool {
         self == Value::Flag(true)
     }
+
+    /// Which of its words; the first if it is of another kind.
+    pub(crate) fn chosen(self) -> usize {
+        if let Value::Choice { chosen, .. } = self {
+            chosen
+        } else {
+            0
+        }
+    }
 }
 
 /// A number as people write it.
@@ -267,7 +284,6 @@ macro_rules! kinds {
         $(pub use $file::$kind;)*
 
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum $name {
             $(#[doc = concat!("`", $unit_word, "`.")] $unit,)*
             $(#[doc = concat!("`", $word, "`.")] $kind($kind),)*
@@ -301,7 +317,7 @@ macro_rules! kinds {
 
             /// The same kind with other values, as many and of the same kinds.
             pub fn with(&self, values: &[Value]) -> Self {
-                match self { $(Self::$unit => *self,)* $(Self::$kind(_) => Self::$kind($kind::of(values)),)* }
+                match self { $(Self::$unit => Self::$unit,)* $(Self::$kind(own) => Self::$kind(own.with(values)),)* }
             }
 
             /// Checks what ties its values together.

@@ -11,6 +11,7 @@
 pub mod chart_panel;
 pub mod curve;
 pub mod diagram_panel;
+pub mod ground_panel;
 pub mod landscape_panel;
 pub mod loop_panel;
 pub mod map_panel;

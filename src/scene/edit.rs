@@ -5,11 +5,12 @@ use super::units::Units;
 use super::{Drive, Model, Points, Range, Scene, Turn, parameter};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::parameter::{Parameter, Refusal, Value};
 use crate::physics::theory::flat;
+use crate::physics::topography::Topography;
 
 /// What follows when mu_rho is changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -134,7 +135,7 @@ pub fn decided(scene: &Scene, model: &Model) -> Scene {
 /// else leaves it alone.
 fn fit_drive(scene: &mut Scene) {
     let (Indenter::Flat, Ok(model)) = (
-        scene.indenter,
+        &scene.indenter,
         Scene {
             drive: SAFE,
             ..scene.clone()
@@ -207,7 +208,7 @@ pub fn with_control(scene: &Scene, model: &Model, control: Control) -> Scene {
             enclosing(&law, limits, scene.control(), control)
         }
         _ => {
-            let mut drive = with_ground(&scene, model, model.indenter).drive;
+            let mut drive = with_ground(&scene, model, model.indenter.clone()).drive;
             drive.control = control;
             if control == Control::Load {
                 let pull_off = model.indenter.ground().pull_off(&law, &model.grid);
@@ -268,7 +269,7 @@ pub fn with_parameter(
         };
         Some(values)
     };
-    let (body, law, ground) = (scene.body, scene.law.shape, scene.indenter);
+    let (body, law, ground) = (scene.body, scene.law.shape, &scene.indenter);
     if let Some(values) = own(body.parameters(), body.values()) {
         return Ok(with_body(scene, model, body.with(&values)));
     }
@@ -276,9 +277,7 @@ pub fn with_parameter(
         return Ok(with_shape(scene, model, law.with(&values)));
     }
     if let Some(values) = own(ground.parameters(), ground.values()) {
-        let mut edited = scene.clone();
-        edited.indenter = ground.with(&values);
-        return Ok(edited);
+        return Ok(with_ground_values(scene, &values));
     }
     let drive = |edit: &dyn Fn(&mut Drive)| {
         let mut edited = scene.clone();
@@ -345,18 +344,55 @@ fn turn_for(law: &Law, lower: f64) -> f64 {
     high.min(lower - 0.2 * law.range)
 }
 
+/// The scene with other values of its ground's own parameters, as many and of the same kinds.
+pub fn with_ground_values(scene: &Scene, values: &[Value]) -> Scene {
+    let mut scene = scene.clone();
+    let ground = scene.indenter.with(values);
+    set_ground(&mut scene, ground);
+    scene
+}
+
+/// The scene on measured ground, with the choices of the measured ground that it had; where nothing
+/// tells the size of the map, it fills the present cell. A map has no line cell.
+pub fn with_heights(scene: &Scene, model: &Model, map: Topography) -> Scene {
+    let choices = match &scene.indenter {
+        Indenter::Measured(measured) => measured.clone(),
+        _ => Measured::default(),
+    };
+    let choices = match &scene.units {
+        Some(units) => choices.in_unit(units.length.word),
+        None => choices,
+    };
+    let is_map = map.heights.nrows() > 1;
+    let ground = Indenter::Measured(choices.of(map).filling(model.grid.length));
+    let mut scene = with_ground(scene, model, ground);
+    if let (true, Points::Line(n)) = (is_map, scene.cell.points) {
+        scene.cell.points = Points::Square(n.min(SQUARE_MAX));
+    }
+    scene
+}
+
+/// Points along a side of the square cell that a line cell becomes.
+const SQUARE_MAX: usize = 128;
+
+/// Ground that repeats in one cell alone brings it along.
+fn set_ground(scene: &mut Scene, indenter: Indenter) {
+    scene.cell.length = indenter.ground().period().unwrap_or(scene.cell.length);
+    scene.indenter = indenter;
+}
+
 /// The scene on other ground. The drive goes from where nothing touches to zero load on a tip, and
 /// far into the valleys of waves and rough ground.
 pub fn with_ground(scene: &Scene, model: &Model, indenter: Indenter) -> Scene {
     let mut scene = decided(scene, model);
-    scene.indenter = indenter;
-    let (rho, ground) = (model.law.range, indenter.ground());
+    set_ground(&mut scene, indenter);
+    let (rho, ground) = (model.law.range, scene.indenter.ground());
     let turn = if ground.turns_at_zero_load() {
         Turn::ZeroLoad
     } else {
         Turn::At(-0.85 * ground.relief(&model.law))
     };
-    scene.drive = if indenter == Indenter::Flat {
+    scene.drive = if scene.indenter == Indenter::Flat {
         SAFE
     } else {
         Drive {

@@ -273,6 +273,16 @@ impl Scene {
         self.check_drive()?;
         self.body.elastic().check_in(self.cell.length)?;
         self.indenter.check()?;
+        if let (Some(units), Indenter::Measured(ground)) = (&self.units, &self.indenter)
+            && let Some(unit) = ground.unit().filter(|unit| *unit != units.length.word)
+        {
+            let allowed = format!("\"{}\", as units.length has it", units.length.word);
+            return Err(Refusal::new(
+                "indenter.unit",
+                format!("\"{unit}\""),
+                &allowed,
+            ));
+        }
         self.indenter.ground().check_in(self.cell.length)?;
         let unit = Law {
             shape: self.law.shape,
@@ -335,7 +345,7 @@ impl Scene {
             body: self.body,
             equivalent_length: self.body.equivalent_length(&grid),
             law,
-            indenter: self.indenter,
+            indenter: self.indenter.clone(),
             mu_rho,
             reason,
             units: self.units,

@@ -7,10 +7,12 @@
 
 mod barriers;
 mod diagram;
+mod ground;
 mod map;
 
 pub use barriers::{BARRIER_COLUMNS, write_barriers_csv};
 pub use diagram::{write_branches_csv, write_points_csv};
+pub use ground::{write_ground_json, write_heights_csv, write_spectrum_csv};
 pub use map::{MAP_COLUMNS, write_map_csv};
 
 use super::{Failure, files};

@@ -4,7 +4,8 @@
 //! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more,
 //! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
-use super::{Failure, files, scene_file};
+use super::{Failure, files, heights, scene_file};
+use crate::physics::topography::Topography;
 use crate::plot::scale::ends;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
@@ -113,6 +114,34 @@ pub fn open_scene(path: &Path) -> Result<Scene, Failure> {
         scene_of(path, &bytes)
     } else {
         scene_file::scene_of(path, bytes)
+    }
+}
+
+/// What a file holds.
+#[derive(Debug)]
+pub enum Opened {
+    /// A scene.
+    Scene(Scene),
+    /// Measured heights.
+    Heights(Topography),
+}
+
+/// The scene or the heights of a regular file. A scene is a picture that holds one, a file named
+/// `.toml`, or text with a line that begins with `format` or a bracket.
+///
+/// # Errors
+/// A file that cannot be read, or that holds no allowed scene and no heights.
+pub fn open(path: &Path) -> Result<Opened, Failure> {
+    let bytes = files::read_regular(path, heights::BYTES_MAX)?;
+    let named = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+    let is_key = |line: &str| line.starts_with("format") || line.starts_with('[');
+    let has_keys = || std::str::from_utf8(&bytes).is_ok_and(|text| text.lines().any(is_key));
+    if named || is_png(&bytes) || has_keys() {
+        open_scene(path).map(Opened::Scene)
+    } else {
+        heights::of_bytes(path, &bytes).map(Opened::Heights)
     }
 }
 

@@ -264,7 +264,7 @@ pub fn write_summary(path: &Path, summary: &Summary) -> Result<(), Failure> {
     write_json(path, summary)
 }
 
-fn write_json(path: &Path, told: &impl Serialize) -> Result<(), Failure> {
+pub(super) fn write_json(path: &Path, told: &impl Serialize) -> Result<(), Failure> {
     let mut text =
         serde_json::to_string_pretty(told).map_err(|error| Failure::write(path, error))?;
     text.push('\n');

@@ -8,6 +8,7 @@ pub mod chart;
 pub mod equations;
 pub mod error_bar;
 pub mod forecast;
+pub mod ground;
 pub mod landscape;
 pub mod live_loop;
 pub mod map;

@@ -46,6 +46,8 @@ pub enum Action {
     AskFile(FileTask),
     /// Do the open dialog's task with this path.
     UsePath(PathBuf),
+    /// Open the scene or the heights of this file.
+    Open(PathBuf),
     /// Close whatever dialog is open.
     CloseDialog,
     /// Show or hide the palette of commands.
@@ -112,8 +114,10 @@ impl Action {
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileTask {
-    /// Open a scene.
+    /// Open a scene, or measured heights as the scene's ground.
     OpenScene,
+    /// The same, asked for heights.
+    OpenHeights,
     /// Save the scene.
     SaveScene,
     /// Write the recorded states.
@@ -133,6 +137,7 @@ impl FileTask {
     pub fn title(self) -> &'static str {
         match self {
             FileTask::OpenScene => "Open scene",
+            FileTask::OpenHeights => "Measured ground",
             FileTask::SaveScene => "Save scene",
             FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
                 "Export CSV"
@@ -141,10 +146,16 @@ impl FileTask {
         }
     }
 
+    /// True if it reads a file, and does not write one.
+    pub fn opens(self) -> bool {
+        matches!(self, FileTask::OpenScene | FileTask::OpenHeights)
+    }
+
     /// File name that is offered.
     pub fn file_name(self) -> &'static str {
         match self {
             FileTask::OpenScene | FileTask::SaveScene => "scene.toml",
+            FileTask::OpenHeights => "heights.csv",
             FileTask::ExportLoopCsv => "loop.csv",
             FileTask::ExportEventsCsv => "events.csv",
             FileTask::ExportCurvesCsv => "curves.csv",
@@ -157,7 +168,7 @@ impl FileTask {
     /// choose.
     pub fn variants(self) -> &'static [(FileTask, &'static str)] {
         match self {
-            FileTask::OpenScene | FileTask::SaveScene => &[],
+            FileTask::OpenScene | FileTask::OpenHeights | FileTask::SaveScene => &[],
             FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => &[
                 (FileTask::ExportLoopCsv, "states (loop.csv)"),
                 (FileTask::ExportEventsCsv, "jumps (events.csv)"),

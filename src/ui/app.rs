@@ -6,10 +6,11 @@ use super::gap_map::MapCache;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
 use super::{controls, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
 use crate::plot::panel::Page;
-use crate::scene::Scene;
-use crate::storage::{self, drawing, export, picture, presets, scene_file};
+use crate::scene::{Model, Scene, edit};
+use crate::storage::{self, Opened, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
 use crate::worker::protocol::{Command, Envelope};
@@ -35,8 +36,16 @@ pub struct App {
     opening: Option<(PathBuf, Opening)>,
 }
 
-/// The reading of a scene, which may take as long as the file system likes.
-type Opening = Job<Result<Scene, storage::Failure>>;
+/// The reading of a file, which may take as long as the file system likes.
+type Opening = Job<Result<Found, storage::Failure>>;
+
+/// What a file makes of the scene.
+enum Found {
+    /// Another one.
+    Scene(Scene),
+    /// The present one on measured ground, and what to know of it.
+    Ground(Scene, String),
+}
 
 /// What to do where a file was refused.
 const OTHER_PATH: &str = "Choose another path, or mend the file.";
@@ -81,6 +90,9 @@ impl App {
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        let dropped = dropped.into_iter().map(|file| file.path().to_owned());
+        actions.extend(dropped.take(1).map(Action::Open));
         self.announce(&ctx);
         self.everything(ui, &mut actions);
         self.tabs.float(&ctx, &self.state, &mut actions);
@@ -117,12 +129,19 @@ impl App {
         };
         let messages = &mut self.state.messages;
         match (job.so_far.take(), end) {
-            (Some(Ok(scene)), _) => {
+            (Some(Ok(found)), _) => {
                 self.dialogs.close();
-                self.state.open_scene(scene);
+                let mut notice = format!("{} opened", path.display());
+                match found {
+                    Found::Scene(scene) => self.state.open_scene(scene),
+                    Found::Ground(scene, words) => {
+                        notice = words;
+                        self.state.edit_scene(scene);
+                    }
+                }
                 let messages = &mut self.state.messages;
                 if messages.failure.is_none() {
-                    messages.notice = Some(format!("{} opened", path.display()));
+                    messages.notice = Some(notice);
                 }
             }
             (Some(Err(failure)), _) => {
@@ -223,6 +242,7 @@ impl App {
             Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
             Action::UsePath(path) => self.use_path(ctx, &path),
+            Action::Open(path) => self.begin_to_open(ctx, &path),
             Action::CloseDialog => {
                 self.opening = None;
                 self.dialogs.close();
@@ -297,6 +317,20 @@ impl App {
         }
     }
 
+    fn begin_to_open(&mut self, ctx: &Context, path: &Path) {
+        let (file, ctx) = (path.to_owned(), ctx.clone());
+        let (scene, model) = (self.state.scene.clone(), self.state.model.clone());
+        let opening = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
+            report.result(storage::open(&file).and_then(|opened| match opened {
+                Opened::Scene(scene) => Ok(Found::Scene(scene)),
+                Opened::Heights(map) => ground(&scene, &model, map),
+            }));
+            Ok(())
+        });
+        self.opening = Some((path.to_owned(), opening));
+        self.state.messages.notice = Some(format!("opening {} …", path.display()));
+    }
+
     /// Does what the open dialog was opened for. It stays open if that fails, so that the path can
     /// be mended.
     fn use_path(&mut self, ctx: &Context, path: &Path) {
@@ -305,16 +339,7 @@ impl App {
         };
         let state = &self.state;
         let done = match task {
-            FileTask::OpenScene => {
-                let (file, ctx) = (path.to_owned(), ctx.clone());
-                let opening = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
-                    report.result(storage::open_scene(&file));
-                    Ok(())
-                });
-                self.opening = Some((path.to_owned(), opening));
-                self.state.messages.notice = Some(format!("opening {} …", path.display()));
-                return;
-            }
+            FileTask::OpenScene | FileTask::OpenHeights => return self.begin_to_open(ctx, path),
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => {
                 export::write_loop_csv(path, &state.scene, &state.run.record.states)
@@ -350,6 +375,26 @@ fn page(state: &ViewState) -> Page<'static> {
     let ledger = state.run.record.ledger(state.model.law.surface_energy);
     let error = ledger.stated_error(state.predicted_error());
     loop_panel::page(&state.run.record, &state.model, &state.scene.title, error)
+}
+
+/// The scene on the ground of this map.
+fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Found, storage::Failure> {
+    let file = map.file.display().to_string();
+    let (told, [ny, nx]) = (
+        map.size.is_some(),
+        [map.heights.nrows(), map.heights.ncols()],
+    );
+    let scene = edit::with_heights(scene, model, map);
+    scene
+        .model()
+        .map_err(|error| scene_file::refused(&file, error))?;
+    let side = if told {
+        "its side is that of the file"
+    } else {
+        "the file does not say how large it is: it fills the cell; see Measured side"
+    };
+    let words = format!("measured ground, {nx} x {ny} points ({file}): {side}");
+    Ok(Found::Ground(scene, words))
 }
 
 impl eframe::App for App {

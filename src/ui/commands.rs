@@ -110,6 +110,11 @@ fn files() -> Vec<Command> {
             "Ctrl+S",
             Action::AskFile(FileTask::SaveScene),
         ),
+        one(
+            "Open a height file as measured ground",
+            "",
+            Action::AskFile(FileTask::OpenHeights),
+        ),
         one("Copy the scene as text", "Ctrl+C", Action::CopyScene),
         one(
             "Export states as CSV",

@@ -1,6 +1,6 @@
 //! The left panel: u0, mu_rho, the cohesive law, the cell, and what is folded away.
 
-use super::action::Action;
+use super::action::{Action, FileTask};
 use super::machine::Told;
 use super::theme::Palette;
 use super::view_state::ViewState;
@@ -8,7 +8,7 @@ use super::widgets::{SEED_MAX, card, field, given, labelled, named, number, own,
 use super::{machine, sliders, theme};
 use crate::follow::record::Direction;
 use crate::physics::body::Body;
-use crate::physics::indenter::Indenter;
+use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::{Law, Shape};
 use crate::physics::parameter::Dimension;
 use crate::scene::edit::{self, Follows};
@@ -34,6 +34,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.separator();
             heading(ui, "Cohesive law");
             laws(ui, state, actions);
+            ui.separator();
+            heading(ui, "Ground");
+            counter_surface(ui, state, actions);
             ui.separator();
             heading(ui, "Cell");
             cell(ui, state, actions);
@@ -219,7 +222,6 @@ fn advanced(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     law(ui, state, actions);
     drive(ui, state, actions);
     elastic_body(ui, state, actions);
-    counter_surface(ui, state, actions);
     accuracy_and_seed(ui, state, actions);
     models(ui, state, actions);
     methods(ui, state, actions);
@@ -394,8 +396,15 @@ fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let (scene, model, all) = (&state.scene, &state.model, Indenter::all());
     let names: Vec<_> = all.iter().map(|ground| ground.ground().name()).collect();
     if let Some(i) = chosen(ui, "Ground", model.indenter.ground().name(), &names) {
-        let indenter = all[i].ground().suited(&model.law, &model.grid);
-        actions.push(Action::edit(edit::with_ground(scene, model, indenter)));
+        if let Indenter::Measured(_) = all[i] {
+            actions.push(Action::AskFile(FileTask::OpenHeights));
+        } else {
+            let indenter = all[i].ground().suited(&model.law, &model.grid);
+            actions.push(Action::edit(edit::with_ground(scene, model, indenter)));
+        }
+    }
+    if let Indenter::Measured(measured) = &scene.indenter {
+        height_file(ui, measured, actions);
     }
     if let Some(values) = own(
         ui,
@@ -403,10 +412,23 @@ fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         &scene.indenter.values(),
         model,
     ) {
-        change(state, actions, |scene| {
-            scene.indenter = scene.indenter.with(&values);
-        });
+        let edited = edit::with_ground_values(scene, &values);
+        actions.push(Action::edit(edited));
     }
+}
+
+/// The name of the height file, which asks for another one.
+fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
+    let file = &measured.topography().file;
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    labelled(ui, "File", |ui| {
+        let button = ui.add(egui::Button::new(&*name).truncate());
+        let button = named(button, "Height file").on_hover_text(file.display().to_string());
+        if button.clicked() {
+            actions.push(Action::AskFile(FileTask::OpenHeights));
+        }
+        button
+    });
 }
 
 /// The cohesive laws as cards, two by two, each with a sketch of its traction against the gap.

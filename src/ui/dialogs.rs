@@ -226,7 +226,7 @@ impl FileDialog {
         ui.horizontal(|ui| {
             let word = match &self.question {
                 Some(question) => question.yes,
-                None if self.task == FileTask::OpenScene => "Open",
+                None if self.task.opens() => "Open",
                 None => "Write",
             };
             if (ui
@@ -260,18 +260,24 @@ impl FileDialog {
             }
         };
         let asked = self.question.take().is_some();
-        if self.task != FileTask::OpenScene && !asked {
+        if !self.task.opens() && !asked {
             self.question = Question::before(&path, &self.path);
         }
         self.question.is_none().then_some(Action::UsePath(path))
     }
 }
 
+/// How the names of height files end.
+const HEIGHTS: &[&str] = &[
+    "csv", "txt", "dat", "xyz", "npy", "npz", "sur", "sdf", "x3p", "nc",
+];
+
 /// The desktop's own file chooser (rfd), which runs elsewhere while the window goes on drawing.
 pub fn desktop_chooser(request: FileRequest) -> PathFuture {
     let task = request.task;
     let (kind, extensions): (_, &[&str]) = match task {
         FileTask::OpenScene => ("Scene, or a picture with its scene", &["toml", "png"]),
+        FileTask::OpenHeights => ("Heights", HEIGHTS),
         FileTask::SaveScene => ("Scene", &["toml"]),
         FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
             ("CSV", &["csv"])
@@ -282,7 +288,7 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
         .set_title(task.title())
         .add_filter(kind, extensions);
     Box::pin(async move {
-        let file = if task == FileTask::OpenScene {
+        let file = if task.opens() {
             dialog.pick_file().await
         } else {
             dialog.set_file_name(task.file_name()).save_file().await

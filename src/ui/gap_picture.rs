@@ -151,6 +151,13 @@ fn signed_colour(share: f64) -> Color32 {
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
+/// A field in these colours, dark where it is lowest.
+pub fn heights(field: &Array2<f64>) -> ColorImage {
+    let ends = |[low, high]: [f64; 2], h: &f64| [low.min(*h), high.max(*h)];
+    let [low, high] = field.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+    image(field, colour, |h| (h - low) / (high - low))
+}
+
 /// A field as pixels, row 0 at the bottom; `share` is the place of a value on the scale of colours.
 fn image(
     field: &Array2<f64>,

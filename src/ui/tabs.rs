@@ -7,6 +7,7 @@ mod accuracy;
 mod branches;
 mod equations;
 mod event_list;
+mod ground;
 mod landscape;
 mod map;
 mod paper;
@@ -93,6 +94,7 @@ impl Default for Tabs {
             Box::<branches::Branches>::default(),
             Box::<landscape::LandscapeTab>::default(),
             Box::<map::Map>::default(),
+            Box::<ground::GroundTab>::default(),
             Box::<accuracy::Accuracy>::default(),
             Box::new(equations::Equations),
             Box::<paper::Paper>::default(),

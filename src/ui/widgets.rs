@@ -155,6 +155,19 @@ pub fn own(
             Value::Flag(flag) => {
                 ui.checkbox(flag, parameter.label);
             }
+            Value::Choice { chosen, words } => {
+                labelled(ui, parameter.label, |ui| {
+                    let combo = egui::ComboBox::from_id_salt(parameter.key)
+                        .width(84.0)
+                        .selected_text(words[*chosen].replace('_', " "));
+                    let combo = combo.show_ui(ui, |ui| {
+                        for (i, word) in words.iter().enumerate() {
+                            ui.selectable_value(chosen, i, word.replace('_', " "));
+                        }
+                    });
+                    combo.response.on_hover_text(parameter.allowed())
+                });
+            }
         }
     }
     (edited != values).then_some(edited)

@@ -315,13 +315,13 @@ fn a_drive_never_starts_from_a_state_that_is_unstable_or_not_found() {
     for (indenter, start) in [
         (Indenter::Flat, 2.5),
         (Indenter::Flat, 0.9),
-        (tip, -60.0),
+        (tip.clone(), -60.0),
         (tip, -400.0),
     ] {
         let mut scene = preset("fig2");
         scene.cell.points = Points::Square(16);
         (scene.indenter, scene.drive) = (
-            indenter,
+            indenter.clone(),
             Drive {
                 control: Default::default(),
                 start,

@@ -12,3 +12,4 @@ mod mesh_rule;
 mod numerics;
 mod patterns;
 mod theory;
+mod topography;

@@ -6,6 +6,8 @@ mod command_line;
 mod data;
 mod files;
 mod floors;
+mod height_formats;
+mod heights;
 mod hostile_scenes;
 mod kills;
 mod scene_files;

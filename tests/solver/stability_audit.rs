@@ -297,12 +297,12 @@ fn no_recorded_state_of_random_scenes_is_called_stable_that_is_not() {
             _ => 16,
         };
         let (scene, part) = random_scene(&mut rng, most);
-        let kind = match (scene.cell.points, scene.indenter) {
+        let kind = match (scene.cell.points, &scene.indenter) {
             (Points::Line(_), _) => "line".to_owned(),
             (_, Indenter::Flat) => format!("flat, {}", part.word()),
             (_, Indenter::Hertz(_)) => format!("tip, {}", part.word()),
             (_, Indenter::Wave(_)) => format!("wave, {}", part.word()),
-            (_, Indenter::Rough(_)) => "rough, whole".to_owned(),
+            (_, ground) => format!("{}, whole", ground.word()),
         };
         audit(&scene, part, tallies.entry(kind).or_default());
     }

@@ -57,7 +57,7 @@ impl Own for Layer {
         vec![Value::Number(self.thickness), Value::Number(self.poisson)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             thickness: values[0].number(),
             poisson: values[1].number(),

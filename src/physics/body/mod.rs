@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 
 kinds! {
     /// The elastic body, of contact modulus E* = 1.
+    #[derive(Clone, Copy, Debug, PartialEq)]
     Body: elastic -> Elastic [HalfSpace = "half_space"]
     layer::Layer = "layer"
 }

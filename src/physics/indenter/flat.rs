@@ -25,6 +25,10 @@ impl Ground for Flat {
         None
     }
 
+    fn even_height(&self, _grid: &Grid) -> Option<Array2<f64>> {
+        None
+    }
+
     fn is_uniform(&self) -> [bool; 2] {
         [true; 2]
     }

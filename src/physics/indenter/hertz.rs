@@ -36,7 +36,7 @@ impl Own for Hertz {
         vec![Value::Number(self.radius)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             radius: values[0].number(),
         }

@@ -4,8 +4,10 @@
 
 mod flat;
 mod hertz;
+mod measured;
 mod rough;
 mod wave;
+mod waves;
 
 pub use rough::WAVES_MAX;
 
@@ -17,10 +19,12 @@ use ndarray::Array2;
 
 kinds! {
     /// Shape of the rigid counter-surface.
+    #[derive(Clone, Debug, PartialEq)]
     Indenter: ground -> Ground [Flat = "flat"]
     hertz::Hertz = "hertz",
     wave::Wave = "wave",
-    rough::Rough = "rough"
+    rough::Rough = "rough",
+    measured::Measured = "measured"
 }
 
 /// What a ground says of itself.
@@ -43,6 +47,15 @@ pub trait Ground {
             |i, n| i as f64 - (n / 2) as f64,
             |x, y| self.at(x, y, grid.length),
         ))
+    }
+
+    /// [`Indenter::even_height`] of even ground.
+    fn even_height(&self, grid: &Grid) -> Option<Array2<f64>> {
+        let shape = (grid.ny.div_ceil(2), grid.nx / 2);
+        let place = |i: usize, n: usize| if n == 1 { 0.0 } else { i as f64 + 0.5 };
+        Some(sampled(grid, shape, place, |x, y| {
+            self.at(x, y, grid.length)
+        }))
     }
 
     /// True if h(-x, y) = h(x, -y) = h(x, y) about the middle of the cell.
@@ -77,6 +90,11 @@ pub trait Ground {
 
     /// Largest mean stress (E*) to be expected, if anything is known of it.
     fn pull_off(&self, _law: &Law, _grid: &Grid) -> Option<f64> {
+        None
+    }
+
+    /// Side of the only cell that it repeats in (length); `None` where any will do.
+    fn period(&self) -> Option<f64> {
         None
     }
 
@@ -124,10 +142,7 @@ impl Indenter {
     pub fn even_height(&self, grid: &Grid) -> Option<Array2<f64>> {
         let ground = self.ground();
         assert!(ground.is_even(), "a {} surface is not even", ground.name());
-        let shape = (grid.ny.div_ceil(2), grid.nx / 2);
-        let place = |i: usize, n: usize| if n == 1 { 0.0 } else { i as f64 + 0.5 };
-        (*self != Indenter::Flat)
-            .then(|| sampled(grid, shape, place, |x, y| ground.at(x, y, grid.length)))
+        ground.even_height(grid)
     }
 }
 

@@ -54,7 +54,7 @@ impl Own for Wave {
         vec![Value::Number(self.amplitude), Value::Counts(self.periods)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             amplitude: values[0].number(),
             periods: values[1].counts(),

@@ -31,7 +31,7 @@ impl Own for Cosine {
         vec![Value::Flag(self.smooth)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             smooth: values[0].flag(),
         }

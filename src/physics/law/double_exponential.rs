@@ -39,7 +39,7 @@ impl Own for DoubleExponential {
         vec![Value::Number(self.ratio)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             ratio: values[0].number(),
         }

@@ -45,7 +45,7 @@ impl Own for Mie {
         vec![Value::Number(self.m), Value::Number(self.n)]
     }
 
-    fn of(values: &[Value]) -> Self {
+    fn with(&self, values: &[Value]) -> Self {
         Self {
             m: values[0].number(),
             n: values[1].number(),

@@ -75,6 +75,7 @@ fn fill_by_point(
 
 kinds! {
     /// Which law, with the parameters that only it has.
+    #[derive(Clone, Copy, Debug, PartialEq)]
     Shape: form -> Form []
     morse::Morse = "morse",
     mie::Mie = "mie",

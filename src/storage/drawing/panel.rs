@@ -347,9 +347,10 @@ impl Plot<'_> {
                     f64::from(image.width().max(1)),
                     f64::from(image.height().max(1)),
                 );
-                // A square cell is a square; a line cell fills its place.
+                // A square cell is a square; a line cell fills its place, and so does a map that has
+                // the diagram's own axes.
                 let scale = (wide / columns).min(high / rows);
-                let (wide, high) = if rows == 1.0 {
+                let (wide, high) = if rows == 1.0 || inset.place == [0.0, 0.0, 1.0, 1.0] {
                     (wide, high)
                 } else {
                     (columns * scale, rows * scale)

@@ -7,6 +7,7 @@ mod read;
 
 use super::{Failure, files};
 use crate::physics::control::Control;
+use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Parameter, Refusal, Value as Own};
 use crate::scene::parameter;
 use crate::scene::{Points, Range, Scene, Turn};
@@ -21,6 +22,9 @@ pub const FORMAT: i64 = 1;
 
 /// Longest scene file that is read, in bytes.
 pub const BYTES_MAX: u64 = 1 << 20;
+
+/// The key of a height file.
+const FILE: &str = "file";
 
 /// Reads a scene from a file.
 ///
@@ -55,12 +59,14 @@ pub(super) fn scene_of(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
     parse(&text, &path.display().to_string())
 }
 
-/// Writes a scene to a file; a scene that [`load`] would refuse is not written.
+/// Writes a scene to a file; a scene that [`load`] would refuse is not written. A height file in its
+/// folder or below is named from there, so that both can move together.
 ///
 /// # Errors
 /// A scene that is not allowed, or a file that cannot be written.
 pub fn save(path: &Path, scene: &Scene) -> Result<(), Failure> {
-    let text = to_text(scene);
+    let folder = std::path::absolute(path).ok();
+    let text = text_in(scene, folder.as_deref().and_then(Path::parent));
     parse(&text, &path.display().to_string())?;
     files::write_whole(path, text.as_bytes())
 }
@@ -70,8 +76,13 @@ pub fn refused(file: &str, error: Refusal) -> Failure {
     Failure::value(file, &error.key, &error.value, &error.allowed)
 }
 
-/// The scene file of a scene; [`parse`] gives the same scene back.
+/// The scene file of a scene; [`parse`] gives the same scene back. A height file has its whole path.
 pub fn to_text(scene: &Scene) -> String {
+    text_in(scene, None)
+}
+
+/// The same, with the height file named from this `folder` if it lies in there.
+fn text_in(scene: &Scene, folder: Option<&Path>) -> String {
     let scene = &scene.given();
     let ground = &scene.indenter;
     let mut text = format!("format = {FORMAT}\n");
@@ -82,10 +93,7 @@ pub fn to_text(scene: &Scene) -> String {
         ("cell", cell(scene)),
         ("body", body(scene)),
         ("law", law(scene)),
-        (
-            "indenter",
-            kind(ground.word(), ground.parameters(), &ground.values()),
-        ),
+        ("indenter", indenter(ground, folder)),
         ("drive", drive(scene)),
         ("accuracy", vec![("target", scene.accuracy.into())]),
         ("noise", vec![("seed", seed(scene.seed))]),
@@ -160,11 +168,23 @@ fn kind(word: &str, parameters: &'static [Parameter], values: &[Own]) -> Keys {
         Own::Counts([x, 0]) => whole(x),
         Own::Counts([x, y]) => Value::Array(vec![whole(x), whole(y)]),
         Own::Flag(flag) => flag.into(),
+        Own::Choice { chosen, words } => words[chosen].into(),
     };
     let names = parameters.iter().map(Parameter::name);
     std::iter::once(("kind", word.into()))
         .chain(names.zip(values.iter().map(value)))
         .collect()
+}
+
+fn indenter(ground: &Indenter, folder: Option<&Path>) -> Keys {
+    let mut keys = kind(ground.word(), ground.parameters(), &ground.values());
+    if let Indenter::Measured(measured) = ground {
+        let file = &measured.topography().file;
+        let inside = folder.and_then(|folder| file.strip_prefix(folder).ok());
+        let path = inside.unwrap_or(file).to_string_lossy().into_owned();
+        keys.insert(1, (FILE, path.into()));
+    }
+    keys
 }
 
 fn drive(scene: &Scene) -> Keys {

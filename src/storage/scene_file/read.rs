@@ -1,6 +1,6 @@
 //! From the text of a scene file to a scene, by a typed view of each of its tables.
 
-use super::{FORMAT, refused};
+use super::{FILE, FORMAT, refused};
 use crate::physics::body::Body;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
@@ -9,12 +9,14 @@ use crate::physics::parameter::{Parameter, Value as Own};
 use crate::scene::parameter;
 use crate::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units, Word};
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
-use crate::storage::Failure;
 use crate::storage::failure::{near, quote};
+use crate::storage::{Failure, files, heights};
+use std::path::Path;
 use std::sync::LazyLock;
 use toml::{Table, Value};
 
-/// Reads a scene from the text of a scene file; `file_name` is only used in messages.
+/// Reads a scene from the text of a scene file; `file_name` is used in messages, and a height file is
+/// looked for from its folder.
 ///
 /// # Errors
 /// Anything that is not an allowed scene: syntax, unknown or missing keys, wrong types, values out
@@ -128,16 +130,23 @@ fn body(section: &Section<'_>) -> Result<Body, Failure> {
 
 fn indenter(section: &Section<'_>) -> Result<Indenter, Failure> {
     let kinds = Indenter::all();
-    let ground = kinds[kind(
-        section,
-        &kinds.iter().map(Indenter::word).collect::<Vec<_>>(),
-    )?];
-    Ok(ground.with(&own(
-        section,
-        &["kind"],
-        ground.parameters(),
-        &ground.values(),
-    )?))
+    let words: Vec<_> = kinds.iter().map(Indenter::word).collect();
+    let ground = &kinds[kind(section, &words)?];
+    let mut common = vec!["kind"];
+    if let Indenter::Measured(_) = ground {
+        common.push(FILE);
+    }
+    let values = own(section, &common, ground.parameters(), &ground.values())?;
+    Ok(match ground.with(&values) {
+        Indenter::Measured(choices) => {
+            let allowed = "the path of a height file, as seen from the scene's folder";
+            let word = files::typed(Path::new(section.text(FILE, allowed)?))?;
+            let folder = Path::new(section.file).parent();
+            let file = folder.unwrap_or(Path::new("")).join(word);
+            Indenter::Measured(choices.of(heights::read(&file)?))
+        }
+        other => other,
+    })
 }
 
 /// Which of the `words` the section's kind is.
@@ -173,6 +182,7 @@ fn value(section: &Section<'_>, parameter: &Parameter, like: &Own) -> Result<Own
         Own::Whole(_) => Own::Whole(seed(section, parameter)?),
         Own::Counts(_) => Own::Counts(counts(section, parameter)?),
         Own::Flag(_) => Own::Flag(section.flag(parameter)?),
+        Own::Choice { words, .. } => section.choice(parameter, words)?,
     })
 }
 
@@ -452,6 +462,26 @@ impl<'a> Section<'a> {
                 .as_bool()
                 .ok_or_else(|| self.refuse_number(parameter, value)),
         }
+    }
+
+    /// Which of the words of a parameter, or its default if it has one and is not there.
+    fn choice(
+        &self,
+        parameter: &Parameter,
+        words: &'static [&'static str],
+    ) -> Result<Own, Failure> {
+        let key = parameter.name();
+        if let (false, Some(default)) = (self.has(key), parameter.default) {
+            return Ok(default);
+        }
+        let word = self.text(key, &parameter.allowed())?;
+        let chosen = words.iter().position(|known| *known == word);
+        let chosen = chosen.ok_or_else(|| {
+            let near = near(word, words.iter().copied());
+            let allowed = format!("allowed is {}{near}", parameter.allowed());
+            self.refuse(key, &Value::String(word.to_owned()), &allowed)
+        })?;
+        Ok(Own::Choice { chosen, words })
     }
 
     /// The refusal of a value; `allowed` is a clause.

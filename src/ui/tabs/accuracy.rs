@@ -61,7 +61,7 @@ impl Tab for Accuracy {
 
     fn update(&mut self, Update { state, solver, .. }: Update<'_>) {
         // Mesh and step are what a chart compares; another law or cell is another loop.
-        let loop_of = |m: &Model| (m.law, m.grid.length, m.grid.is_line(), m.indenter);
+        let loop_of = |m: &Model| (m.law, m.grid.length, m.grid.is_line(), m.indenter.clone());
         self.chart
             .take_if(|(model, _)| loop_of(model) != loop_of(&state.model));
         let asked = self.asked.take();

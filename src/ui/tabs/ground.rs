@@ -1,0 +1,121 @@
+//! The ground before anything runs: its map, how its heights are distributed, its power spectrum,
+//! and its root mean squares.
+
+use super::{Tab, Title, Update};
+use crate::plot::ground_panel::{distribution_panel, map_panel, numbers, spectrum_panel};
+use crate::plot::panel::Panel;
+use crate::scene::Scene;
+use crate::study::ground::GroundReport;
+use crate::ui::action::Action;
+use crate::ui::view_state::ViewState;
+use crate::ui::widgets::{described, progress};
+use crate::ui::{diagram, gap_picture};
+use crate::worker::job::{Job, Reporter};
+use egui::{RichText, TextureHandle, TextureOptions, Ui, vec2};
+use std::sync::Arc;
+
+/// Share of the row that the map may take.
+const MAP: f32 = 0.3;
+
+/// The tab.
+#[derive(Default)]
+pub struct GroundTab {
+    /// The look, and at which scene.
+    job: Option<(Arc<Scene>, Job<GroundReport>)>,
+    /// What was seen, and its map once it was drawn.
+    shown: Option<(GroundReport, Option<TextureHandle>)>,
+    /// Why there is nothing to see.
+    missing: Option<String>,
+}
+
+impl Tab for GroundTab {
+    fn title(&self) -> Title {
+        let what = "the ground: map, heights, spectrum, and what was done to a height file";
+        Title::new("Ground", what)
+    }
+
+    fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {
+        if let Some((_, job)) = self.job.as_ref().filter(|(_, job)| job.is_running()) {
+            progress(ui, job);
+        }
+        let Some((report, texture)) = &mut self.shown else {
+            let words = self
+                .missing
+                .as_deref()
+                .unwrap_or("The ground is being read.");
+            ui.label(RichText::new(words).weak());
+            return;
+        };
+        let told = numbers("On the mesh", &report.cell);
+        ui.label(RichText::new(&told).strong());
+        for words in &report.words {
+            ui.small(words);
+        }
+        let size = ui.available_size();
+        ui.horizontal_top(|ui| {
+            let mut side = (MAP * size.x).min(size.y - 4.0);
+            if report.grid.is_line() {
+                side = size.x / 3.0 - 8.0;
+                panel(ui, &map_panel(report), side, size.y);
+            } else {
+                let texture = texture.get_or_insert_with(|| {
+                    let image = gap_picture::heights(&report.height);
+                    ui.ctx()
+                        .load_texture("ground", image, TextureOptions::NEAREST)
+                });
+                let image = egui::Image::new((texture.id(), vec2(side, side)));
+                described(&ui.add(image), &format!("Map of the ground. {told}"));
+            }
+            let width = 0.5 * (size.x - side) - 12.0;
+            panel(ui, &distribution_panel(report), width, size.y);
+            panel(ui, &spectrum_panel(report), width, size.y);
+        });
+    }
+
+    fn update(
+        &mut self,
+        Update {
+            state,
+            solver,
+            seen,
+        }: Update<'_>,
+    ) {
+        if let Some((_, job)) = &mut self.job {
+            if let Some(Err(why)) = job.poll() {
+                (self.shown, self.missing) = (None, Some(why));
+            }
+            if let Some(report) = job.so_far.take() {
+                self.shown = Some((report, None));
+            }
+        }
+        let stale = self.job.as_ref();
+        let stale = stale.is_none_or(|(of, _)| !Arc::ptr_eq(of, &state.scene));
+        if seen && stale {
+            self.job = Some((
+                state.scene.clone(),
+                solver.job(state.scene.clone(), compute),
+            ));
+        }
+    }
+}
+
+fn compute(scene: &Arc<Scene>, report: &Reporter<GroundReport>) -> Result<(), String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    let found = GroundReport::of(&model.indenter, &model.grid, Some(&model.law));
+    let found =
+        found.ok_or("Flat ground: choose another one on the left, or drop a height file.")?;
+    report.result(found);
+    Ok(())
+}
+
+/// A small diagram under its title.
+fn panel(ui: &mut Ui, panel: &Panel, width: f32, height: f32) {
+    ui.allocate_ui(vec2(width, height), |ui| {
+        ui.vertical(|ui| {
+            ui.small(&panel.title);
+            let height = ui.available_height().max(60.0);
+            let shown = diagram::show(ui, panel, &panel.title, height, |_, _| None);
+            described(&shown.response, &panel.title);
+        });
+    });
+}
