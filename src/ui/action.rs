@@ -1,5 +1,6 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
+use crate::follow::record::Direction;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -78,6 +79,12 @@ pub enum Action {
         /// How far away it may be, along each.
         reach: [f64; 2],
     },
+    /// Look at the newest state of this direction whose control is nearest to a value.
+    SelectOn(Direction, f64),
+    /// Look at the state so many further on along the path, or back.
+    StepState(isize),
+    /// Take the state that is looked at as the present one.
+    GoOn,
     /// Look at the state after the jump of this index.
     SelectJump(usize),
     /// Look at the jump so many further on, or back.

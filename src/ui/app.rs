@@ -5,7 +5,7 @@ use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
-use super::{controls, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use super::{controls, gap_map, keys, loop_plot, profile, status_bar, strip, toolbar};
 use crate::plot::loop_panel;
 use crate::scene::Scene;
 use crate::storage::{self, drawing, export, picture, presets, scene_file};
@@ -198,6 +198,7 @@ impl App {
         CentralPanel::default().show(ui, |ui| {
             gap_map::show(ui, state, actions, &self.map);
             profile::show(ui, state, self.map.picture.as_ref(), actions);
+            strip::show(ui, state, actions);
         });
     }
 
@@ -245,10 +246,13 @@ impl App {
             }
             Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
             Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectOn(direction, control) => state.select_on(direction, control),
+            Action::StepState(by) => state.step_state(by),
+            Action::GoOn => state.go_on(),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(by) => state.step_jump(by),
             Action::ToggleKept => state.toggle_kept(),
-            Action::ClearSelection => state.run.selection = None,
+            Action::ClearSelection => state.select_nothing(),
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));
                 state.messages.notice =

@@ -85,6 +85,13 @@ fn motions(state: &ViewState) -> Vec<Command> {
         one("Look at the next jump", "J", Action::StepJump(1)),
         one("Look at the jump before", "K", Action::StepJump(-1)),
         one(
+            "Look at the stored state before",
+            "[",
+            Action::StepState(-1),
+        ),
+        one("Look at the stored state after", "]", Action::StepState(1)),
+        one("Go on from the stored state", "G", Action::GoOn),
+        one(
             if state.plots.kept.is_some() {
                 "Let go of the kept loop"
             } else {

@@ -8,7 +8,7 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 20] = [
+pub const SHEET: [(&str, &str); 22] = [
     (
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
@@ -22,12 +22,17 @@ pub const SHEET: [(&str, &str); 20] = [
     ("Space", "play, pause"),
     (".", "one increment onwards"),
     ("R", "reverse"),
-    ("Esc", "stop; close a dialog"),
+    ("Esc", "stop; back to the present; close a dialog"),
     ("1 … 9", "presets"),
     ("S", "export a picture"),
     ("J K", "next jump, jump before"),
     ("L", "keep this loop on the plot, to compare; let go of it"),
-    ("Click on the curve", "the numbers of that state"),
+    (
+        "Click or drag on curve or strip",
+        "that stored state, everywhere",
+    ),
+    ("[ ]", "the stored state before, after"),
+    ("G", "go on from the stored state that is shown"),
     ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
     ("Ctrl+O Ctrl+S", "open, save a scene"),
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
@@ -122,6 +127,8 @@ fn held(key: Key, modifiers: Modifiers) -> Option<Action> {
         Key::Period => Action::Increment,
         Key::J => Action::StepJump(1),
         Key::K => Action::StepJump(-1),
+        Key::OpenBracket => Action::StepState(-1),
+        Key::CloseBracket => Action::StepState(1),
         _ => return None,
     })
 }
@@ -133,6 +140,7 @@ fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> 
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
         Key::L => Action::ToggleKept,
+        Key::G => Action::GoOn,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
         Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => {
             Action::ClearSelection

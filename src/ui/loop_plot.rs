@@ -18,6 +18,8 @@ use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
+/// A drag as near as that goes along the path.
+const SCRUB: f64 = 1e3;
 
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
@@ -56,13 +58,15 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let hover = |x: f64, y: f64| Some(format!("u₀ {x:.3} ρ\nstress {y:.3} σₘₐₓ"));
     let shown = diagram::show(ui, &panel, "loop", height, hover);
     let (response, transform) = (shown.response, shown.transform);
+    let scrubs = response.dragged() && response.drag_delta() != egui::Vec2::ZERO;
     if let Some(pointer) = response
         .interact_pointer_pos()
-        .filter(|_| response.clicked())
+        .filter(|_| response.clicked() || scrubs)
     {
         let at = transform.value_from_position(pointer);
         let scale = transform.dpos_dvalue();
-        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
+        let points = if scrubs { SCRUB } else { CLICK };
+        let reach = [points / scale[0].abs(), points / scale[1].abs()];
         actions.push(Action::SelectState {
             at: [at.x, at.y],
             reach,
@@ -449,9 +453,21 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }
-                if ui.small_button("Walk to this u₀").clicked() {
-                    actions.push(Action::SetTarget(s.mean_displacement));
-                }
+                ui.horizontal(|ui| {
+                    let kept = state.looked_at().is_some();
+                    let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
+                    let button = button.on_hover_text(
+                        "G: the surface is put back into this state; what came after it becomes \
+                         a grey line",
+                    );
+                    let gone = "its picture is no longer kept: memory is bounded";
+                    if button.on_disabled_hover_text(gone).clicked() {
+                        actions.push(Action::GoOn);
+                    }
+                    if ui.small_button("Walk to this u₀").clicked() {
+                        actions.push(Action::SetTarget(s.mean_displacement));
+                    }
+                });
             });
     });
 }

@@ -30,6 +30,7 @@ mod profile;
 mod saved_state;
 mod sliders;
 mod status_bar;
+mod strip;
 mod tabs;
 mod toolbar;
 mod widgets;

@@ -1,9 +1,9 @@
 //! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the
 //! one that is kept, theory.
 
-use super::{Films, ViewState};
+use super::ViewState;
 use crate::follow::diagram::Diagram;
-use crate::follow::record::{Direction, LoopRecord};
+use crate::follow::record::Direction;
 use crate::paper::overlay::ZeroRange;
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::Curve;
@@ -57,6 +57,16 @@ impl Plots {
             branches: None,
             overlay: false,
             theory: None,
+        }
+    }
+
+    /// Keeps the curve of an earlier path in sight.
+    pub(super) fn add_ghost(&mut self, old: Curve) {
+        if old.points().nth(2).is_some() {
+            self.ghosts.push_back(old);
+            if self.ghosts.len() > GHOSTS_MAX {
+                self.ghosts.pop_front();
+            }
         }
     }
 }
@@ -264,23 +274,5 @@ impl ViewState {
             .as_ref()
             .ok()?
             .reading(self.run.state.as_ref()?, self.target)
-    }
-
-    /// A fresh loop begins: what there was becomes a ghost.
-    pub(super) fn archive(&mut self) {
-        self.run.stiffness = Curve::default();
-        self.run.selection = None;
-        self.run.films = Films::default();
-        self.run.replayed = None;
-        self.hint_afresh();
-        let old = std::mem::take(&mut self.run.curve);
-        if old.points().nth(2).is_some() {
-            self.plots.ghosts.push_back(old);
-            if self.plots.ghosts.len() > GHOSTS_MAX {
-                self.plots.ghosts.pop_front();
-            }
-        }
-        self.run.record = LoopRecord::of(self.scene.control());
-        self.run.closed_loop = None;
     }
 }
