@@ -97,6 +97,12 @@ pub enum Action {
     CopyScene,
     /// A scene as text from the clipboard.
     PasteScene(String),
+    /// In the lesson.
+    Lesson(LessonAct),
+    /// Guess u0 of the next jump (ranges), in a lecture.
+    Guess(f64),
+    /// Lecture mode, or out of it.
+    ToggleLecture,
     /// Panels and view as they were at first.
     RestoreLayout,
     /// The failure has been read.
@@ -110,6 +116,23 @@ impl Action {
     pub fn edit(scene: Scene) -> Self {
         Self::EditScene(Box::new(scene))
     }
+}
+
+/// What a learner does in the lesson's panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LessonAct {
+    /// Begin the lesson of this index.
+    Start(usize),
+    /// Choose an answer: u0 in ranges, or the index of a choice.
+    Choose(f64),
+    /// Give the answer that is chosen.
+    Commit,
+    /// The next step, whether this one is done or not.
+    Next,
+    /// The step before.
+    Back,
+    /// End the lesson.
+    Leave,
 }
 
 /// What a file is wanted for.
@@ -196,6 +219,8 @@ pub struct ViewOptions {
     pub tab: usize,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
+    /// Lecture mode.
+    pub lecture: bool,
 }
 
 impl Default for ViewOptions {
@@ -207,6 +232,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             tab: 0,
             speed: Speed::default(),
+            lecture: false,
         }
     }
 }

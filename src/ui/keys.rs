@@ -1,14 +1,15 @@
 //! The keys. They do not fire while something is being typed, nor take the arrows away from a
 //! focused widget other than the slider of what is driven.
 
-use super::action::{Action, FileTask};
-use super::sliders;
+use super::action::{Action, FileTask, LessonAct};
 use super::view_state::ViewState;
+use super::{lesson, sliders};
+use crate::lessons::{Question, Stage};
 use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 22] = [
+pub const SHEET: [(&str, &str); 24] = [
     (
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
@@ -36,6 +37,8 @@ pub const SHEET: [(&str, &str); 22] = [
     ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
     ("Ctrl+O Ctrl+S", "open, save a scene"),
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
+    ("Enter Backspace", "in a lesson: answer and go on; back"),
+    ("F11", "lecture mode"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
     ("Shift while dragging", "fine u₀; an upright profile line"),
@@ -76,6 +79,8 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
             command(key, modifiers).filter(|action| free || !of_text(action))
         } else if dialog_open {
             (key == Key::Escape).then_some(Action::CloseDialog)
+        } else if free && let Some(act) = in_lesson(key, modifiers, state) {
+            Some(Action::Lesson(act))
         } else if free {
             held(key, modifiers).or_else(|| {
                 if repeat {
@@ -88,6 +93,28 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
             None
         };
         actions.extend(action);
+    }
+}
+
+/// What a key does in a lesson: the answer, and onwards or back.
+fn in_lesson(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<LessonAct> {
+    let (_, progress) = state.lesson()?;
+    let chosen = |index: f64| Some(LessonAct::Choose(index));
+    match (key, state.asked()) {
+        (Key::Enter, Some(_)) => Some(LessonAct::Commit),
+        (Key::Enter, None) => (progress.stage == Stage::Explained).then_some(LessonAct::Next),
+        (Key::Backspace, _) => Some(LessonAct::Back),
+        (Key::Num1, Some((Question::Choice { .. }, _))) => chosen(0.0),
+        (Key::Num2, Some((Question::Choice { .. }, _))) => chosen(1.0),
+        (Key::Num3, Some((Question::Choice { .. }, _))) => chosen(2.0),
+        (Key::ArrowLeft | Key::ArrowRight, Some((Question::Guess { .. }, answer))) => {
+            let [low, high] = lesson::guessable(state);
+            let step = lesson::STEP * if modifiers.shift { 0.1 } else { 1.0 };
+            let way = if key == Key::ArrowLeft { -step } else { step };
+            let from = answer.unwrap_or(0.5 * (low + high));
+            chosen((from + way).clamp(low, high))
+        }
+        _ => None,
     }
 }
 
@@ -146,6 +173,7 @@ fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> 
             Action::ClearSelection
         }
         Key::Escape => Action::Stop,
+        Key::F11 => Action::ToggleLecture,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
         Key::Slash if modifiers.shift => Action::ToggleHelp,
         _ => {

@@ -1,13 +1,14 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::Action;
+use super::action::{Action, LessonAct};
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::lessons::{Hidden, Question};
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::study::forecast::{Forecast, forecast};
@@ -67,9 +68,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         let scale = transform.dpos_dvalue();
         let points = if scrubs { SCRUB } else { CLICK };
         let reach = [points / scale[0].abs(), points / scale[1].abs()];
-        actions.push(Action::SelectState {
-            at: [at.x, at.y],
-            reach,
+        let at = [at.x, at.y];
+        actions.push(match state.asked() {
+            Some((Question::Guess { .. }, _)) => Action::Lesson(LessonAct::Choose(at[0])),
+            _ if state.view.lecture && state.run.record.jumps.is_empty() => Action::Guess(at[0]),
+            _ => Action::SelectState { at, reach },
         });
     }
     card(ui, state, actions, response.rect);
@@ -127,7 +130,9 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
             .map(|open| format!("{}; {}", open.reason, open.remedy));
         return (words, open.or_else(|| ledger.warning()).or(contested));
     }
-    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
+    let live = state.plots.live.as_ref();
+    let live = live.filter(|_| !state.hides(Hidden::Forecast));
+    let Some(Ok(live)) = live.map(|live| &live.state.found) else {
         return (
             "Play loop to see what one cycle dissipates.".to_owned(),
             None,
@@ -200,9 +205,9 @@ fn panel(state: &ViewState) -> Panel {
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
-    panel.series.extend(state.plots.beneath.iter().cloned());
-    panel.series.extend(state.plots.flat_state.iter().cloned());
-    panel.series.extend(live(state));
+    if !state.hides(Hidden::Forecast) {
+        foretold(state, &mut panel);
+    }
     panel.series.extend(state.plots.preview.clone());
     panel
         .series
@@ -212,8 +217,7 @@ fn panel(state: &ViewState) -> Panel {
         .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
     panel.series.extend(machine::line(state, [left, right]));
-    next_jump(state, &mut panel);
-    ahead(state, &mut panel);
+    guesses(state, &mut panel);
     let rho = state.rho();
     if let Some(selection) = &state.run.selection {
         let at = [
@@ -243,6 +247,31 @@ fn panel(state: &ViewState) -> Panel {
             .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
     }
     panel
+}
+
+/// What tells of what was not walked yet.
+fn foretold(state: &ViewState, panel: &mut Panel) {
+    panel.series.extend(state.plots.beneath.iter().cloned());
+    panel.series.extend(state.plots.flat_state.iter().cloned());
+    panel.series.extend(live(state));
+    next_jump(state, panel);
+    ahead(state, panel);
+}
+
+/// Where somebody guesses the next jump to be.
+fn guesses(state: &ViewState, panel: &mut Panel) {
+    let lesson = state.lesson().and_then(|(lesson, progress)| {
+        let question = progress.step(lesson)?.question.as_ref()?;
+        let guess = matches!(question, Question::Guess { .. });
+        progress.answer.filter(|_| guess)
+    });
+    let [low, high] = panel.y.range.unwrap_or_default();
+    for &guess in state.plots.guesses.iter().chain(&lesson) {
+        let points = vec![[guess, low], [guess, high]];
+        panel
+            .series
+            .push(Series::line("guess", Role::Forecast, Colour::Gold, points));
+    }
 }
 
 /// Pieces as one broken line.
@@ -453,7 +482,7 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }
-                ui.horizontal(|ui| {
+                ui.vertical(|ui| {
                     let kept = state.looked_at().is_some();
                     let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
                     let button = button.on_hover_text(

@@ -24,6 +24,8 @@ mod gap_map;
 mod gap_picture;
 mod grip;
 mod keys;
+mod lecture;
+mod lesson;
 mod loop_plot;
 mod machine;
 mod profile;

@@ -9,6 +9,7 @@ use super::theme;
 use super::view_state::{Stretch, ViewState, foreseen, stretches};
 use super::widgets::described;
 use crate::follow::record::{Direction, StateRecord};
+use crate::lessons::Hidden;
 use crate::plot::panel::Colour;
 use egui::{Align2, Color32, CursorIcon, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 
@@ -66,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn all(state: &ViewState) -> (Vec<Stretch>, Vec<Stretch>) {
     let live = state.plots.live.as_ref();
     // That of an edited scene comes a moment later.
-    let live = live.filter(|live| live.run == state.run.id);
+    let live = live.filter(|live| live.run == state.run.id && !state.hides(Hidden::Forecast));
     let ahead = live.and_then(|live| live.state.found.as_ref().ok());
     (
         stretches(&state.run.record),

@@ -2,18 +2,21 @@
 
 mod films;
 mod hint;
+mod lesson;
 mod plots;
 mod run;
 mod stored;
 
 pub use films::Films;
 pub use hint::Hint;
+pub use lesson::Begin;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 pub use stored::{Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::lessons::Progress;
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::plot::curve::{Curve, eigenvalue_scale};
@@ -69,6 +72,8 @@ pub struct ViewState {
     pub view: ViewOptions,
     /// Undo and redo.
     pub history: History,
+    /// The lesson under way.
+    pub lesson: Option<Progress>,
     /// Stops the measurement under way.
     measurement: Cancel,
     told: Told,
@@ -141,6 +146,7 @@ impl ViewState {
             },
             view: ViewOptions::default(),
             history: History::default(),
+            lesson: None,
             measurement: Cancel::default(),
             told: Told::default(),
         })
@@ -283,6 +289,7 @@ impl ViewState {
     /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
         self.run = RunView::new(self.run.id + 1, &self.scene, self.target);
+        self.plots.guesses.clear();
         self.measurement.request();
         self.messages.notice = None;
         self.hint_afresh();

@@ -8,5 +8,6 @@ mod files;
 mod floors;
 mod hostile_scenes;
 mod kills;
+mod lessons;
 mod scene_files;
 mod signals;

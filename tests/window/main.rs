@@ -8,6 +8,7 @@ mod branches;
 mod commands;
 mod dialogs;
 mod landscape;
+mod lessons;
 mod limits;
 mod live;
 mod machine;

@@ -12,8 +12,11 @@ use tackscope::scene::Points;
 use tackscope::ui::App;
 use tackscope::ui::view_state::{RunView, Stretch, stretches};
 
+/// A state, and its gap as it was seen.
+type Seen = (StateRecord, Arc<Array2<f64>>);
+
 /// The window after a loop of a coarse Fig. 2, and every picture that was seen of it at rest.
-fn looped() -> (Harness<'static, App>, Vec<(StateRecord, Arc<Array2<f64>>)>) {
+fn looped() -> (Harness<'static, App>, Vec<Seen>) {
     let mut scene = fig2();
     scene.cell.points = Points::Square(48);
     let mut window = opened(scene);

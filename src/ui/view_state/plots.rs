@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// Most faint curves of earlier loops.
 const GHOSTS_MAX: usize = 3;
+/// Most guesses of a lecture.
+const GUESSES_MAX: usize = 6;
 
 /// What the diagrams show beside the present run.
 #[derive(Debug)]
@@ -37,6 +39,8 @@ pub struct Plots {
     pub preview: Option<Series>,
     /// The branches of this very scene.
     pub branches: Option<Arc<Diagram>>,
+    /// Where the next jump is guessed to be (ranges), in a lecture.
+    pub guesses: Vec<f64>,
     /// Theory is laid over the live plot, once it is known.
     pub overlay: bool,
     /// Theory.
@@ -55,9 +59,16 @@ impl Plots {
             beneath: Vec::new(),
             preview: None,
             branches: None,
+            guesses: Vec::new(),
             overlay: false,
             theory: None,
         }
+    }
+
+    /// One more guess of u0 (ranges); the oldest goes.
+    pub fn guess(&mut self, u0: f64) {
+        self.guesses.insert(0, u0);
+        self.guesses.truncate(GUESSES_MAX);
     }
 
     /// Keeps the curve of an earlier path in sight.
