@@ -236,7 +236,7 @@ impl App {
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
             if state.hides(Hidden::Tabs) {
-                let height = ui.available_height() - 40.0;
+                let height = ui.available_height() - 12.0;
                 return loop_plot::show(ui, state, actions, height);
             }
             let height = self.tabs.plot_height(ui, state);

@@ -2,9 +2,9 @@
 
 use super::action::Action;
 use super::gap_map::{self, MapCache};
-use super::loop_plot;
 use super::view_state::ViewState;
 use super::widgets::described;
+use super::{loop_plot, profile, strip};
 use crate::solver::Stop;
 use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};
 use serde::{Deserialize, Serialize};
@@ -54,10 +54,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
     });
     let half = 0.5 * ui.available_width();
     Panel::right("lecture").exact_size(half).show(ui, |ui| {
-        let height = ui.available_height() - 40.0;
+        let height = ui.available_height() - 12.0;
         loop_plot::show(ui, state, actions, height);
     });
-    CentralPanel::default().show(ui, |ui| gap_map::show(ui, state, actions, cache));
+    CentralPanel::default().show(ui, |ui| {
+        gap_map::show(ui, state, actions, cache);
+        profile::show(ui, state, cache.picture.as_ref(), actions);
+        strip::show(ui, state, actions);
+    });
 }
 
 /// What there is to see, in one line.

@@ -103,8 +103,8 @@ fn ask(
             for (index, option) in options.iter().enumerate() {
                 let chosen = progress.answer == Some(index as f64);
                 let words = RichText::new(format!("{}  {option}", index + 1)).size(WORDS);
-                let row = ui.add_enabled(waits, egui::RadioButton::new(chosen, words));
-                if row.clicked() {
+                // Also to be read afterwards.
+                if ui.radio(chosen, words).clicked() && waits {
                     acts.push(LessonAct::Choose(index as f64));
                 }
             }
