@@ -6,7 +6,7 @@
 //!
 //! The rooms form floors, and arrows point down only (`tests/program/floors.rs` holds the walls):
 //! [`numerics`] < [`physics`] < [`solver`], [`scene`] < [`follow`] < [`study`] < [`plot`] <
-//! [`paper`] < [`worker`], [`storage`] < [`cli`], `ui`.
+//! [`paper`], [`lessons`] < [`worker`], [`storage`] < [`cli`], `ui`.
 //!
 //! Units: the contact modulus E* is 1; lengths are in any one unit; stresses in E*; energies per
 //! area in E* times that length.
@@ -17,6 +17,7 @@
 
 pub mod cli;
 pub mod follow;
+pub mod lessons;
 pub mod numerics;
 pub mod paper;
 pub mod physics;

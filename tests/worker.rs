@@ -666,7 +666,7 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
     let out = drain(&mut Session::default(), commands);
     let began = out
         .iter()
-        .rposition(|e| matches!(e, Event::LoopStarted))
+        .rposition(|e| matches!(e, Event::Cut { .. }))
         .expect("a loop");
     let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.part);
     let shown: Vec<_> = out[began..]
@@ -832,6 +832,66 @@ fn the_threads_end_within_two_seconds_whatever_they_are_at() {
                 "{pages:?}: {:?}",
                 began.elapsed()
             );
+        }
+    }
+}
+
+/// The states of these events.
+fn states(out: &[Event]) -> Vec<StateRecord> {
+    let state = |e: &Event| match e {
+        Event::State(state) => Some(state.clone()),
+        _ => None,
+    };
+    out.iter().filter_map(state).collect()
+}
+
+#[test]
+fn going_on_from_a_stored_state_leads_to_the_states_it_led_to() {
+    for (scene, asked, far) in [
+        (fig2(48), None, 1.0),
+        (fig2(48), Some(Strategy::WHOLE), 2.5),
+    ] {
+        let mut session = Session::default();
+        let commands = vec![wished(1, scene, asked), target(1, 1, far)];
+        let out = drain(&mut session, commands);
+        let path = states(&out);
+        let stored: Vec<_> = out
+            .iter()
+            .filter_map(|e| match e {
+                Event::Stored(stored) => Some(stored.clone()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(stored.len(), path.len());
+        let mut motion = 1;
+        // On the flat branch, on patterns, and right after each jump.
+        for index in (5..path.len() - 10).step_by(23) {
+            let from = stored[index].clone();
+            assert_eq!(from.before[0], index);
+            motion += 2;
+            let go_on = of(1, Command::GoOn { motion, from });
+            let out = drain(&mut session, vec![go_on]);
+            let cut = out.iter().find_map(|e| match e {
+                Event::Cut { states, .. } => Some(*states),
+                _ => None,
+            });
+            // Later ones were walked anew, to the same states within the tolerance.
+            assert!(cut == Some(index) || cut == Some(0), "{cut:?} {index}");
+            let again = drain(
+                &mut session,
+                vec![target(1, motion + 1, path[index + 8].control)],
+            );
+            let again = states(&again);
+            // Brackets of a jump are a matter of where the walk came from.
+            let last = again.last().expect("it went on");
+            let wanted = &path[index + 8];
+            assert_eq!(
+                (last.control, last.pattern),
+                (wanted.control, wanted.pattern),
+                "{index}"
+            );
+            let off = (last.stress_over_max - wanted.stress_over_max).abs();
+            assert!(off < 1e-5, "{off} at {index}");
         }
     }
 }

@@ -9,6 +9,7 @@ mod chart;
 mod diagram;
 mod figure;
 mod ground;
+mod lessons;
 mod map;
 mod progress;
 mod report;
@@ -104,6 +105,10 @@ enum Command {
     Table(TableArguments),
     /// List the built-in scenes
     Presets,
+    /// List the lessons
+    ///
+    /// With --check each is performed without the window: exit code 3 if one cannot be done.
+    Lessons(LessonsArguments),
     /// Print a scene as a scene file, with everything that it leaves open decided
     Scene(SceneArguments),
 }
@@ -137,6 +142,14 @@ struct FigureArguments {
     /// Drive the tips of Figs 12 and 13 by a load in place of a displacement
     #[arg(long)]
     load: bool,
+}
+
+/// What `tackscope lessons` is told.
+#[derive(Args, Clone, Debug)]
+struct LessonsArguments {
+    /// Perform every lesson, and print what it explains
+    #[arg(long)]
+    check: bool,
 }
 
 /// What `tackscope table` is told.
@@ -329,6 +342,7 @@ pub fn main() -> ExitCode {
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),
             Some(Command::Presets) => code(list()),
+            Some(Command::Lessons(arguments)) => code(lessons::lessons(&arguments)),
             Some(Command::Scene(arguments)) => code(print_scene(&arguments)),
             None => window_or_default_scene(),
         },

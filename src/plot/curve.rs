@@ -32,15 +32,23 @@ pub struct Curve {
 impl Curve {
     /// The whole curve of a record.
     pub fn of(record: &LoopRecord, law: &Law) -> Self {
+        Self::of_ordinate(record, law, |state| state.stress_over_max)
+    }
+
+    /// The same of another ordinate.
+    pub fn of_ordinate(
+        record: &LoopRecord,
+        law: &Law,
+        ordinate: impl Fn(&StateRecord) -> f64,
+    ) -> Self {
         let mut curve = Self::default();
         let mut before: Option<&StateRecord> = None;
-        let known =
-            |s: &&StateRecord| s.mean_displacement.is_finite() && s.stress_over_max.is_finite();
+        let known = |s: &&StateRecord| s.mean_displacement.is_finite() && ordinate(s).is_finite();
         for state in record.states.iter().filter(known) {
             if before.is_some_and(|before| jumped(before, state, record)) {
                 curve.cut();
             }
-            curve.add(state, law, state.stress_over_max);
+            curve.add(state, law, ordinate(state));
             before = Some(state);
         }
         curve

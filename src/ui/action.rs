@@ -1,5 +1,6 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
+use crate::follow::record::Direction;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -80,6 +81,12 @@ pub enum Action {
         /// How far away it may be, along each.
         reach: [f64; 2],
     },
+    /// Look at the newest state of this direction whose control is nearest to a value.
+    SelectOn(Direction, f64),
+    /// Look at the state so many further on along the path, or back.
+    StepState(isize),
+    /// Take the state that is looked at as the present one.
+    GoOn,
     /// Look at the state after the jump of this index.
     SelectJump(usize),
     /// Look at the jump so many further on, or back.
@@ -96,6 +103,12 @@ pub enum Action {
     CopyText(String),
     /// A scene as text from the clipboard.
     PasteScene(String),
+    /// In the lesson.
+    Lesson(LessonAct),
+    /// Guess u0 of the next jump (ranges), in a lecture.
+    Guess(f64),
+    /// Lecture mode, or out of it.
+    ToggleLecture,
     /// Panels and view as they were at first.
     RestoreLayout,
     /// The failure has been read.
@@ -109,6 +122,23 @@ impl Action {
     pub fn edit(scene: Scene) -> Self {
         Self::EditScene(Box::new(scene))
     }
+}
+
+/// What a learner does in the lesson's panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LessonAct {
+    /// Begin the lesson of this index.
+    Start(usize),
+    /// Choose an answer: u0 in ranges, or the index of a choice.
+    Choose(f64),
+    /// Give the answer that is chosen.
+    Commit,
+    /// The next step, whether this one is done or not.
+    Next,
+    /// The step before.
+    Back,
+    /// End the lesson.
+    Leave,
 }
 
 /// What a file is wanted for.
@@ -210,6 +240,8 @@ pub struct ViewOptions {
     pub tab: usize,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
+    /// Lecture mode.
+    pub lecture: bool,
 }
 
 impl Default for ViewOptions {
@@ -221,6 +253,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             tab: 0,
             speed: Speed::default(),
+            lecture: false,
         }
     }
 }

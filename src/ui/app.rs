@@ -4,8 +4,11 @@ use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::tabs::Tabs;
-use super::view_state::ViewState;
-use super::{controls, gap_map, keys, loop_plot, profile, status_bar, toolbar};
+use super::view_state::{Begin, ViewState};
+use super::{
+    controls, gap_map, keys, lecture, lesson, loop_plot, profile, status_bar, strip, toolbar,
+};
+use crate::lessons::{Hidden, Progress};
 use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
 use crate::plot::panel::Page;
@@ -17,6 +20,7 @@ use crate::worker::protocol::{Command, Envelope};
 use egui::containers::PanelState;
 use egui::scroll_area::ScrollSource;
 use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -34,7 +38,20 @@ pub struct App {
     announced: f64,
     /// The file that is being opened.
     opening: Option<(PathBuf, Opening)>,
+    /// How the window looked before lecture mode.
+    before_lecture: Option<lecture::Before>,
 }
+
+/// What is kept between two sittings.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Sitting {
+    lesson: Option<Progress>,
+    before_lecture: Option<lecture::Before>,
+}
+
+/// Under which name.
+const SITTING: &str = "sitting";
 
 /// The reading of a file, which may take as long as the file system likes.
 type Opening = Job<Result<Found, storage::Failure>>;
@@ -73,6 +90,24 @@ impl App {
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
             opening: None,
+            before_lecture: None,
+        }
+    }
+
+    /// Takes up what was kept of the last sitting: the lesson goes on, and the look is that before
+    /// a lecture.
+    pub fn resume(&mut self, ctx: &Context, storage: &dyn eframe::Storage) {
+        let kept = storage.get_string(SITTING).unwrap_or_default();
+        let Sitting {
+            lesson,
+            before_lecture,
+        } = serde_json::from_str(&kept).unwrap_or_default();
+        if let Some(before) = before_lecture {
+            before.restore(ctx);
+        }
+        if let Some(progress) = lesson {
+            let begin = self.state.resume_lesson(progress);
+            self.begin_step(begin);
         }
     }
 
@@ -85,6 +120,7 @@ impl App {
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.listen();
+        self.state.observe_lesson();
         self.open();
         self.tabs.update(&mut self.state, &*self.solver);
         self.map.update(&ctx, &self.state);
@@ -192,6 +228,9 @@ impl App {
 
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let state = &self.state;
+        if state.view.lecture {
+            return lecture::show(ui, state, actions, &self.map);
+        }
         let width = ui.available_width();
         Panel::top("toolbar").show(ui, |ui| {
             ui.add_space(3.0);
@@ -199,10 +238,16 @@ impl App {
             ui.add_space(3.0);
         });
         Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
-        Panel::left("controls")
-            .default_size(260.0)
-            .size_range(236.0..=360.0)
-            .show(ui, |ui| controls::show(ui, state, actions));
+        let learns = state.lesson().is_some();
+        Panel::left(("controls", learns))
+            .default_size(if learns { 300.0 } else { 260.0 })
+            .size_range(236.0..=420.0)
+            .show(ui, |ui| {
+                lesson::show(ui, state, actions);
+                if !state.hides(Hidden::Controls) {
+                    controls::show(ui, state, actions);
+                }
+            });
         let rest = width - 270.0;
         // A width drawn by hand is kept for windows of about that size: one from a small window
         // would cut the lists of a large one.
@@ -210,6 +255,10 @@ impl App {
             .default_size((0.42 * rest).clamp(350.0, 560.0))
             .size_range(230.0..=(0.55 * rest).max(240.0));
         right.show(ui, |ui| {
+            if state.hides(Hidden::Tabs) {
+                let height = ui.available_height() - 12.0;
+                return loop_plot::show(ui, state, actions, height);
+            }
             let height = self.tabs.plot_height(ui, state);
             loop_plot::show(ui, state, actions, height);
             ui.separator();
@@ -218,6 +267,7 @@ impl App {
         CentralPanel::default().show(ui, |ui| {
             gap_map::show(ui, state, actions, &self.map);
             profile::show(ui, state, self.map.picture.as_ref(), actions);
+            strip::show(ui, state, actions);
         });
     }
 
@@ -237,7 +287,7 @@ impl App {
             Action::SetMethod(method) => state.set_method(method),
             Action::SetStrategy(asked) => state.set_strategy(asked),
             Action::SetFollows(follows) => state.follows = follows,
-            Action::LoadPreset(index) => self.load_preset(index),
+            Action::LoadPreset(index) => self.load_preset(presets::all().get(index)),
             Action::Undo => state.undo(),
             Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
@@ -266,23 +316,19 @@ impl App {
             }
             Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
             Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectOn(direction, control) => state.select_on(direction, control),
+            Action::StepState(by) => state.step_state(by),
+            Action::GoOn => state.go_on(),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(by) => state.step_jump(by),
             Action::ToggleKept => state.toggle_kept(),
-            Action::ClearSelection => state.run.selection = None,
+            Action::ClearSelection => state.select_nothing(),
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));
                 state.messages.notice =
                     Some("scene copied as text: paste it here, or into a mail".to_owned());
             }
-            Action::CopyPicture => match drawing::page_image(&page(state)) {
-                Ok(image) => {
-                    let size = [image.width() as usize, image.height() as usize];
-                    ctx.copy_image(egui::ColorImage::from_rgb(size, &image));
-                    state.messages.notice = Some("picture of the stress curve copied".to_owned());
-                }
-                Err(why) => state.messages.fail(why, "Export it as PNG instead."),
-            },
+            Action::CopyPicture => self.copy_picture(ctx),
             Action::CopyText(text) => {
                 ctx.copy_text(text);
                 state.messages.notice = Some("copied as text".to_owned());
@@ -293,9 +339,18 @@ impl App {
                     .messages
                     .fail(failure, "Copy a whole scene file, from format = 1 on."),
             },
+            Action::Lesson(act) => {
+                let begin = state.act_in_lesson(act);
+                self.begin_step(begin);
+            }
+            Action::Guess(u0) => state.plots.guess(u0),
+            Action::ToggleLecture => self.toggle_lecture(ctx),
             Action::RestoreLayout => {
                 ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
-                state.view = ViewOptions::default();
+                state.view = ViewOptions {
+                    lecture: state.view.lecture,
+                    ..ViewOptions::default()
+                };
                 state.plots.fit = None;
                 self.tabs.restore();
             }
@@ -304,10 +359,36 @@ impl App {
         }
     }
 
-    fn load_preset(&mut self, index: usize) {
-        let Some(preset) = presets::all().get(index) else {
-            return;
-        };
+    fn copy_picture(&mut self, ctx: &Context) {
+        let drawn = drawing::page_image(&page(&self.state));
+        let messages = &mut self.state.messages;
+        match drawn {
+            Ok(image) => {
+                let size = [image.width() as usize, image.height() as usize];
+                ctx.copy_image(egui::ColorImage::from_rgb(size, &image));
+                messages.notice = Some("picture of the stress curve copied".to_owned());
+            }
+            Err(why) => messages.fail(why, "Export it as PNG instead."),
+        }
+    }
+
+    /// Opens what a step of a lesson begins with.
+    fn begin_step(&mut self, begin: Begin) {
+        self.load_preset(begin.scene.and_then(presets::find));
+        let tab = begin.tab.and_then(|name| self.tabs.index(name));
+        self.state.view.tab = tab.unwrap_or(self.state.view.tab);
+    }
+
+    fn toggle_lecture(&mut self, ctx: &Context) {
+        self.state.view.lecture = !self.state.view.lecture;
+        match self.before_lecture.take() {
+            Some(before) => before.restore(ctx),
+            None => self.before_lecture = Some(lecture::Before::enlarge(ctx)),
+        }
+    }
+
+    fn load_preset(&mut self, preset: Option<&presets::Preset>) {
+        let Some(preset) = preset else { return };
         match scene_file::parse(preset.text, preset.name) {
             Ok(scene) => self.state.open_scene(scene),
             Err(failure) => {
@@ -400,6 +481,16 @@ fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Found, storag
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.frame(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let sitting = Sitting {
+            lesson: self.state.lesson.clone(),
+            before_lecture: self.before_lecture,
+        };
+        if let Ok(text) = serde_json::to_string(&sitting) {
+            storage.set_string(SITTING, text);
+        }
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

@@ -1,12 +1,13 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, ViewOptions};
+use super::action::{Action, FileTask, LessonAct, ViewOptions};
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
 use super::view_state::ViewState;
 use super::widgets;
+use crate::lessons;
 use crate::physics::law::Shape;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
@@ -48,6 +49,11 @@ fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
         one("Redo", "Ctrl+Y", Action::Redo),
     ]);
     list.extend(views(state));
+    let titles = lessons::all().iter().enumerate();
+    list.extend(titles.map(|(index, lesson)| {
+        let start = Action::Lesson(LessonAct::Start(index));
+        one(&format!("Lesson: {}", lesson.title), "", start)
+    }));
     list.push(one("Quit", "Ctrl+Q", Action::Quit));
     list.extend(scenes(state));
     list.extend(choices(state));
@@ -84,6 +90,13 @@ fn motions(state: &ViewState) -> Vec<Command> {
         one("Reset to rest at the start", "", Action::Reset),
         one("Look at the next jump", "J", Action::StepJump(1)),
         one("Look at the jump before", "K", Action::StepJump(-1)),
+        one(
+            "Look at the stored state before",
+            "[",
+            Action::StepState(-1),
+        ),
+        one("Look at the stored state after", "]", Action::StepState(1)),
+        one("Go on from the stored state", "G", Action::GoOn),
         one(
             if state.plots.kept.is_some() {
                 "Let go of the kept loop"
@@ -171,6 +184,7 @@ fn views(state: &ViewState) -> Vec<Command> {
             }),
         ),
         one("Switch between light and dark", "", Action::ToggleTheme),
+        one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),
         one("Keys and marks", "?", Action::ToggleHelp),
     ]

@@ -194,7 +194,11 @@ pub fn run_with(options: Options) -> Result<(), String> {
                 theme::install(&cc.egui_ctx);
                 let ctx = cc.egui_ctx.clone();
                 let worker = Worker::spawn(move || ctx.request_repaint());
-                Ok(Box::new(App::new(worker, state)))
+                let mut app = App::new(worker, state);
+                if let Some(storage) = cc.storage {
+                    app.resume(&cc.egui_ctx, storage);
+                }
+                Ok(Box::new(app))
             }),
         )
     }));

@@ -329,19 +329,24 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
 
-/// The border of map and profile: that of a replay stands out.
+/// The border of map and profile: that of a replay or of a stored state stands out.
 pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
     if state.run.replayed.is_some() {
         Stroke::new(2.5, theme::palette(ui).jump)
+    } else if state.run.shown.is_some() {
+        Stroke::new(2.5, theme::palette(ui).now)
     } else {
         ui.visuals().widgets.noninteractive.bg_stroke
     }
 }
 
-/// The word "jumping" while the surface is no equilibrium, and "replay" while it is an old one.
+/// The word "jumping" while the surface is no equilibrium, and "replay" or "stored" while it is an
+/// old one.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
     let word = if state.run.replayed.is_some() {
         "replay"
+    } else if state.run.shown.is_some() {
+        "stored"
     } else if state.jumping().is_some() {
         "jumping … (no equilibrium)"
     } else {
@@ -474,14 +479,14 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
     let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else {
         return format!("Gap map: {WAITING}");
     };
-    let pattern = state
-        .run
-        .state
-        .as_ref()
-        .map_or("at rest", |s| s.pattern.word());
+    let (kind, shown) = match &state.run.shown {
+        Some(frame) if state.run.replayed.is_none() => ("stored ", frame.state.as_ref()),
+        _ => ("", state.run.state.as_ref()),
+    };
+    let pattern = shown.map_or("at rest", |s| s.pattern.word());
     let unit = state.model.unit(Dimension::Length);
     format!(
-        "Gap map: {pattern}, gap from {} to {}",
+        "Gap map: {kind}{pattern}, gap from {} to {}",
         unit.number(picture.min / state.rho(), 3),
         unit.say(picture.max / state.rho(), 3, "rho")
     )

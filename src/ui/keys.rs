@@ -1,14 +1,15 @@
 //! The keys. They do not fire while something is being typed, nor take the arrows away from a
 //! focused widget other than the slider of what is driven.
 
-use super::action::{Action, FileTask};
-use super::sliders;
+use super::action::{Action, FileTask, LessonAct};
 use super::view_state::ViewState;
+use super::{lesson, sliders};
+use crate::lessons::{Question, Stage};
 use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 20] = [
+pub const SHEET: [(&str, &str); 24] = [
     (
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
@@ -22,15 +23,22 @@ pub const SHEET: [(&str, &str); 20] = [
     ("Space", "play, pause"),
     (".", "one increment onwards"),
     ("R", "reverse"),
-    ("Esc", "stop; close a dialog"),
+    ("Esc", "stop; back to the present; close a dialog"),
     ("1 … 9", "presets"),
     ("S", "export a picture"),
     ("J K", "next jump, jump before"),
     ("L", "keep this loop on the plot, to compare; let go of it"),
-    ("Click on the curve", "the numbers of that state"),
+    (
+        "Click or drag on curve or strip",
+        "that stored state, everywhere",
+    ),
+    ("[ ]", "the stored state before, after"),
+    ("G", "go on from the stored state that is shown"),
     ("Ctrl+C Ctrl+V", "copy the scene as text, open one"),
     ("Ctrl+O Ctrl+S", "open, save a scene"),
     ("Ctrl+Z Ctrl+Y", "undo, redo a scene edit (one drag is one)"),
+    ("Enter Backspace", "in a lesson: answer and go on; back"),
+    ("F11", "lecture mode"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
     ("Shift while dragging", "fine u₀; an upright profile line"),
@@ -71,6 +79,8 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
             command(key, modifiers).filter(|action| free || !of_text(action))
         } else if dialog_open {
             (key == Key::Escape).then_some(Action::CloseDialog)
+        } else if free && let Some(act) = in_lesson(key, modifiers, state) {
+            Some(Action::Lesson(act))
         } else if free {
             held(key, modifiers).or_else(|| {
                 if repeat {
@@ -83,6 +93,28 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
             None
         };
         actions.extend(action);
+    }
+}
+
+/// What a key does in a lesson: the answer, and onwards or back.
+fn in_lesson(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<LessonAct> {
+    let (_, progress) = state.lesson()?;
+    let chosen = |index: f64| Some(LessonAct::Choose(index));
+    match (key, state.asked()) {
+        (Key::Enter, Some(_)) => Some(LessonAct::Commit),
+        (Key::Enter, None) => (progress.stage == Stage::Explained).then_some(LessonAct::Next),
+        (Key::Backspace, _) => Some(LessonAct::Back),
+        (Key::Num1, Some((Question::Choice { .. }, _))) => chosen(0.0),
+        (Key::Num2, Some((Question::Choice { .. }, _))) => chosen(1.0),
+        (Key::Num3, Some((Question::Choice { .. }, _))) => chosen(2.0),
+        (Key::ArrowLeft | Key::ArrowRight, Some((Question::Guess { .. }, answer))) => {
+            let [low, high] = lesson::guessable(state);
+            let step = lesson::STEP * if modifiers.shift { 0.1 } else { 1.0 };
+            let way = if key == Key::ArrowLeft { -step } else { step };
+            let from = answer.unwrap_or(0.5 * (low + high));
+            chosen((from + way).clamp(low, high))
+        }
+        _ => None,
     }
 }
 
@@ -122,6 +154,8 @@ fn held(key: Key, modifiers: Modifiers) -> Option<Action> {
         Key::Period => Action::Increment,
         Key::J => Action::StepJump(1),
         Key::K => Action::StepJump(-1),
+        Key::OpenBracket => Action::StepState(-1),
+        Key::CloseBracket => Action::StepState(1),
         _ => return None,
     })
 }
@@ -133,11 +167,13 @@ fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> 
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
         Key::L => Action::ToggleKept,
+        Key::G => Action::GoOn,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
         Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => {
             Action::ClearSelection
         }
         Key::Escape => Action::Stop,
+        Key::F11 => Action::ToggleLecture,
         Key::Questionmark | Key::F1 => Action::ToggleHelp,
         Key::Slash if modifiers.shift => Action::ToggleHelp,
         _ => {

@@ -1,13 +1,14 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::Action;
+use super::action::{Action, LessonAct};
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
@@ -21,6 +22,8 @@ use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
+/// A drag as near as that goes along the path.
+const SCRUB: f64 = 1e3;
 
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
@@ -63,16 +66,20 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     };
     let shown = diagram::show(ui, &panel, "loop", height, hover);
     let (response, transform) = (shown.response, shown.transform);
+    let scrubs = response.dragged() && response.drag_delta() != egui::Vec2::ZERO;
     if let Some(pointer) = response
         .interact_pointer_pos()
-        .filter(|_| response.clicked())
+        .filter(|_| response.clicked() || scrubs)
     {
         let at = transform.value_from_position(pointer);
         let scale = transform.dpos_dvalue();
-        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
-        actions.push(Action::SelectState {
-            at: [at.x, at.y],
-            reach,
+        let points = if scrubs { SCRUB } else { CLICK };
+        let reach = [points / scale[0].abs(), points / scale[1].abs()];
+        let at = [at.x, at.y];
+        actions.push(match state.asked() {
+            Some((Question::Guess { .. }, _)) => Action::Lesson(LessonAct::Choose(at[0])),
+            _ if state.view.lecture && state.run.record.jumps.is_empty() => Action::Guess(at[0]),
+            _ => Action::SelectState { at, reach },
         });
     }
     card(ui, state, actions, response.rect);
@@ -145,7 +152,9 @@ fn dissipated(state: &ViewState) -> (String, Option<String>) {
             .map(|open| format!("{}; {}", open.reason, open.remedy));
         return (words, open.or_else(|| ledger.warning()).or(contested));
     }
-    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
+    let live = state.plots.live.as_ref();
+    let live = live.filter(|_| !state.hides(Hidden::Forecast));
+    let Some(Ok(live)) = live.map(|live| &live.state.found) else {
         return (
             "Play loop to see what one cycle dissipates.".to_owned(),
             None,
@@ -236,9 +245,9 @@ pub fn panel(state: &ViewState) -> Panel {
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
     };
-    panel.series.extend(state.plots.beneath.iter().cloned());
-    panel.series.extend(state.plots.flat_state.iter().cloned());
-    panel.series.extend(live(state));
+    if !state.hides(Hidden::Forecast) {
+        foretold(state, &mut panel);
+    }
     panel.series.extend(state.plots.preview.clone());
     panel
         .series
@@ -248,8 +257,7 @@ pub fn panel(state: &ViewState) -> Panel {
         .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(others(state));
     panel.series.extend(machine::line(state, [left, right]));
-    next_jump(state, &mut panel);
-    ahead(state, &mut panel);
+    guesses(state, &mut panel);
     let rho = state.rho();
     if let Some(selection) = &state.run.selection {
         let at = [
@@ -279,6 +287,31 @@ pub fn panel(state: &ViewState) -> Panel {
             .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
     }
     panel
+}
+
+/// What tells of what was not walked yet.
+fn foretold(state: &ViewState, panel: &mut Panel) {
+    panel.series.extend(state.plots.beneath.iter().cloned());
+    panel.series.extend(state.plots.flat_state.iter().cloned());
+    panel.series.extend(live(state));
+    next_jump(state, panel);
+    ahead(state, panel);
+}
+
+/// Where somebody guesses the next jump to be.
+fn guesses(state: &ViewState, panel: &mut Panel) {
+    let lesson = state.lesson().and_then(|(lesson, progress)| {
+        let question = progress.step(lesson)?.question.as_ref()?;
+        let guess = matches!(question, Question::Guess { .. });
+        progress.answer.filter(|_| guess)
+    });
+    let [low, high] = panel.y.range.unwrap_or_default();
+    for &guess in state.plots.guesses.iter().chain(&lesson) {
+        let points = vec![[guess, low], [guess, high]];
+        panel
+            .series
+            .push(Series::line("guess", Role::Forecast, Colour::Gold, points));
+    }
 }
 
 /// Pieces as one broken line.
@@ -499,7 +532,17 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }
-                ui.horizontal(|ui| {
+                ui.vertical(|ui| {
+                    let kept = state.looked_at().is_some();
+                    let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
+                    let button = button.on_hover_text(
+                        "G: the surface is put back into this state; what came after it becomes \
+                         a grey line",
+                    );
+                    let gone = "its picture is no longer kept: memory is bounded";
+                    if button.on_disabled_hover_text(gone).clicked() {
+                        actions.push(Action::GoOn);
+                    }
                     if ui.small_button("Walk to this u₀").clicked() {
                         actions.push(Action::SetTarget(s.mean_displacement));
                     }

@@ -5,6 +5,7 @@ use super::action::Action;
 use super::gap_map;
 use super::gap_picture::GapPicture;
 use super::grip;
+use super::strip;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::described;
@@ -23,7 +24,7 @@ pub fn show(
     picture: Option<&GapPicture>,
     actions: &mut Vec<Action>,
 ) {
-    let height = ui.available_height().clamp(70.0, 300.0);
+    let height = (ui.available_height() - strip::HEIGHT).clamp(70.0, 300.0);
     let (_, area) = ui.allocate_space(vec2(ui.available_width(), height));
     let frame = Rect::from_min_max(area.min + vec2(34.0, 4.0), area.max - vec2(6.0, 20.0));
     let (low, high) = heights(state);

@@ -5,6 +5,7 @@ use super::action::Action;
 use super::theme;
 use super::view_state::ViewState;
 use crate::follow::record::StateRecord;
+use crate::lessons::Hidden;
 use crate::physics::grid::Grid;
 use crate::physics::parameter::Dimension;
 use crate::scene::part::{Part, Strategy};
@@ -43,7 +44,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             }
         }
         model(ui, state);
-        if let Some(live) = &state.plots.live {
+        let live = state.plots.live.as_ref();
+        if let Some(live) = live.filter(|_| !state.hides(Hidden::Forecast)) {
             part(ui, "");
             let colour = theme::palette(ui).live;
             ui.label(RichText::new(live.words(&state.model)).color(colour));

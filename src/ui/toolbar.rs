@@ -1,9 +1,10 @@
 //! The top bar: preset, play, files, theme, help.
 
-use super::action::{Action, FileTask, ViewOptions};
+use super::action::{Action, FileTask, LessonAct, ViewOptions};
 use super::theme::set;
 use super::view_state::ViewState;
 use super::widgets::named;
+use crate::lessons;
 use crate::plot::typeset::plain;
 use crate::storage::presets;
 use crate::worker::protocol::{Speed, Sweep};
@@ -17,6 +18,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         preset(ui, state, actions);
+        learn(ui, actions);
         ui.separator();
         play(ui, state, actions);
         ui.separator();
@@ -39,7 +41,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 actions.push(action);
             }
         }
-        ui.separator();
         let theme = if ui.visuals().dark_mode { "☀" } else { "☾" };
         let history = &state.history;
         let layout = "panels, axes and view as they were at first";
@@ -71,7 +72,7 @@ fn preset(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let room = if ui.ctx().content_rect().width() < 1000.0 {
         130.0
     } else {
-        190.0
+        140.0
     };
     let width = if opened.is_some() { room - INFO } else { room };
     let title = plain(&state.scene.title);
@@ -119,6 +120,23 @@ fn look_for(ui: &mut Ui, preset: &presets::Preset, state: &ViewState) {
         ui.label(set(&preset.look_for(), 13.0, ui.visuals().text_color()));
         ui.label(RichText::new(&state.scene.source).small().weak());
     });
+}
+
+/// The lessons.
+fn learn(ui: &mut Ui, actions: &mut Vec<Action>) {
+    let menu = ui.menu_button("Learn", |ui| {
+        for (index, lesson) in lessons::all().iter().enumerate() {
+            let words = format!("{}  {} ({} min)", index + 1, lesson.title, lesson.minutes);
+            if ui.button(words).on_hover_text(&lesson.teaches).clicked() {
+                actions.push(Action::Lesson(LessonAct::Start(index)));
+            }
+        }
+        ui.separator();
+        if ui.button("Lecture mode (F11)").clicked() {
+            actions.push(Action::ToggleLecture);
+        }
+    });
+    named(menu.response, "Lessons").on_hover_text("lessons of about five minutes");
 }
 
 fn play(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {

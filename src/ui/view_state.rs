@@ -2,19 +2,24 @@
 
 mod films;
 mod hint;
+mod lesson;
 mod plots;
 mod run;
+mod stored;
 
 pub use films::Films;
 pub use hint::Hint;
+pub use lesson::Begin;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
+pub use stored::{Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::lessons::Progress;
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::{Dimension, Refusal};
-use crate::plot::curve::eigenvalue_scale;
+use crate::plot::curve::{Curve, eigenvalue_scale};
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -23,7 +28,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Stored, Sweep,
 };
 use std::sync::Arc;
 
@@ -67,6 +72,8 @@ pub struct ViewState {
     pub view: ViewOptions,
     /// Undo and redo.
     pub history: History,
+    /// The lesson under way.
+    pub lesson: Option<Progress>,
     /// Stops the measurement under way.
     measurement: Cancel,
     told: Told,
@@ -139,6 +146,7 @@ impl ViewState {
             },
             view: ViewOptions::default(),
             history: History::default(),
+            lesson: None,
             measurement: Cancel::default(),
             told: Told::default(),
         })
@@ -203,8 +211,8 @@ impl ViewState {
     /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says
     /// that it is not the one opened.
     pub fn edit_scene(&mut self, mut scene: Scene) {
-        let before = self.scene.clone();
-        if scene == *before {
+        let before = self.past();
+        if scene == *before.scene {
             return;
         }
         if !scene.title.starts_with(CHANGED) {
@@ -217,7 +225,7 @@ impl ViewState {
 
     /// Opens another scene at rest at its start, which can be taken back like an edit.
     pub fn open_scene(&mut self, scene: Scene) {
-        let before = self.scene.clone();
+        let before = self.past();
         self.target = self.limits.1;
         if self.set_scene(scene) {
             // Another scene: nothing of the last one is true of it.
@@ -230,17 +238,35 @@ impl ViewState {
         }
     }
 
-    /// Undoes a scene edit.
+    /// Undoes a scene edit, and brings the surface back where it was.
     pub fn undo(&mut self) {
-        if let Some(scene) = self.history.undo(self.scene.clone()) {
-            self.set_scene((*scene).clone());
-        }
+        let past = self.history.undo(self.past());
+        self.bring_back(past);
     }
 
     /// Takes an undo back.
     pub fn redo(&mut self) {
-        if let Some(scene) = self.history.redo(self.scene.clone()) {
-            self.set_scene((*scene).clone());
+        let past = self.history.redo(self.past());
+        self.bring_back(past);
+    }
+
+    /// What an undo brings back. The start of the drive is come to by itself.
+    fn past(&self) -> Past {
+        let stored = self.run.store.newest();
+        Past {
+            scene: self.scene.clone(),
+            surface: stored.filter(|s| s.before != [0, 0]).cloned(),
+        }
+    }
+
+    fn bring_back(&mut self, past: Option<Past>) {
+        let Some(Past { scene, surface }) = past else {
+            return;
+        };
+        if self.set_scene((*scene).clone())
+            && let Some(surface) = surface
+        {
+            self.resume(surface);
         }
     }
 
@@ -263,6 +289,7 @@ impl ViewState {
     /// Begins another run; the solver is told at the end of the frame.
     fn restart(&mut self) {
         self.run = RunView::new(self.run.id + 1, &self.scene, self.target);
+        self.plots.guesses.clear();
         self.measurement.request();
         self.messages.notice = None;
         self.hint_afresh();
@@ -276,7 +303,7 @@ impl ViewState {
     /// What the solver must hear: at most one scene and one motion per frame, in the order that
     /// makes sense to it.
     pub fn take_commands(&mut self) -> Vec<Envelope<Command>> {
-        let (run, told) = (&self.run, &mut self.told);
+        let (run, told) = (&mut self.run, &mut self.told);
         let motion = run.motion;
         let mut commands = Vec::new();
         if told.run != run.id {
@@ -292,6 +319,13 @@ impl ViewState {
                 method: self.method,
                 asked: self.asked,
             });
+        }
+        if let Some(from) = run.from.take() {
+            // A session that goes on from a state rests there.
+            if run.play == Play::ToTarget && self.target == from.record.control {
+                told.motion = motion;
+            }
+            commands.push(Command::GoOn { motion, from });
         }
         if std::mem::replace(&mut told.motion, motion) != motion {
             commands.push(match run.play {
@@ -331,8 +365,9 @@ impl ViewState {
             Event::Frame(frame) => {
                 self.moved_to(frame.control);
                 self.frame = Some(frame);
-                self.run.replayed = None;
+                (self.run.replayed, self.run.shown) = (None, None);
             }
+            Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
                 self.hint_after_jump(&jump);
                 self.run.curve.cut();
@@ -343,7 +378,7 @@ impl ViewState {
                 let jump = self.run.record.jumps.len().saturating_sub(1);
                 self.run.films.keep(jump, film);
             }
-            Event::LoopStarted => self.archive(),
+            Event::Cut { states, jumps } => self.cut(states, jumps),
             Event::Loop(summary) => {
                 self.run.closed_loop = Some(ClosedLoop {
                     summary,
@@ -383,6 +418,8 @@ impl ViewState {
         );
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
+            self.run.forgotten += STATES_MAX / 4;
+            self.select_nothing();
         }
         self.run.record.states.push(state.clone());
         self.run.state = Some(state);
@@ -423,18 +460,25 @@ impl ViewState {
 /// Most edits that can be taken back.
 const DEPTH: usize = 200;
 
+/// A scene, and where its surface was; `None` at the start of the drive.
+#[derive(Clone, Debug)]
+pub struct Past {
+    scene: Arc<Scene>,
+    surface: Option<Arc<Stored>>,
+}
+
 /// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
 /// however many values it passes.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    undo: Vec<Arc<Scene>>,
-    redo: Vec<Arc<Scene>>,
+    undo: Vec<Past>,
+    redo: Vec<Past>,
     in_gesture: bool,
 }
 
 impl History {
     /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
-    pub fn remember(&mut self, before: Arc<Scene>) {
+    pub fn remember(&mut self, before: Past) {
         if !self.in_gesture {
             self.undo.push(before);
             if self.undo.len() > DEPTH {
@@ -450,18 +494,18 @@ impl History {
         self.in_gesture = false;
     }
 
-    /// The scene before `present`, if any.
-    pub fn undo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
-        let scene = self.undo.pop()?;
+    /// What was before `present`, if anything.
+    pub fn undo(&mut self, present: Past) -> Option<Past> {
+        let past = self.undo.pop()?;
         self.redo.push(present);
-        Some(scene)
+        Some(past)
     }
 
-    /// The scene after `present`, if any.
-    pub fn redo(&mut self, present: Arc<Scene>) -> Option<Arc<Scene>> {
-        let scene = self.redo.pop()?;
+    /// What came after `present`, if anything.
+    pub fn redo(&mut self, present: Past) -> Option<Past> {
+        let past = self.redo.pop()?;
         self.undo.push(present);
-        Some(scene)
+        Some(past)
     }
 
     /// True if there is something to take back.

@@ -6,6 +6,7 @@
 pub mod background;
 pub mod job;
 pub mod protocol;
+pub mod rehearsal;
 pub mod session;
 pub mod signals;
 

@@ -5,6 +5,7 @@ use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
+use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoop};
 use crate::study::plan::Plan;
@@ -111,6 +112,14 @@ pub enum Command {
         /// Which way.
         sweep: Sweep,
     },
+    /// Take a stored state as the present one. Of the path so far what led to it stays, if it is of
+    /// this path; [`Event::Cut`] says so.
+    GoOn {
+        /// Its number.
+        motion: Motion,
+        /// The state.
+        from: Arc<Stored>,
+    },
     /// Hold or go on.
     Pause {
         /// True to hold.
@@ -167,6 +176,47 @@ impl Frame {
     /// True of a state that somebody chose on a branch: the walk does not stand on it.
     pub fn is_of_a_branch(&self) -> bool {
         self.state.is_none() && !self.relaxing
+    }
+}
+
+/// An equilibrium of the path, kept to be shown and to be gone on from.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    /// Its record.
+    pub record: StateRecord,
+    /// How many states and jumps of the path came before it.
+    pub before: [usize; 2],
+    /// The part of the cell that was walked.
+    pub part: Part,
+    /// The surface without its fields, which follow from its amplitudes.
+    pub surface: Equilibrium,
+    /// Gap field (length), shape (ny, nx).
+    pub gap: Array2<f32>,
+}
+
+impl Stored {
+    /// Its picture.
+    pub fn frame(&self) -> Frame {
+        let StateRecord {
+            control,
+            mean_displacement,
+            stress,
+            ..
+        } = self.record;
+        Frame {
+            state: Some(self.record.clone()),
+            ..Frame::of_a_branch(
+                control,
+                [mean_displacement, stress],
+                Arc::new(self.gap.mapv(f64::from)),
+            )
+        }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        let doubles = self.surface.state.amplitudes.len() + self.surface.soft_mode.len();
+        size_of::<Self>() + size_of::<f64>() * doubles + size_of::<f32>() * self.gap.len()
     }
 }
 
@@ -258,14 +308,22 @@ pub enum Event {
     Ready(Arc<Ready>),
     /// One more equilibrium on the path.
     State(StateRecord),
+    /// The same, to be kept; not of a state that was passed within a step.
+    Stored(Arc<Stored>),
     /// The newest picture; one that nobody took yet is replaced.
     Frame(Arc<Frame>),
     /// A jump was completed.
     Jump(JumpRecord),
     /// How the jump before was seen, once the surface stands on the state after it.
     Film(Arc<Film>),
-    /// A fresh loop starts here: earlier states belong to an earlier loop (a ghost).
-    LoopStarted,
+    /// The path goes back to its first states and jumps, so many of each: what came after them
+    /// belongs to an earlier path (a ghost). A fresh loop goes back to none.
+    Cut {
+        /// States that stay.
+        states: usize,
+        /// Jumps that stay.
+        jumps: usize,
+    },
     /// A closed loop is complete.
     Loop(LoopSummary),
     /// Nothing left to do: at the target, stopped, or stuck.

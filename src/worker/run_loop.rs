@@ -76,7 +76,7 @@ impl SolverHandle for Worker {
         }
         if matches!(
             command.message,
-            Command::SetScene { .. } | Command::Stop { .. } | Command::Quit
+            Command::SetScene { .. } | Command::GoOn { .. } | Command::Stop { .. } | Command::Quit
         ) {
             self.cancel.request();
         }

@@ -3,7 +3,8 @@
 
 use super::film::Recorder;
 use super::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed, Sweep,
+    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed,
+    Stored, Sweep,
 };
 use super::setup::Setup;
 use super::system::Instant;
@@ -12,7 +13,10 @@ use crate::follow::run::Itinerary;
 use crate::follow::walk::{Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
+use crate::physics::system::Fields;
+use crate::scene::part::Part;
 use crate::solver::equilibrium::Equilibrium;
+use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -32,7 +36,7 @@ pub struct Session {
     walk: Option<Walk>,
     /// Where the walk last stood, kept apart from it: after a panic the walk itself is not to be
     /// trusted.
-    good: Option<(Equilibrium, StateRecord)>,
+    good: Option<Arc<Stored>>,
     play: Play,
     /// What is left of the sweep.
     itinerary: Itinerary,
@@ -84,6 +88,7 @@ impl Session {
         let number = match &message {
             Command::SetTarget { motion, .. }
             | Command::Sweep { motion, .. }
+            | Command::GoOn { motion, .. }
             | Command::Stop { motion } => *motion,
             _ => self.motion,
         };
@@ -103,6 +108,7 @@ impl Session {
             },
             Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
             Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
+            Command::GoOn { from, .. } => self.go_on(&from, sink),
             Command::Pause { paused } => self.paused = paused,
             Command::Stop { .. } => self.rest(sink),
             Command::SetSpeed { speed } => self.speed = speed,
@@ -115,7 +121,9 @@ impl Session {
         if !self.is_walking() {
             return;
         }
-        let Some(walk) = &mut self.walk else { return };
+        let Some(mut walk) = self.walk.take() else {
+            return;
+        };
         let mut seen = Vec::new();
         let progress = walk.step(cancel, &mut |observed| seen.push(observed));
         let mut pace = Duration::ZERO;
@@ -146,13 +154,11 @@ impl Session {
                     if matches!(self.play, Play::Sweep(_)) {
                         pace = self.speed.pause(PACE_STATE);
                     }
-                    self.record.states.push(state.clone());
-                    self.good = Some((walk.here().clone(), state.clone()));
-                    sink(Event::State(state));
-                    show_rest(walk, &mut self.recorder, sink);
+                    self.arrive(&mut walk, state, sink);
                 }
             }
         }
+        self.walk = Some(walk);
         // A sweep of a loop says by itself when it is closed.
         if self.play != Play::Sweep(Sweep::Loop)
             && !self.is_closed
@@ -183,12 +189,88 @@ impl Session {
             speed,
             ..Self::default()
         };
-        if let Some(setup) = &self.setup {
+        if let Some(setup) = &mut self.setup {
             self.walk = match good {
-                Some((state, record)) => setup.resume(state, record).ok(),
+                Some(good) => setup.resume(&good),
                 None => setup.walk(&Cancel::default()).ok(),
             };
         }
+    }
+
+    /// Records a state on which the walk has come to stand, and hands it out.
+    fn arrive(&mut self, walk: &mut Walk, state: StateRecord, sink: &mut dyn FnMut(Event)) {
+        let before = [self.record.states.len(), self.record.jumps.len()];
+        self.record.states.push(state.clone());
+        sink(Event::State(state.clone()));
+        let here = (walk.record().direction, walk.record().control);
+        if here == (state.direction, state.control) {
+            let stored = self.stored(walk, before);
+            sink(Event::Stored(stored.clone()));
+            self.good = Some(stored);
+        }
+        show_rest(walk, &mut self.recorder, sink);
+    }
+
+    /// Where a walk stands, to be kept.
+    fn stored(&self, walk: &Walk, before: [usize; 2]) -> Arc<Stored> {
+        let here = walk.here();
+        let none = || Array2::zeros((0, 0));
+        Arc::new(Stored {
+            record: walk.record().clone(),
+            before,
+            part: self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part),
+            surface: Equilibrium {
+                fields: Fields {
+                    gap: none(),
+                    traction: none(),
+                    stiffness: none(),
+                },
+                soft_mode: here.soft_mode.clone(),
+                state: here.state.clone(),
+                ..*here
+            },
+            gap: walk.gap_here().mapv(|gap| gap as f32),
+        })
+    }
+
+    /// Takes a stored state as the present one.
+    fn go_on(&mut self, from: &Stored, sink: &mut dyn FnMut(Event)) {
+        let Some(setup) = &mut self.setup else { return };
+        let part = setup.choice.part;
+        let Some(mut walk) = setup.resume(from) else {
+            sink(Event::Failed(Failure {
+                message: "This state is of another scene.".into(),
+                remedy: "Open that scene, and walk there.".into(),
+            }));
+            return self.rest(sink);
+        };
+        if part != from.part {
+            sink(Event::Remodelled(setup.choice.clone()));
+        }
+        let [mut states, mut jumps] = from.before;
+        let known = |s: &StateRecord| {
+            let what = |s: &StateRecord| (s.direction, s.control, s.energy.to_bits());
+            what(s) == what(&from.record)
+        };
+        if !self.record.states.get(states).is_some_and(known) {
+            [states, jumps] = [0, 0];
+        }
+        let spent = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
+        self.transforms_elsewhere += spent.saturating_sub(self.transforms_before);
+        self.transforms_before = 0;
+        (self.paused, self.recorder) = (false, Recorder::default());
+        self.cut([states, jumps], sink);
+        self.arrive(&mut walk, from.record.clone(), sink);
+        self.walk = Some(walk);
+        self.rest(sink);
+    }
+
+    /// Forgets the path but for its first states and jumps.
+    fn cut(&mut self, [states, jumps]: [usize; 2], sink: &mut dyn FnMut(Event)) {
+        self.record.states.truncate(states);
+        self.record.jumps.truncate(jumps);
+        self.is_closed = false;
+        sink(Event::Cut { states, jumps });
     }
 
     /// Another run, of which nothing is known yet.
@@ -212,15 +294,13 @@ impl Session {
                     choice: setup.choice.clone(),
                 });
                 sink(Event::Ready(ready));
-                sink(Event::State(walk.record().clone()));
-                show_rest(&mut walk, &mut self.recorder, sink);
-                sink(Event::Rest {
-                    motion: 0,
-                    control: walk.record().control,
-                });
-                (self.record, self.is_closed) = (record_from(&walk), false);
-                self.walk = Some(walk);
+                self.record = LoopRecord::of(walk.control());
                 self.setup = Some(setup);
+                let state = walk.record().clone();
+                let control = state.control;
+                self.arrive(&mut walk, state, sink);
+                sink(Event::Rest { motion: 0, control });
+                self.walk = Some(walk);
             }
             Err(error) => self.refuse(run, error, sink),
         }
@@ -255,13 +335,11 @@ impl Session {
             // A loop is only closed if it begins at the start of the drive, with the scene's own
             // seed.
             self.walk = setup.walk(cancel).ok();
-            self.record = LoopRecord::of(setup.scene.control());
-            self.is_closed = false;
-            sink(Event::LoopStarted);
-            if let Some(walk) = &mut self.walk {
-                self.record = record_from(walk);
-                sink(Event::State(walk.record().clone()));
-                show_rest(walk, &mut self.recorder, sink);
+            self.cut([0, 0], sink);
+            if let Some(mut walk) = self.walk.take() {
+                let state = walk.record().clone();
+                self.arrive(&mut walk, state, sink);
+                self.walk = Some(walk);
             }
             self.loop_began = Some(Instant::now());
             self.transforms_elsewhere = 0;
@@ -341,13 +419,15 @@ impl Session {
     ) {
         self.transforms_elsewhere += spent - self.transforms_before;
         self.transforms_before = 0;
-        if !stays {
-            (self.record, self.is_closed) = (record_from(&walk), false);
-            sink(Event::LoopStarted);
-            sink(Event::State(walk.record().clone()));
+        if stays {
+            let last = self.record.states.len().saturating_sub(1);
+            self.good = Some(self.stored(&walk, [last, self.record.jumps.len()]));
+            show_rest(&mut walk, &mut self.recorder, sink);
+        } else {
+            self.cut([0, 0], sink);
+            let state = walk.record().clone();
+            self.arrive(&mut walk, state, sink);
         }
-        self.good = Some((walk.here().clone(), walk.record().clone()));
-        show_rest(&mut walk, &mut self.recorder, sink);
         self.walk = Some(walk);
         if !stays && self.play == Play::Sweep(Sweep::Loop) {
             // Back at the start, a loop has all of its way ahead again.
@@ -392,13 +472,6 @@ impl Session {
             });
         }
     }
-}
-
-/// A record that begins where a walk stands.
-fn record_from(walk: &Walk) -> LoopRecord {
-    let mut record = LoopRecord::of(walk.control());
-    record.states.push(walk.record().clone());
-    record
 }
 
 /// Hands out the picture of where a walk stands, and the film of the jump that led there.

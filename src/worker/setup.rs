@@ -1,14 +1,12 @@
 //! On which part of the cell the window's walk runs: what the plan says, what the user overrules,
 //! and the whole cell where a part is not enough.
 
-use super::protocol::ModelChoice;
-use crate::follow::record::StateRecord;
+use super::protocol::{ModelChoice, Stored};
 use crate::follow::walk::{Stuck, Walk, WalkOptions, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
-use crate::solver::equilibrium::Equilibrium;
 use crate::solver::methods::MethodKind;
 use crate::study::plan::plan;
 use std::sync::Arc;
@@ -75,12 +73,15 @@ impl Setup {
         )
     }
 
-    /// A walk that stands on an earlier state.
-    ///
-    /// # Errors
-    /// The first value of the scene that is not allowed.
-    pub fn resume(&self, state: Equilibrium, record: StateRecord) -> Result<Walk, Refusal> {
-        Ok(self.walk(&Cancel::default())?.standing_on(state, record))
+    /// A walk that stands on a stored state, on the part of the cell on which it was walked; `None`
+    /// if it is not of this scene.
+    pub fn resume(&mut self, from: &Stored) -> Option<Walk> {
+        if self.choice.part != from.part {
+            (self.choice.part, self.choice.because) = (from.part, None);
+        }
+        let walk = self.walk(&Cancel::default()).ok()?;
+        let fits = walk.system().dimension() == from.surface.state.amplitudes.len();
+        fits.then(|| walk.standing_on(from.surface.clone(), from.record.clone()))
     }
 
     /// Goes over to the whole cell, for the reason given. `None` if it was the whole cell already.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms and their floors; an arrow may point down or sideways, never up.
-const ROOMS: [(&str, u8); 12] = [
+const ROOMS: [(&str, u8); 13] = [
     ("numerics", 0),
     ("physics", 1),
     ("solver", 2),
@@ -15,6 +15,7 @@ const ROOMS: [(&str, u8); 12] = [
     ("study", 4),
     ("plot", 5),
     ("paper", 6),
+    ("lessons", 6),
     ("worker", 7),
     ("storage", 7),
     ("ui", 8),
@@ -23,11 +24,12 @@ const ROOMS: [(&str, u8); 12] = [
 
 /// Neighbours on one floor that must not know each other: `worker` and `paper` touch no files, the
 /// window does not call the shell.
-const NEIGHBOURS: [(&str, &str); 4] = [
+const NEIGHBOURS: [(&str, &str); 5] = [
     ("worker", "storage"),
     ("paper", "storage"),
     ("paper", "worker"),
     ("ui", "cli"),
+    ("lessons", "paper"),
 ];
 
 /// Paths (by their first segments) that only one room may name.

@@ -10,6 +10,7 @@ mod height_formats;
 mod heights;
 mod hostile_scenes;
 mod kills;
+mod lessons;
 mod scene_files;
 mod signals;
 mod units;

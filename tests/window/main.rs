@@ -9,6 +9,7 @@ mod commands;
 mod dialogs;
 mod ground;
 mod landscape;
+mod lessons;
 mod limits;
 mod live;
 mod machine;
@@ -16,6 +17,7 @@ mod model;
 mod paper;
 mod select;
 mod stepped;
+mod stored;
 mod tabs;
 mod units;
 mod why;
@@ -528,7 +530,10 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     let mut bench = Bench::new();
     bench.ready();
     bench.click("Play loop");
-    bench.say(Event::LoopStarted);
+    bench.say(Event::Cut {
+        states: 0,
+        jumps: 0,
+    });
     for u0 in [4.0, 3.0, 2.0, 1.0] {
         bench.reach(u0, Direction::Approach);
     }
@@ -552,7 +557,10 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
             .as_ref()
             .is_some_and(|closed| closed.loss.iter().any(|area| area.spans.len() > 20))
     );
-    bench.say(Event::LoopStarted);
+    bench.say(Event::Cut {
+        states: 0,
+        jumps: 0,
+    });
     assert_eq!(
         (
             bench.state().plots.ghosts.len(),

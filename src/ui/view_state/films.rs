@@ -31,9 +31,10 @@ impl Films {
 }
 
 impl ViewState {
-    /// The picture that map and profile show: a moment of a replay, or the newest.
+    /// The picture that map and profile show: a moment of a replay, a stored state, or the newest.
     pub fn pictured(&self) -> Option<&Arc<Frame>> {
-        self.run.replayed.as_ref().or(self.frame.as_ref())
+        let old = self.run.replayed.as_ref().or(self.run.shown.as_ref());
+        old.or(self.frame.as_ref())
     }
 
     /// The picture of the surface while it jumps.

@@ -20,9 +20,13 @@ pub enum Hint {
 }
 
 impl ViewState {
-    /// The hint in words; `None` where there is none, or the surface moves by itself.
+    /// The hint in words; `None` where there is none, a lesson says what to do, or the surface
+    /// moves by itself.
     pub fn hint(&self) -> Option<String> {
-        let hint = self.messages.hint.filter(|_| self.run.sweep().is_none())?;
+        let hint = self.messages.hint?;
+        if self.lesson.is_some() || self.run.sweep().is_some() {
+            return None;
+        }
         Some(match hint {
             Hint::Grab | Hint::Lower => match calm(&self.scene, &self.model) {
                 Some(calm) => format!("Here nothing snaps. {}", calm.remedy),

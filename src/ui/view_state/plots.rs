@@ -1,9 +1,9 @@
 //! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the
 //! one that is kept, theory.
 
-use super::{Films, ViewState};
+use super::ViewState;
 use crate::follow::diagram::Diagram;
-use crate::follow::record::{Direction, LoopRecord};
+use crate::follow::record::Direction;
 use crate::paper::overlay::ZeroRange;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Most faint curves of earlier loops.
 const GHOSTS_MAX: usize = 3;
+/// Most guesses of a lecture.
+const GUESSES_MAX: usize = 6;
 
 /// What the diagrams show beside the present run.
 #[derive(Debug)]
@@ -39,6 +41,8 @@ pub struct Plots {
     pub preview: Option<Series>,
     /// The branches of this very scene.
     pub branches: Option<Arc<Diagram>>,
+    /// Where the next jump is guessed to be (ranges), in a lecture.
+    pub guesses: Vec<f64>,
     /// Theory is laid over the live plot, once it is known.
     pub overlay: bool,
     /// Theory.
@@ -57,8 +61,25 @@ impl Plots {
             beneath: Vec::new(),
             preview: None,
             branches: None,
+            guesses: Vec::new(),
             overlay: false,
             theory: None,
+        }
+    }
+
+    /// One more guess of u0 (ranges); the oldest goes.
+    pub fn guess(&mut self, u0: f64) {
+        self.guesses.insert(0, u0);
+        self.guesses.truncate(GUESSES_MAX);
+    }
+
+    /// Keeps the curve of an earlier path in sight.
+    pub(super) fn add_ghost(&mut self, old: Curve) {
+        if old.points().nth(2).is_some() {
+            self.ghosts.push_back(old);
+            if self.ghosts.len() > GHOSTS_MAX {
+                self.ghosts.pop_front();
+            }
         }
     }
 }
@@ -269,23 +290,5 @@ impl ViewState {
             .as_ref()
             .ok()?
             .reading(self.run.state.as_ref()?, self.target)
-    }
-
-    /// A fresh loop begins: what there was becomes a ghost.
-    pub(super) fn archive(&mut self) {
-        self.run.stiffness = Curve::default();
-        self.run.selection = None;
-        self.run.films = Films::default();
-        self.run.replayed = None;
-        self.hint_afresh();
-        let old = std::mem::take(&mut self.run.curve);
-        if old.points().nth(2).is_some() {
-            self.plots.ghosts.push_back(old);
-            if self.plots.ghosts.len() > GHOSTS_MAX {
-                self.plots.ghosts.pop_front();
-            }
-        }
-        self.run.record = LoopRecord::of(self.scene.control());
-        self.run.closed_loop = None;
     }
 }

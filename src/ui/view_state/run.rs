@@ -1,12 +1,12 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
-use super::{Films, ViewState};
+use super::{Films, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Scene;
-use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Sweep};
+use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Stored, Sweep};
 use std::sync::Arc;
 
 /// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a
@@ -46,6 +46,14 @@ pub struct RunView {
     pub films: Films,
     /// The moment of a jump that is replayed.
     pub replayed: Option<Arc<Frame>>,
+    /// Its states, to be looked at and gone on from.
+    pub store: Store,
+    /// The picture of the stored state somebody looks at, until the surface moves.
+    pub shown: Option<Arc<Frame>>,
+    /// How many of the oldest states `record` no longer has.
+    pub(super) forgotten: usize,
+    /// The stored state that is to be the present one; the solver is told at the end of the frame.
+    pub(super) from: Option<Arc<Stored>>,
 }
 
 /// A closed loop as it is drawn.
@@ -60,6 +68,8 @@ pub struct ClosedLoop {
 /// A stored state that somebody looks at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
+    /// Its index in the record.
+    pub index: usize,
     /// The stored state.
     pub state: StateRecord,
     /// Index of the jump that led to it or away from it.
@@ -86,6 +96,10 @@ impl RunView {
             selection: None,
             films: Films::default(),
             replayed: None,
+            store: Store::default(),
+            shown: None,
+            forgotten: 0,
+            from: None,
         };
         if target != start {
             run.set(Play::ToTarget);
@@ -112,6 +126,13 @@ impl RunView {
         self.play = play;
         self.paused = false;
         self.motion += 1;
+    }
+
+    /// Takes a stored state as the present one.
+    pub(super) fn resume(&mut self, stored: Arc<Stored>) {
+        self.direction = stored.record.direction;
+        self.from = Some(stored);
+        self.set(Play::ToTarget);
     }
 }
 
@@ -202,15 +223,28 @@ impl ViewState {
             .record
             .states
             .iter()
-            .map(|s| (distance(s), s))
+            .enumerate()
+            .map(|(index, s)| (distance(s), index))
             .filter(|(d, _)| *d <= 1.0);
-        let nearest = nearest
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, state)| state.clone());
-        self.run.selection = nearest.map(|state| Selection {
-            jump: self.jump_at(&state),
-            state,
-        });
+        match nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, index)) => self.select(index),
+            None => self.select_nothing(),
+        }
+    }
+
+    /// Looks at the state of this index, in numbers and, if it is kept, in pictures.
+    pub(super) fn select(&mut self, index: usize) {
+        let Some(state) = self.run.record.states.get(index).cloned() else {
+            return;
+        };
+        let jump = self.jump_at(&state);
+        self.run.selection = Some(Selection { index, state, jump });
+        self.run.shown = self.looked_at().map(|stored| Arc::new(stored.frame()));
+    }
+
+    /// Looks at the present state.
+    pub fn select_nothing(&mut self) {
+        (self.run.selection, self.run.shown) = (None, None);
     }
 
     /// Selects the state after a jump.
@@ -218,17 +252,14 @@ impl ViewState {
         let Some(jump) = self.run.record.jumps.get(index) else {
             return;
         };
-        let landed = |s: &&StateRecord| s.direction == jump.direction && s.control == jump.control;
-        self.run.selection = self
-            .run
-            .record
-            .states
-            .iter()
-            .rfind(landed)
-            .map(|state| Selection {
-                state: state.clone(),
-                jump: Some(index),
-            });
+        let landed = |s: &StateRecord| s.direction == jump.direction && s.control == jump.control;
+        let Some(state) = self.run.record.states.iter().rposition(landed) else {
+            return self.select_nothing();
+        };
+        self.select(state);
+        if let Some(selection) = &mut self.run.selection {
+            selection.jump = Some(index);
+        }
     }
 
     /// Selects the jump `by` further on, as far as there are any; from nowhere the first, or going

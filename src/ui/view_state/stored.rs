@@ -1,0 +1,241 @@
+//! The stored states of the path: looked at, scrubbed through, gone on from; and the path as a
+//! strip of patterns.
+
+use super::{Curve, Films, ViewState};
+use crate::follow::record::{Direction, LoopRecord, StateRecord};
+use crate::physics::pattern::Pattern;
+use crate::plot::curve::eigenvalue_scale;
+use crate::study::live_loop::LiveLoop;
+use crate::worker::protocol::Stored;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Most bytes of stored states. Beyond it every second one of the older half goes.
+const BYTES_MAX: usize = 1 << 28;
+
+/// Stored states by their place in the path, in order.
+#[derive(Debug, Default)]
+pub struct Store {
+    kept: VecDeque<(usize, Arc<Stored>)>,
+    bytes: usize,
+}
+
+impl Store {
+    /// That of the state at this place of the path, if it is kept.
+    pub fn at(&self, place: usize) -> Option<&Arc<Stored>> {
+        let found = self.kept.binary_search_by_key(&place, |(place, _)| *place);
+        found.ok().map(|index| &self.kept[index].1)
+    }
+
+    /// The newest.
+    pub fn newest(&self) -> Option<&Arc<Stored>> {
+        self.kept.back().map(|(_, stored)| stored)
+    }
+
+    /// Keeps one more.
+    pub(super) fn keep(&mut self, stored: Arc<Stored>) {
+        self.bytes += stored.bytes();
+        self.kept.push_back((stored.before[0], stored));
+        if self.bytes > BYTES_MAX {
+            self.thin();
+        }
+    }
+
+    /// The path goes back to its first `states`.
+    pub(super) fn cut(&mut self, states: usize) {
+        self.kept.retain(|(place, _)| *place < states);
+        self.weigh();
+    }
+
+    fn thin(&mut self) {
+        let half = self.kept.len() / 2;
+        let mut index = 0;
+        self.kept.retain(|_| {
+            index += 1;
+            index > half || index % 2 == 1
+        });
+        self.weigh();
+    }
+
+    fn weigh(&mut self) {
+        self.bytes = self.kept.iter().map(|(_, stored)| stored.bytes()).sum();
+    }
+}
+
+/// A stretch of one pattern along the control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Which way it was gone.
+    pub direction: Direction,
+    /// The control where it begins and where it ends.
+    pub ends: [f64; 2],
+    /// The pattern.
+    pub pattern: Pattern,
+}
+
+impl Stretch {
+    /// The letter of its pattern.
+    pub fn letter(&self) -> &'static str {
+        match self.pattern {
+            Pattern::Flat => "F",
+            Pattern::Bulge => "B",
+            Pattern::Ridge => "R",
+            Pattern::Dimple => "D",
+            Pattern::Contact => "C",
+            Pattern::Other => "–",
+        }
+    }
+}
+
+/// The patterns along a path, in order.
+pub fn stretches(record: &LoopRecord) -> Vec<Stretch> {
+    let mut found: Vec<Stretch> = Vec::new();
+    let mut last: Option<&StateRecord> = None;
+    for state in &record.states {
+        let before = last.replace(state);
+        let control = state.control;
+        match found.last_mut() {
+            Some(stretch)
+                if stretch.direction == state.direction && stretch.pattern == state.pattern =>
+            {
+                stretch.ends[1] = control;
+            }
+            _ => found.push(Stretch {
+                direction: state.direction,
+                ends: [before.map_or(control, |before| before.control), control],
+                pattern: state.pattern,
+            }),
+        }
+    }
+    found
+}
+
+/// The patterns that a live loop foresees.
+pub fn foreseen(live: &LiveLoop) -> Vec<Stretch> {
+    let legs = live.legs.iter();
+    legs.map(|leg| Stretch {
+        direction: leg.direction,
+        ends: [leg.from, leg.to],
+        pattern: live.segments[leg.segment].pattern,
+    })
+    .collect()
+}
+
+impl ViewState {
+    /// Looks at the newest state of this direction whose control is nearest to a value.
+    pub fn select_on(&mut self, direction: Direction, control: f64) {
+        let states = self.run.record.states.iter().enumerate().rev();
+        let off = |state: &StateRecord| (state.control - control).abs();
+        let nearest = states
+            .filter(|(_, state)| state.direction == direction)
+            .min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+        if let Some(index) = nearest.map(|(index, _)| index) {
+            self.select(index);
+        }
+    }
+
+    /// Looks at the state `by` further on along the path; from nowhere at the newest.
+    pub fn step_state(&mut self, by: isize) {
+        let Some(last) = self.run.record.states.len().checked_sub(1) else {
+            return;
+        };
+        let present = self.run.selection.as_ref().map(|s| s.index);
+        self.select(present.map_or(last, |i| i.saturating_add_signed(by).min(last)));
+    }
+
+    /// The stored state somebody looks at, if its picture is kept.
+    pub fn looked_at(&self) -> Option<&Arc<Stored>> {
+        let place = self.run.selection.as_ref()?.index + self.run.forgotten;
+        self.run.store.at(place)
+    }
+
+    /// Takes the state somebody looks at as the present one.
+    pub fn go_on(&mut self) {
+        if let Some(stored) = self.looked_at().cloned() {
+            self.resume(stored);
+        }
+    }
+
+    /// Takes a stored state of this scene as the present one; the solver is told at the end of the
+    /// frame.
+    pub(super) fn resume(&mut self, stored: Arc<Stored>) {
+        self.target = stored.record.control;
+        self.run.resume(stored);
+    }
+
+    /// The path goes back to its first states and jumps; all of it becomes a ghost.
+    pub(super) fn cut(&mut self, states: usize, jumps: usize) {
+        let run = &mut self.run;
+        (run.selection, run.shown, run.replayed, run.closed_loop) = (None, None, None, None);
+        let old = std::mem::take(&mut run.curve);
+        self.plots.add_ghost(old);
+        let run = &mut self.run;
+        run.record
+            .states
+            .truncate(states.saturating_sub(run.forgotten));
+        run.record.jumps.truncate(jumps);
+        run.store.cut(states);
+        let law = &self.model.law;
+        run.curve = Curve::of(&run.record, law);
+        let softness = |s: &StateRecord| eigenvalue_scale(s.stiffness_min);
+        run.stiffness = Curve::of_ordinate(&run.record, law, softness);
+        // What follows a jump that stays is added after it.
+        if states > 0 {
+            return;
+        }
+        (run.forgotten, run.films) = (0, Films::default());
+        self.hint_afresh();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::system::{Fields, State};
+    use crate::scene::part::Part;
+    use crate::solver::Stop;
+    use crate::solver::equilibrium::{Cost, Equilibrium};
+    use ndarray::Array2;
+
+    fn stored(place: usize, side: usize) -> Arc<Stored> {
+        let none = || Array2::zeros((0, 0));
+        Arc::new(Stored {
+            record: StateRecord::placeholder(place as f64),
+            before: [place, 0],
+            part: Part::Whole,
+            surface: Equilibrium {
+                state: State {
+                    control: 0.0,
+                    mean_displacement: 0.0,
+                    amplitudes: Vec::new(),
+                    energy: 0.0,
+                    stress: 0.0,
+                },
+                fields: Fields {
+                    gap: none(),
+                    traction: none(),
+                    stiffness: none(),
+                },
+                residual: 0.0,
+                stiffness_min: None,
+                soft_mode: Vec::new(),
+                stop: Stop::Stable,
+                cost: Cost::default(),
+            },
+            gap: Array2::zeros((side, side)),
+        })
+    }
+
+    #[test]
+    fn a_full_store_keeps_the_newer_half_and_every_second_state_of_the_older_one() {
+        // Eight of them fit.
+        let side = ((BYTES_MAX / 8 - 4096) as f64 / 4.0).sqrt() as usize;
+        let mut store = Store::default();
+        (0..9).for_each(|place| store.keep(stored(place, side)));
+        let kept: Vec<usize> = (0..9).filter(|place| store.at(*place).is_some()).collect();
+        assert_eq!(kept, [0, 2, 4, 5, 6, 7, 8]);
+        assert!(store.bytes <= BYTES_MAX);
+        store.cut(5);
+        assert_eq!(store.newest().map(|stored| stored.before[0]), Some(4));
+    }
+}
