@@ -108,7 +108,10 @@ fn closing_words(chart: &Chart) -> String {
         .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
         .count();
     let (points, skipped) = (chart.rows.len(), chart.skipped.len());
-    let headline = headline(chart).map_or_else(String::new, |words| format!("; {words}"));
+    let reference = chart.reference.as_ref();
+    let floor = reference.map(|reference| reference.errors.dissipated_energy);
+    let headline =
+        headline(&chart.rows, floor).map_or_else(String::new, |words| format!("; {words}"));
     format!(
         "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
          skipped{headline}"

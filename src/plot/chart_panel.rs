@@ -5,7 +5,7 @@ use super::panel::{Axis, Colour, Label, Page, Panel, Role, Series, Symbol, lette
 use super::ticks::digits;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
-use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, front};
+use crate::study::chart::{Chart, Judged, Point, Saved, Verdict, front, saved};
 
 /// Height of the strip at the top, as a factor of the error's axis: the place of loops that have no
 /// error.
@@ -335,7 +335,9 @@ fn caption(chart: &Chart) -> Vec<String> {
             reference.errors.dissipated_energy,
         ),
     }];
-    lines.extend(headline(chart));
+    let floor = chart.reference.as_ref();
+    let floor = floor.map(|reference| reference.errors.dissipated_energy);
+    lines.extend(headline(&chart.rows, floor));
     let short = |what: &str| {
         if what.chars().count() <= SHORT {
             what.to_owned()
@@ -357,9 +359,9 @@ fn caption(chart: &Chart) -> Vec<String> {
 }
 
 /// How much cheaper the paper's loop is had, at its own error and at the least that its method
-/// reached.
-pub fn headline(chart: &Chart) -> Option<String> {
-    let [budget, best] = chart.saved();
+/// reached; `floor` is the reference's own error, where it is known.
+pub fn headline(rows: &[Judged], floor: Option<f64>) -> Option<String> {
+    let [budget, best] = saved(rows, floor.unwrap_or(0.0));
     let said = |saved: Saved<'_>, of: &str| {
         format!(
             "{:.0} times less processor time ({}, n = {}) than {of}, {:.1} % off",

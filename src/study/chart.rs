@@ -61,26 +61,21 @@ impl Saved<'_> {
     }
 }
 
-impl Chart {
-    /// Against the paper's method with its own budget, and against the loop in which its error is
-    /// least, whatever its verdict.
-    pub fn saved(&self) -> [Option<Saved<'_>>; 2] {
-        let error = |row: &Judged| row.errors.dissipated_energy;
-        let paper = |row: &&Judged| row.point.method == MethodKind::Gfmd && error(row).is_finite();
-        let papers = || self.rows.iter().filter(paper);
-        let budget = papers().find(|row| row.paper_budget);
-        let best = papers().min_by(|a, b| error(a).total_cmp(&error(b)));
-        let floor = self.reference.as_ref();
-        let floor = floor.map_or(f64::NAN, |reference| reference.errors.dissipated_energy);
-        [budget, best].map(|paper| {
-            let paper = paper?;
-            let done = self.rows.iter().filter(|row| row.verdict == Verdict::Done);
-            let ours = done.filter(|row| error(row) <= error(paper).max(floor));
-            let time = |row: &&Judged| row.processor_seconds;
-            let ours = ours.min_by(|a, b| time(a).total_cmp(&time(b)))?;
-            Some(Saved { paper, ours })
-        })
-    }
+/// Against the paper's method with its own budget, and against the loop in which its error is least,
+/// whatever its verdict; below the reference's own error, `floor`, nothing is told apart.
+pub fn saved(rows: &[Judged], floor: f64) -> [Option<Saved<'_>>; 2] {
+    let error = |row: &Judged| row.errors.dissipated_energy;
+    let paper = |row: &&Judged| row.point.method == MethodKind::Gfmd && error(row).is_finite();
+    let papers = || rows.iter().filter(paper);
+    let budget = papers().find(|row| row.paper_budget);
+    let best = papers().min_by(|a, b| error(a).total_cmp(&error(b)));
+    [budget, best].map(|paper| {
+        let paper = paper?;
+        let done = rows.iter().filter(|row| row.verdict == Verdict::Done);
+        let ours = done.filter(|row| error(row) <= error(paper).max(floor));
+        let ours = ours.min_by(|a, b| a.processor_seconds.total_cmp(&b.processor_seconds))?;
+        Some(Saved { paper, ours })
+    })
 }
 
 /// A point that was left out.

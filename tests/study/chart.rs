@@ -16,7 +16,7 @@ use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::scene_file;
 use tackscope::study::chart::{
     Chart, Effort, Measured, News, Point, Precision, Reference, Verdict, front, measure, points,
-    run,
+    run, saved,
 };
 
 /// A square cell of twice the critical length: all four patterns, small jumps.
@@ -171,7 +171,7 @@ fn the_references_error_bar_holds_against_an_atlas_half_as_fine_again() {
 fn what_is_saved_is_against_the_papers_loops_and_no_worse_than_they() {
     let chart = quick();
     let floor = chart.reference.as_ref().unwrap().errors.dissipated_energy;
-    let [budget, best] = chart.saved();
+    let [budget, best] = saved(&chart.rows, floor);
     assert!(
         budget.is_none(),
         "the scene's own step is not in a quick chart"

@@ -2,7 +2,7 @@
 //! beats.
 
 use super::{STAYS, Tab, Title, Update, doing, take_in};
-use crate::plot::chart_panel::{ChartPanel, Cost};
+use crate::plot::chart_panel::{ChartPanel, Cost, headline};
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Range};
 use crate::study::chart::{Effort, Judged, Point, Verdict};
@@ -109,6 +109,9 @@ fn clicked<'a>(ui: &mut Ui, chart: &'a ChartSoFar, cost: Cost) -> Option<&'a Jud
     let mut panel = drawn.panel();
     panel.y.label = "error of the loss".to_owned();
     diagram::legend(ui, &panel);
+    if let Some(words) = headline(&chart.rows, chart.floor) {
+        ui.label(RichText::new(words).small());
+    }
     let height = ui.available_height().max(80.0);
     let shown = diagram::show(ui, &panel, "accuracy", height, |_, _| None);
     let (response, transform) = (shown.response, shown.transform);

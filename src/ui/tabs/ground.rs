@@ -11,11 +11,11 @@ use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
 use crate::ui::{diagram, gap_picture};
 use crate::worker::job::{Job, Reporter};
-use egui::{RichText, TextureHandle, TextureOptions, Ui, vec2};
+use egui::{RichText, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use std::sync::Arc;
 
-/// Share of the row that the map may take.
-const MAP: f32 = 0.3;
+/// Share of the width and of the height that the map may take.
+const MAP: f32 = 0.45;
 
 /// The tab.
 #[derive(Default)]
@@ -31,7 +31,10 @@ pub struct GroundTab {
 impl Tab for GroundTab {
     fn title(&self) -> Title {
         let what = "the ground: map, heights, spectrum, and what was done to a height file";
-        Title::new("Ground", what)
+        Title {
+            tall: true,
+            ..Title::new("Ground", what)
+        }
     }
 
     fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {
@@ -52,11 +55,10 @@ impl Tab for GroundTab {
             ui.small(words);
         }
         let size = ui.available_size();
+        let side = MAP * size.x.min(size.y);
         ui.horizontal_top(|ui| {
-            let mut side = (MAP * size.x).min(size.y - 4.0);
             if report.grid.is_line() {
-                side = size.x / 3.0 - 8.0;
-                panel(ui, &map_panel(report), side, size.y);
+                panel(ui, map_panel(report), "x", vec2(side, side));
             } else {
                 let texture = texture.get_or_insert_with(|| {
                     let image = gap_picture::heights(&report.height);
@@ -66,10 +68,11 @@ impl Tab for GroundTab {
                 let image = egui::Image::new((texture.id(), vec2(side, side)));
                 described(&ui.add(image), &format!("Map of the ground. {told}"));
             }
-            let width = 0.5 * (size.x - side) - 12.0;
-            panel(ui, &distribution_panel(report), width, size.y);
-            panel(ui, &spectrum_panel(report), width, size.y);
+            let beside = vec2(size.x - side - 12.0, side);
+            panel(ui, distribution_panel(report), "height", beside);
         });
+        let rest = vec2(size.x, ui.available_height() - 4.0);
+        panel(ui, spectrum_panel(report), "wave number q", rest);
     }
 
     fn update(
@@ -108,13 +111,15 @@ fn compute(scene: &Arc<Scene>, report: &Reporter<GroundReport>) -> Result<(), St
     Ok(())
 }
 
-/// A small diagram under its title.
-fn panel(ui: &mut Ui, panel: &Panel, width: f32, height: f32) {
-    ui.allocate_ui(vec2(width, height), |ui| {
+/// A small diagram under its title, which says what its y is; `x` in so few words.
+fn panel(ui: &mut Ui, mut panel: Panel, x: &str, size: Vec2) {
+    x.clone_into(&mut panel.x.label);
+    panel.y.label.clear();
+    ui.allocate_ui(size, |ui| {
         ui.vertical(|ui| {
             ui.small(&panel.title);
             let height = ui.available_height().max(60.0);
-            let shown = diagram::show(ui, panel, &panel.title, height, |_, _| None);
+            let shown = diagram::show(ui, &panel, &panel.title, height, |_, _| None);
             described(&shown.response, &panel.title);
         });
     });
