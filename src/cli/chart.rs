@@ -110,10 +110,10 @@ fn closing_words(chart: &Chart) -> String {
     let (points, skipped) = (chart.rows.len(), chart.skipped.len());
     let reference = chart.reference.as_ref();
     let floor = reference.map(|reference| reference.errors.dissipated_energy);
-    let headline =
-        headline(&chart.rows, floor).map_or_else(String::new, |words| format!("; {words}"));
-    format!(
+    let mut words = headline(&chart.rows, floor);
+    words.push(format!(
         "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
-         skipped{headline}"
-    )
+         skipped"
+    ));
+    words.join(" ")
 }

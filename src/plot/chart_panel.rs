@@ -360,11 +360,11 @@ fn caption(chart: &Chart) -> Vec<String> {
 
 /// How much cheaper the paper's loop is had, at its own error and at the least that its method
 /// reached; `floor` is the reference's own error, where it is known.
-pub fn headline(rows: &[Judged], floor: Option<f64>) -> Option<String> {
+pub fn headline(rows: &[Judged], floor: Option<f64>) -> Vec<String> {
     let [budget, best] = saved(rows, floor.unwrap_or(0.0));
     let said = |saved: Saved<'_>, of: &str| {
         format!(
-            "{:.0} times less processor time ({}, n = {}) than {of}, {:.1} % off",
+            "{:.0} times less processor time ({}, n = {}) than {of}, {:.1} % off.",
             saved.ratio(),
             saved.ours.point.strategy(),
             saved.ours.point.points,
@@ -373,8 +373,7 @@ pub fn headline(rows: &[Judged], floor: Option<f64>) -> Option<String> {
     };
     let budget = budget.map(|saved| said(saved, "the paper's method with its budget"));
     let best = best.map(|saved| said(saved, "the best that method reaches"));
-    let all: Vec<String> = budget.into_iter().chain(best).collect();
-    (!all.is_empty()).then(|| format!("{}.", all.join("; ")))
+    budget.into_iter().chain(best).collect()
 }
 
 /// Least and largest of what can be shown on a logarithmic axis; a decade where there is nothing.

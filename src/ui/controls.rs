@@ -35,10 +35,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             heading(ui, "Cohesive law");
             laws(ui, state, actions);
             ui.separator();
-            heading(ui, "Ground");
             counter_surface(ui, state, actions);
-            ui.separator();
-            heading(ui, "Cell");
             cell(ui, state, actions);
             ui.separator();
             egui::CollapsingHeader::new("Advanced")
@@ -421,9 +418,9 @@ fn counter_surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     let file = &measured.topography().file;
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    labelled(ui, "File", |ui| {
+    labelled(ui, "Height file", |ui| {
         let button = ui.add(egui::Button::new(&*name).truncate());
-        let button = named(button, "Height file").on_hover_text(file.display().to_string());
+        let button = button.on_hover_text(file.display().to_string());
         if button.clicked() {
             actions.push(Action::AskFile(FileTask::OpenHeights));
         }

@@ -249,12 +249,12 @@ impl Measured {
         }
     }
 
-    /// Which of [`UNITS`] a length of the scene is taken for; `None` where the file has no metres.
+    /// Which of m, mm, um and nm a length of the scene is taken for; `None` where the file has no metres.
     pub fn unit(&self) -> Option<&'static str> {
         (self.topography.unit == Unit::Metre).then_some(UNITS[self.unit])
     }
 
-    /// The same with a length of the scene taken for one of [`UNITS`], if `word` is one.
+    /// The same with a length of the scene taken for the unit `word`, if that is one of those.
     pub fn in_unit(self, word: &str) -> Self {
         let unit = UNITS.iter().position(|unit| *unit == word);
         Self {

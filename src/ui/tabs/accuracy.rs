@@ -109,7 +109,7 @@ fn clicked<'a>(ui: &mut Ui, chart: &'a ChartSoFar, cost: Cost) -> Option<&'a Jud
     let mut panel = drawn.panel();
     panel.y.label = "error of the loss".to_owned();
     diagram::legend(ui, &panel);
-    if let Some(words) = headline(&chart.rows, chart.floor) {
+    for words in headline(&chart.rows, chart.floor) {
         ui.label(RichText::new(words).small());
     }
     let height = ui.available_height().max(80.0);
