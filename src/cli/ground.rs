@@ -57,9 +57,9 @@ fn report(arguments: &GroundArguments) -> Result<(GroundReport, String), Failure
         let refused = |error: Refusal| scene_file::refused(word, error);
         measured.check().map_err(refused)?;
         let line = measured.topography().heights.nrows() == 1;
+        let n = arguments.points.unwrap_or_else(|| own_points(&measured));
         let indenter = Indenter::Measured(measured);
         let length = indenter.ground().period().unwrap_or(1.0);
-        let n = arguments.points.unwrap_or_else(|| own_points(&indenter));
         let grid = if line {
             Grid::line(length, n)
         } else {
@@ -81,13 +81,8 @@ fn report(arguments: &GroundArguments) -> Result<(GroundReport, String), Failure
 }
 
 /// An even number of points that shows all that a file has.
-fn own_points(indenter: &Indenter) -> usize {
-    let Indenter::Measured(measured) = indenter else {
-        return 0;
-    };
-    let Ok(worked) = measured.worked() else {
-        return 0;
-    };
-    let (ny, nx) = worked.levelled.periodic(measured.periodic()).dim();
-    nx.max(ny).next_multiple_of(2)
+fn own_points(measured: &Measured) -> usize {
+    let worked = measured.worked().as_ref();
+    let periodic = worked.map(|worked| worked.levelled.periodic(measured.periodic()).dim());
+    periodic.map_or(0, |(ny, nx)| nx.max(ny).next_multiple_of(2))
 }

@@ -210,6 +210,13 @@ impl LoopRecord {
         }
     }
 
+    /// The path in pieces along which direction and pattern stay.
+    pub fn pieces(&self) -> impl Iterator<Item = &[StateRecord]> {
+        let same =
+            |a: &StateRecord, b: &StateRecord| (a.direction, a.pattern) == (b.direction, b.pattern);
+        self.states.chunk_by(same)
+    }
+
     /// How many there are of each kind.
     pub fn tally(&self) -> Tally {
         let of = |cause: Cause| self.jumps.iter().filter(|jump| jump.cause == cause).count();

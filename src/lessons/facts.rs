@@ -3,6 +3,7 @@
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::control::Control;
 use crate::physics::theory::{flat, ridge};
+use crate::scene::units::fixed;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
 use serde::Deserialize;
@@ -167,9 +168,7 @@ impl Facts<'_> {
     pub fn words(&self) -> BTreeMap<String, String> {
         let value = |number: &Number| {
             let value = (number.of)(self).filter(|value| value.is_finite())?;
-            // No minus before a zero.
-            let value = format!("{:.*}", number.decimals, value + 0.0);
-            Some((number.name.to_owned(), value))
+            Some((number.name.to_owned(), fixed(value, number.decimals)))
         };
         let pattern = self.now().map(|now| now.pattern.word().to_owned());
         let pattern = pattern.map(|word| ("pattern".to_owned(), word));

@@ -12,7 +12,7 @@ use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Rates};
 use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
 use crate::numerics::cancel::Cancel;
-use crate::numerics::eigen::{EigenLimits, smallest};
+use crate::numerics::eigen::{EigenLimits, EigenPairs, smallest};
 use crate::numerics::krylov::{CgEnd, CgLimits};
 use crate::numerics::vector::dot;
 use crate::physics::control::Control;
@@ -495,8 +495,21 @@ impl Sector {
         if let Some(odd) = &mut self.odd {
             let (d, mean) = (&rates.forces, rates.stress);
             odd.assemble_beside(&self.mechanics.system, d, mean, &node.state.amplitudes);
-            odd.negative_below(0.0);
-            stiffness.value = stiffness.value.min(odd.lowest(1).values[0]);
+            let negative = odd.negative_below(0.0);
+            let EigenPairs {
+                values, residual, ..
+            } = odd.lowest(1);
+            let value = if negative > 0 {
+                values[0].min(-f64::MIN_POSITIVE)
+            } else {
+                values[0]
+            };
+            if value < stiffness.value {
+                stiffness = Stiffness {
+                    value,
+                    error: residual,
+                };
+            }
         } else {
             let limits = EigenLimits {
                 pairs: 1,

@@ -386,22 +386,16 @@ fn walked(run: &LoopRun, model: &Model, turn: Turn) -> Result<Found, String> {
         };
         return Err(format!("the loop{to} was not completed, or is not closed"));
     };
-    let mut legs: Vec<Leg> = Vec::new();
-    for state in &run.record.states {
-        let point = [state.mean_displacement, state.stress];
-        match legs.last_mut() {
-            Some(leg) if (leg.direction, leg.pattern) == (state.direction, state.pattern) => {
-                leg.points.push(point);
-            }
-            _ => legs.push(Leg {
-                direction: state.direction,
-                pattern: state.pattern,
-                points: vec![point],
-            }),
-        }
-    }
+    let legs = run.record.pieces().map(|piece| Leg {
+        direction: piece[0].direction,
+        pattern: piece[0].pattern,
+        points: piece
+            .iter()
+            .map(|state| [state.mean_displacement, state.stress])
+            .collect(),
+    });
     Ok(Found {
-        legs,
+        legs: legs.collect(),
         jumps: run.record.jumps.clone(),
         extents: Vec::new(),
         dissipated_energy,

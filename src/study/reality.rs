@@ -6,6 +6,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::parameter::Dimension;
 use crate::physics::theory::{flat, units::tabor};
+use crate::physics::topography::{Border, Statistics};
 use crate::scene::Model;
 use crate::scene::units::{Units, significant};
 use std::f64::consts::PI;
@@ -216,15 +217,9 @@ fn slope(model: &Model) -> Option<Check> {
         }
         _ => {
             let height = model.indenter.height(&model.grid)?;
-            let (ny, nx) = height.dim();
-            let two = 2.0 * model.grid.spacing();
-            let squares = height.indexed_iter().map(|((j, i), _)| {
-                let x = height[(j, (i + 1) % nx)] - height[(j, (i + nx - 1) % nx)];
-                let y = height[((j + 1) % ny, i)] - height[((j + ny - 1) % ny, i)];
-                (x * x + y * y) / (two * two)
-            });
-            let mean = squares.sum::<f64>() / height.len() as f64;
-            (mean.sqrt(), "root mean square slope of the ground")
+            let pitch = [model.grid.spacing(); 2];
+            let slope = Statistics::of(&height, pitch, Border::Periodic).gradient;
+            (slope, "root mean square slope of the ground")
         }
     };
     let verdict = smallness(slope);

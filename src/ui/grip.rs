@@ -92,8 +92,8 @@ pub fn grip(ui: &Ui, state: &ViewState, frame: Rect, at: Pos2) -> Rect {
     rect
 }
 
-/// The hint in a bubble with an arrow at the `grip`, in the upper strip of `frame`, where only the
-/// body is, or below a grip that is up there itself; its place, if there is one.
+/// The hint in a bubble with an arrow at the `grip`, above it or, where `frame` has no room there,
+/// below it; its place, if there is one.
 pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rect> {
     let words = state.hint()?;
     let ink = theme::palette(ui).now;
@@ -106,8 +106,9 @@ pub fn bubble(ui: &Ui, state: &ViewState, frame: Rect, grip: Rect) -> Option<Rec
     let size = galley.size() + vec2(16.0, 7.0);
     let strip = frame.shrink(3.0);
     let left = (grip.center().x - size.x / 2.0).min(strip.right() - size.x);
-    let (top, tip) = if strip.top() + size.y < grip.top() - 4.0 {
-        (strip.top(), grip.center_top())
+    let above = grip.top() - ARROW - size.y;
+    let (top, tip) = if above >= strip.top() {
+        (above, grip.center_top())
     } else {
         (grip.bottom() + ARROW, grip.center_bottom())
     };

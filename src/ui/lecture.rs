@@ -5,6 +5,7 @@ use super::gap_map::{self, MapCache};
 use super::view_state::ViewState;
 use super::widgets::described;
 use super::{loop_plot, profile, strip};
+use crate::scene::units::fixed;
 use crate::solver::Stop;
 use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};
 use serde::{Deserialize, Serialize};
@@ -86,13 +87,13 @@ fn words(state: &ViewState) -> String {
     let closed = state.run.closed_loop.as_ref();
     let loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
     match (loss, jumps.last()) {
-        (Some(loss), _) => words += &format!(" The loop lost {loss:.3} γ."),
+        (Some(loss), _) => words += &format!(" The loop lost {} γ.", fixed(loss, 3)),
         (None, Some(jump)) => {
             words += &format!(
-                " {} → {} set free {:.3} γ.",
+                " {} → {} set free {} γ.",
                 capital(jump.from.word()),
                 jump.to,
-                jump.released_energy + 0.0
+                fixed(jump.released_energy, 3)
             );
         }
         (None, None) if state.plots.guesses.is_empty() => {

@@ -26,15 +26,15 @@ pub fn rehearse(
     cancel: &Cancel,
 ) -> Result<Vec<String>, String> {
     let mut progress = Progress::new(lesson);
-    let mut stage = None;
+    let mut rehearsal = None;
     let mut told = Vec::new();
     while let Some(step) = progress.step(lesson) {
         let fault = |why: String| format!("{}, step {}: {why}", lesson.name, progress.step + 1);
         let text = progress.filled(&step.text);
         if let Some(name) = &step.scene {
-            stage = Some(Stage::new(scene(name).map_err(&fault)?, cancel).map_err(&fault)?);
+            rehearsal = Some(Rehearsal::new(scene(name).map_err(&fault)?, cancel).map_err(&fault)?);
         }
-        let Some(stage) = &mut stage else {
+        let Some(rehearsal) = &mut rehearsal else {
             return Err(fault("no scene is open".to_owned()));
         };
         if let Some(question) = progress.asks(lesson) {
@@ -44,26 +44,27 @@ pub fn rehearse(
             };
             let fault = fault("the answer is not taken".to_owned());
             progress.answer = Some(answer);
-            progress.commit(lesson, &stage.facts());
+            progress.commit(lesson, &rehearsal.facts());
             if progress.asks(lesson).is_some() {
                 return Err(fault);
             }
         }
         if let Some(task) = &step.task {
             let fault = |why: &str| format!("{}, step {}: {why}", lesson.name, progress.step + 1);
-            let met = |stage: &Stage| task.until.iter().all(|c| c.holds(&stage.facts()));
-            if met(stage) {
+            let met =
+                |rehearsal: &Rehearsal| task.until.iter().all(|c| c.holds(&rehearsal.facts()));
+            if met(rehearsal) {
                 return Err(fault("its condition is met before anything was done"));
             }
             for act in &task.act {
-                stage.act(act, cancel).map_err(|why| fault(&why))?;
+                rehearsal.act(act, cancel).map_err(|why| fault(&why))?;
             }
             let fault = fault(&format!("its condition is not met: {:?}", task.until));
-            if !progress.observe(lesson, &stage.facts()) {
+            if !progress.observe(lesson, &rehearsal.facts()) {
                 return Err(fault);
             }
         }
-        progress.observe(lesson, &stage.facts());
+        progress.observe(lesson, &rehearsal.facts());
         let words = progress.explanation(lesson).unwrap_or_default();
         if text.contains('{') || words.contains('{') {
             let number = progress.step + 1;
@@ -80,7 +81,7 @@ pub fn rehearse(
 }
 
 /// A session with what it has said.
-struct Stage {
+struct Rehearsal {
     scene: Arc<Scene>,
     model: Model,
     session: Session,
@@ -90,10 +91,10 @@ struct Stage {
     motion: u64,
 }
 
-impl Stage {
+impl Rehearsal {
     fn new(scene: Scene, cancel: &Cancel) -> Result<Self, String> {
         let model = scene.model().map_err(|error| error.to_string())?;
-        let mut stage = Self {
+        let mut rehearsal = Self {
             record: LoopRecord::of(scene.control()),
             scene: Arc::new(scene),
             model,
@@ -103,12 +104,12 @@ impl Stage {
             motion: 0,
         };
         let begin = Command::SetScene {
-            scene: stage.scene.clone(),
+            scene: rehearsal.scene.clone(),
             method: MethodKind::default(),
             asked: None,
         };
-        stage.tell(begin, cancel)?;
-        Ok(stage)
+        rehearsal.tell(begin, cancel)?;
+        Ok(rehearsal)
     }
 
     fn facts(&self) -> Facts<'_> {

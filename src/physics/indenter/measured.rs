@@ -50,7 +50,7 @@ pub struct Worked {
 }
 
 /// Units that the scene's lengths may be.
-pub const UNITS: &[&str] = &["m", "mm", "um", "nm"];
+const UNITS: &[&str] = &["m", "mm", "um", "nm"];
 /// In metres.
 const METRES: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
 /// Micrometres, what most maps are told in.
@@ -72,6 +72,24 @@ impl PartialEq for Measured {
         self.values() == other.values()
             && (Arc::ptr_eq(&self.topography, &other.topography)
                 || self.topography == other.topography)
+    }
+}
+
+/// A choice by its word, with the one of its default.
+const fn choice(
+    key: &'static str,
+    label: &'static str,
+    (chosen, words): (usize, &'static [&'static str]),
+    hint: &'static str,
+) -> Parameter {
+    Parameter {
+        key,
+        label,
+        symbol: "",
+        unit: Dimension::Pure(""),
+        range: 0.0..=0.0,
+        default: Some(Value::Choice { chosen, words }),
+        hint,
     }
 }
 
@@ -108,44 +126,26 @@ impl Own for Measured {
             default: Some(Value::Number(1.0)),
             hint: "a number above 0 that heights are multiplied by, {range}",
         },
-        Parameter {
-            key: "indenter.unit",
-            label: "Unit",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 0.0..=0.0,
-            default: Some(Value::Choice {
-                chosen: UM,
-                words: UNITS,
-            }),
-            hint: "what one length of the scene is, for a file in metres: \"m\", \"mm\", \"um\" or \
+        choice(
+            "indenter.unit",
+            "Unit",
+            (UM, UNITS),
+            "what one length of the scene is, for a file in metres: \"m\", \"mm\", \"um\" or \
                 \"nm\"",
-        },
-        Parameter {
-            key: "indenter.detrend",
-            label: "Detrend",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 0.0..=0.0,
-            default: Some(Value::Choice {
-                chosen: Detrend::None as usize,
-                words: Detrend::WORDS,
-            }),
-            hint: "what is taken away by least squares: \"none\", \"tilt\" or \"curvature\"",
-        },
-        Parameter {
-            key: "indenter.periodic",
-            label: "Periodic",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 0.0..=0.0,
-            default: Some(Value::Choice {
-                chosen: Periodic::Mirror as usize,
-                words: Periodic::WORDS,
-            }),
-            hint: "how the map is continued: \"mirror\" (a cell of twice the side), \"window\" \
+        ),
+        choice(
+            "indenter.detrend",
+            "Detrend",
+            (Detrend::None as usize, Detrend::WORDS),
+            "what is taken away by least squares: \"none\", \"tilt\" or \"curvature\"",
+        ),
+        choice(
+            "indenter.periodic",
+            "Periodic",
+            (Periodic::Mirror as usize, Periodic::WORDS),
+            "how the map is continued: \"mirror\" (a cell of twice the side), \"window\" \
                 (faded to its mean over the outer eighths) or \"as_is\"",
-        },
+        ),
         Parameter {
             key: "indenter.shortest",
             label: "Shortest wave",

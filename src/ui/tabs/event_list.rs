@@ -65,7 +65,7 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         RichText::new(format!(
             "{}, {} released",
             state.run.record.tally(),
-            energy.say(state.run.record.released_energy_sum() + 0.0, 4, "γ")
+            energy.say(state.run.record.released_energy_sum(), 4, "γ")
         ))
         .weak(),
     );

@@ -89,25 +89,19 @@ impl Stretch {
 
 /// The patterns along a path, in order.
 pub fn stretches(record: &LoopRecord) -> Vec<Stretch> {
-    let mut found: Vec<Stretch> = Vec::new();
-    let mut last: Option<&StateRecord> = None;
-    for state in &record.states {
-        let before = last.replace(state);
-        let control = state.control;
-        match found.last_mut() {
-            Some(stretch)
-                if stretch.direction == state.direction && stretch.pattern == state.pattern =>
-            {
-                stretch.ends[1] = control;
-            }
-            _ => found.push(Stretch {
-                direction: state.direction,
-                ends: [before.map_or(control, |before| before.control), control],
-                pattern: state.pattern,
-            }),
+    let mut before: Option<f64> = None;
+    let stretch = |piece: &[StateRecord]| {
+        let [first, last] = [&piece[0], &piece[piece.len() - 1]];
+        Stretch {
+            direction: first.direction,
+            ends: [
+                before.replace(last.control).unwrap_or(first.control),
+                last.control,
+            ],
+            pattern: first.pattern,
         }
-    }
-    found
+    };
+    record.pieces().map(stretch).collect()
 }
 
 /// The patterns that a live loop foresees.
