@@ -11,7 +11,7 @@ use super::widgets::described;
 use crate::follow::record::{Direction, StateRecord};
 use crate::lessons::Hidden;
 use crate::plot::panel::Colour;
-use egui::{Align2, Color32, CursorIcon, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Align2, CursorIcon, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// Height with its margins (points).
 pub const HEIGHT: f32 = 54.0;
@@ -147,36 +147,41 @@ impl Strip<'_> {
         );
         let paper = ui.visuals().extreme_bg_color;
         let ink = ui.visuals().strong_text_color();
-        for (stretches, strength, ink) in [
-            (ahead, PALE, ui.visuals().text_color()),
-            (walked, 0.62, ink),
+        let of_row = |stretches: &[Stretch]| {
+            let here = stretches.iter().filter(|s| s.direction == direction);
+            here.copied().collect::<Vec<_>>()
+        };
+        let walked = of_row(walked);
+        for (stretches, above, strength, ink) in [
+            (&of_row(ahead), &walked[..], PALE, ui.visuals().text_color()),
+            (&walked, &[], 0.62, ink),
         ] {
-            let of_row = stretches
-                .iter()
-                .filter(|stretch| stretch.direction == direction);
-            for stretch in of_row {
+            for stretch in stretches {
                 let colour = theme::rgb(Colour::of_pattern(stretch.pattern).on(ground));
                 let fill = paper.lerp_to_gamma(colour, strength);
-                self.draw(ui, row, stretch, (fill, ink));
+                let rect = self.place(row, stretch);
+                ui.painter().rect_filled(rect, 0.0, fill);
+                let edge = Stroke::new(1.0, paper);
+                ui.painter().vline(rect.left(), row.y_range(), edge);
+                let letter = Rect::from_center_size(rect.center(), vec2(WIDE, ROW));
+                let covers = |other: &Stretch| self.place(row, other).intersects(letter);
+                if rect.width() >= WIDE && !above.iter().any(covers) {
+                    ui.painter().text(
+                        rect.center(),
+                        Align2::CENTER_CENTER,
+                        stretch.letter(),
+                        FontId::proportional(LETTER),
+                        ink,
+                    );
+                }
             }
         }
     }
 
-    fn draw(&self, ui: &Ui, row: Rect, stretch: &Stretch, (fill, ink): (Color32, Color32)) {
+    /// Where a stretch lies in its row.
+    fn place(&self, row: Rect, stretch: &Stretch) -> Rect {
         let [a, b] = stretch.ends.map(|control| self.x_of(control));
-        let rect = Rect::from_x_y_ranges(a.min(b)..=a.max(b).max(a.min(b) + 1.0), row.y_range());
-        ui.painter().rect_filled(rect, 0.0, fill);
-        let edge = Stroke::new(1.0, ui.visuals().extreme_bg_color);
-        ui.painter().vline(rect.left(), row.y_range(), edge);
-        if rect.width() >= WIDE {
-            ui.painter().text(
-                rect.center(),
-                Align2::CENTER_CENTER,
-                stretch.letter(),
-                FontId::proportional(LETTER),
-                ink,
-            );
-        }
+        Rect::from_x_y_ranges(a.min(b)..=a.max(b).max(a.min(b) + 1.0), row.y_range())
     }
 
     /// Where the surface is, and the stored state that is looked at.

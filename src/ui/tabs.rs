@@ -124,7 +124,7 @@ impl Tabs {
             .is_some_and(|tab| tab.title().tall);
         let (share, least) = match tall {
             true => (0.36, 215.0),
-            false if whole < 600.0 => (0.45, 215.0),
+            false if whole < 600.0 => (0.48, 230.0),
             false => (0.62, 230.0),
         };
         (share * whole).max(least)

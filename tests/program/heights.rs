@@ -93,7 +93,7 @@ fn a_map_of_each_format_comes_to_the_same_heights_and_the_same_loop() {
             assert!((a - b).abs() < 1e-6, "{name}: {a} {b}");
         }
         let off = jumps_off(&run, reference);
-        assert!(off < 1e-4, "{name}: {off}");
+        assert!(off < 1e-7, "{name}: {off}");
     }
 }
 
