@@ -43,6 +43,7 @@ fn wished(run: u64, scene: Scene, asked: Option<Strategy>) -> Envelope<Command> 
             scene: Arc::new(scene),
             method: MethodKind::NewtonKrylov,
             asked,
+            from: None,
         },
     )
 }
@@ -554,6 +555,7 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
                 scene: Arc::new(fig2(64)),
                 method: MethodKind::Gfmd,
                 asked: None,
+                from: None,
             },
         )],
     );

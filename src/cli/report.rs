@@ -352,13 +352,13 @@ pub(super) fn write_results(
         export::write_loop_csv(&states, scene, &run.record.states),
         export::write_events_csv(&jumps, scene, &run.record.jumps),
         drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page).and_then(|()| picture::attach_scene(&png, scene)),
+        drawing::write_page_png(&png, &page).and_then(|()| picture::attach(&png, scene, None)),
     ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
     for (i, landing) in run.landings.iter().enumerate() {
         let path = folder.join(GAPS).join(gap_picture(i, landing));
         let picture = picture::write_gap_png_scaled(&path, &landing.gap, scale);
-        written.push(picture.and_then(|()| picture::attach_scene(&path, scene)));
+        written.push(picture.and_then(|()| picture::attach(&path, scene, None)));
     }
     failures(written)
 }

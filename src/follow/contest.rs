@@ -6,6 +6,7 @@
 //! follows, whatever its seed, and the others are said.
 
 use crate::physics::pattern::Pattern;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_4;
 
 /// How many mixtures are tried: the angle from one wave alone to both alike, in equal parts.
@@ -21,7 +22,7 @@ pub const FLAT_KICK: f64 = 0.03;
 pub const KICK: f64 = 0.1;
 
 /// A pattern and the share of the mixtures that lead to it, 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// Where they lead.
     pub pattern: Pattern,

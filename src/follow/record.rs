@@ -5,6 +5,7 @@ use crate::physics::control::Control;
 use crate::physics::pattern::Pattern;
 use crate::scene::part::Part;
 use crate::solver::Stop;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// How closely, in ranges, the u0 of the end of a branch is found: ten times more closely than two
@@ -12,7 +13,7 @@ use std::fmt;
 pub(super) const LOCATED: f64 = 1e-5;
 
 /// Direction of the drive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Direction {
     /// The control decreases.
     Approach,
@@ -30,7 +31,7 @@ impl fmt::Display for Direction {
 }
 
 /// One equilibrium on the way.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StateRecord {
     /// Direction of the drive.
     pub direction: Direction,
@@ -111,7 +112,7 @@ impl StateRecord {
 }
 
 /// What made a state give way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Cause {
     /// The flat state lost stability (Eq. 8).
     FlatLimit,
@@ -143,7 +144,7 @@ impl fmt::Display for Cause {
 }
 
 /// A jump at fixed control, or a transition without one.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JumpRecord {
     /// Direction of the drive.
     pub direction: Direction,
@@ -190,7 +191,7 @@ impl JumpRecord {
 }
 
 /// Everything recorded along a path, in order.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LoopRecord {
     /// What was driven.
     pub control: Control,

@@ -15,13 +15,14 @@
 
 use super::law::Law;
 use super::theory::boundary;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Traction at the stop of a load over the largest: a tenth of the residual of every state.
 const TRACE: f64 = 1e-7;
 
 /// What is driven.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Control {
     /// The mean displacement u0 itself: a machine without compliance.
     #[default]

@@ -7,11 +7,12 @@
 
 use super::law::Law;
 use ndarray::{Array2, ArrayView2};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt;
 
 /// The patterns of the paper, and what else a surface can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Pattern {
     /// Uniform gap.
     Flat,

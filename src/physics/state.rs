@@ -3,9 +3,10 @@
 use super::control::Control;
 use crate::numerics::vector::norm;
 use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 
 /// A surface under its control, with its energy and stress.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// What is driven: u0 or the position of the stage (length), or the load per area (E*).
     pub control: f64,
@@ -64,7 +65,7 @@ impl State {
 
 /// What a law makes of the gap at every point; shapes (ny, nx) of
 /// [`System::shape`](super::system::System::shape).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Fields {
     /// Gap g (length).
     pub gap: Array2<f64>,

@@ -1,9 +1,10 @@
 //! Which part of the cell is solved.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The part of the cell that is solved; the rest follows by symmetry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum Part {
     /// Nothing: the flat state over flat ground is a closed form.
     Flat,
@@ -72,7 +73,7 @@ impl fmt::Display for Part {
 }
 
 /// How a loop is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Strategy {
     /// Read off the branches of an atlas, every state solved on the part that its pattern needs.
     Atlas,

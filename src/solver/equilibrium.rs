@@ -1,10 +1,11 @@
 //! What a relaxation hands back, and why it stopped.
 
 use crate::physics::system::{Evaluation, Fields, State};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What was spent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cost {
     /// Iterations of the method: Newton steps or time steps.
     pub iterations: usize,
@@ -20,11 +21,12 @@ impl std::ops::AddAssign for Cost {
 }
 
 /// A state with the evidence for it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Equilibrium {
     /// The state.
     pub state: State,
-    /// Its gap, traction and stiffness.
+    /// Its gap, traction and stiffness; left out of a file, since they follow from the state.
+    #[serde(skip)]
     pub fields: Fields,
     /// max |residual traction| / max(sigma_max, max |traction|).
     pub residual: f64,
@@ -40,7 +42,7 @@ pub struct Equilibrium {
 }
 
 /// The smallest eigenvalue, from above and from below.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stiffness {
     /// A Rayleigh quotient: an upper bound. NaN if it was not found.
     pub value: f64,
@@ -108,7 +110,7 @@ impl Equilibrium {
 }
 
 /// The honest end of a relaxation; every shown state carries one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Stop {
     /// Residual below tolerance and no negative eigenvalue beyond its error.
     Stable,

@@ -5,9 +5,10 @@ use super::descent::Descent;
 use super::gfmd::Gfmd;
 use super::gfmd::GfmdTuned;
 use super::method::{Method, NewtonKrylov};
+use serde::{Deserialize, Serialize};
 
 /// Which relaxation method follows the branches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub enum MethodKind {
     /// Newton-Krylov with a predictor.
     #[default]

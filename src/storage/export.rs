@@ -45,13 +45,18 @@ pub(super) const FIGURE_COLUMNS: &str = "panel,series,role,x,y,x_to,y_to";
 /// First line of `findings.csv`.
 const FINDING_COLUMNS: &str = "where,quantity,found,expected,source,deviation,tolerance,agrees";
 
-/// Writes the states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy
-/// per area in E* times length; `control` is what is driven: u0, the position of the stage, or the
-/// load per area.
+/// Writes `loop.csv`.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_loop_csv(path: &Path, scene: &Scene, states: &[StateRecord]) -> Result<(), Failure> {
+    files::write_whole(path, loop_csv(scene, states).as_bytes())
+}
+
+/// The states in order; u0 in the scene's length, stress in E*, stiffness in E*/L, energy per area
+/// in E* times length; `control` is what is driven: u0, the position of the stage, or the load per
+/// area.
+pub(super) fn loop_csv(scene: &Scene, states: &[StateRecord]) -> String {
     let given = |of, value| number(scene.number_given(of, value));
     let row = |s: &StateRecord| {
         vec![
@@ -69,21 +74,26 @@ pub fn write_loop_csv(path: &Path, scene: &Scene, states: &[StateRecord]) -> Res
             given(Dimension::Driven, s.control),
         ]
     };
-    write_rows(path, LOOP_COLUMNS, states.iter().map(row))
+    table(LOOP_COLUMNS, states.iter().map(row))
 }
 
-/// Writes the jumps in order; u0 before (and after) in the scene's length, released energy per area
-/// in units of gamma.
+/// Writes `events.csv`.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_events_csv(path: &Path, scene: &Scene, jumps: &[JumpRecord]) -> Result<(), Failure> {
+    files::write_whole(path, events_csv(scene, jumps).as_bytes())
+}
+
+/// The jumps in order; u0 before (and after) in the scene's length, released energy per area in
+/// units of gamma.
+pub(super) fn events_csv(scene: &Scene, jumps: &[JumpRecord]) -> String {
     let row = |jump: &JumpRecord| {
         let control = scene.number_given(Dimension::Driven, jump.control);
         let more = [control, jump.mean_displacement_after].map(number);
         cells_of(jump).into_iter().chain(more).collect()
     };
-    write_rows(path, EVENT_COLUMNS, jumps.iter().map(row))
+    table(EVENT_COLUMNS, jumps.iter().map(row))
 }
 
 /// Direction, u0 before, both patterns, released energy and cause.
@@ -397,11 +407,15 @@ fn write_matrix(path: &Path, gap: &Array2<f64>) -> Result<(), Failure> {
 fn write_rows(
     path: &Path,
     first: &str,
-    rows: impl Iterator<Item = Vec<String>>,
+    cells: impl Iterator<Item = Vec<String>>,
 ) -> Result<(), Failure> {
+    files::write_whole(path, table(first, cells).as_bytes())
+}
+
+fn table(first: &str, rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut text = format!("{first}\n");
     rows.for_each(|cells| push_row(&mut text, &cells));
-    files::write_whole(path, text.as_bytes())
+    text
 }
 
 fn push_row(text: &mut String, cells: &[String]) {

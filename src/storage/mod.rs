@@ -1,6 +1,7 @@
 //! Floor 7: the only room that touches the file system.
 //!
-//! Scene files are read and written ([`scene_file`], [`presets`]), height files read ([`heights`]),
+//! Scene files are read and written ([`scene_file`], [`presets`]), sessions of the window too
+//! ([`session`]), height files read ([`heights`]),
 //! results exported ([`export`], [`fields`], [`summary`], [`picture`], [`drawing`], [`report`]).
 //! Every file is written whole or not at all ([`files`]), and one folder holds one run ([`folder`]);
 //! everything that can go wrong is a [`Failure`], one sentence that names the file and says how to
@@ -17,6 +18,7 @@ pub mod picture;
 pub mod presets;
 pub mod report;
 pub mod scene_file;
+pub mod session;
 pub mod summary;
 
 pub use failure::{Failure, line};

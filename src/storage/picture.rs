@@ -4,7 +4,7 @@
 //! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more,
 //! uncompressed text (iTXt) under a keyword of its own, right after the header.
 
-use super::{Failure, files, heights, scene_file};
+use super::{Failure, files, heights, scene_file, session};
 use crate::physics::topography::Topography;
 use crate::plot::scale::ends;
 use crate::scene::Scene;
@@ -97,6 +97,10 @@ pub(in crate::storage) fn gap_pixels(gap: &Array2<f64>, (low, high): Scale) -> R
 
 /// Keyword of the chunk.
 const KEYWORD: &[u8] = b"tackscope-scene";
+/// The chunk of a session: private, safe to copy, and no picture needs it.
+const SESSION: &[u8; 4] = b"tkSs";
+/// Largest session that a picture carries, in bytes: pictures are sent about.
+const SESSION_MAX: usize = 1 << 22;
 /// What every PNG begins with.
 const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
 /// Signature and header chunk, which every PNG has at the same length.
@@ -109,9 +113,18 @@ const BYTES_MAX: u64 = 1 << 26;
 /// # Errors
 /// A file that cannot be read, or that holds no allowed scene.
 pub fn open_scene(path: &Path) -> Result<Scene, Failure> {
-    let bytes = files::read_regular(path, BYTES_MAX)?;
+    scene_in(path, files::read_regular(path, session::BYTES_MAX)?)
+}
+
+/// The scene in the bytes of a file.
+///
+/// # Errors
+/// What holds no allowed scene.
+pub(super) fn scene_in(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
     if is_png(&bytes) {
         scene_of(path, &bytes)
+    } else if session::is_session(&bytes) {
+        session::scene_of(path, &bytes)
     } else {
         scene_file::scene_of(path, bytes)
     }
@@ -122,40 +135,56 @@ pub fn open_scene(path: &Path) -> Result<Scene, Failure> {
 pub enum Opened {
     /// A scene.
     Scene(Scene),
+    /// The bytes of a session.
+    Session(Vec<u8>),
     /// Measured heights.
     Heights(Topography),
 }
 
-/// The scene or the heights of a regular file. A scene is a picture that holds one, a file named
-/// `.toml`, or text with a line that begins with `format` or a bracket.
+/// The scene, session or heights of a regular file. A scene is a picture that holds one, a file
+/// named `.toml`, or text with a line that begins with `format` or a bracket.
 ///
 /// # Errors
-/// A file that cannot be read, or that holds no allowed scene and no heights.
+/// A file that cannot be read, or that holds none of them.
 pub fn open(path: &Path) -> Result<Opened, Failure> {
-    let bytes = files::read_regular(path, heights::BYTES_MAX)?;
+    let bytes = files::read_regular(path, session::BYTES_MAX)?;
+    if is_png(&bytes) {
+        let carried = chunks(&bytes).find(|(kind, _)| kind == SESSION);
+        return match carried {
+            Some((_, session)) => Ok(Opened::Session(session.to_vec())),
+            None => scene_of(path, &bytes).map(Opened::Scene),
+        };
+    }
     let named = path
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     let is_key = |line: &str| line.starts_with("format") || line.starts_with('[');
     let has_keys = || std::str::from_utf8(&bytes).is_ok_and(|text| text.lines().any(is_key));
-    if named || is_png(&bytes) || has_keys() {
-        open_scene(path).map(Opened::Scene)
+    if session::is_session(&bytes) {
+        Ok(Opened::Session(bytes))
+    } else if named || has_keys() {
+        scene_file::scene_of(path, bytes).map(Opened::Scene)
     } else {
         heights::of_bytes(path, &bytes).map(Opened::Heights)
     }
 }
 
-/// Puts the scene into a PNG that has been written.
+/// Puts the scene into a PNG that has been written, and the bytes of a session where they are few
+/// enough.
 ///
 /// # Errors
 /// A file that cannot be read, is no PNG, or cannot be written.
-pub fn attach_scene(path: &Path, scene: &Scene) -> Result<(), Failure> {
+pub fn attach(path: &Path, scene: &Scene, session: Option<&[u8]>) -> Result<(), Failure> {
     let mut bytes = read(path)?;
     let mut data = KEYWORD.to_vec();
     // End of keyword; not compressed, method 0; no language; no translated keyword.
     data.extend([0, 0, 0, 0, 0]);
     data.extend(scene_file::to_text(scene).bytes());
-    bytes.splice(HEADER..HEADER, chunk(b"iTXt", &data));
+    let mut chunks = chunk(b"iTXt", &data);
+    if let Some(session) = session.filter(|session| session.len() <= SESSION_MAX) {
+        chunks.extend(chunk(SESSION, session));
+    }
+    bytes.splice(HEADER..HEADER, chunks);
     files::write_whole(path, &bytes)
 }
 
@@ -305,7 +334,7 @@ mod tests {
                 .to_string()
                 .contains("no scene")
         );
-        attach_scene(&path, &scene).unwrap();
+        attach(&path, &scene, None).unwrap();
         assert_eq!(open_scene(&path).unwrap(), scene);
         assert_eq!(image::open(&path).unwrap().into_rgb8(), before);
     }

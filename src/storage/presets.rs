@@ -1,7 +1,7 @@
 //! Scenes built into the program.
 
 use super::failure::near;
-use super::{Failure, files, scene_file};
+use super::{Failure, files, picture, scene_file, session};
 use crate::scene::Scene;
 use std::path::Path;
 
@@ -53,7 +53,7 @@ pub fn place(word: &str) -> &str {
 }
 
 /// The scene that a word of the command line means: a preset's name, `-` for standard input, or
-/// else the path of a scene file.
+/// else the path of a scene file, of a picture that holds one, or of a session.
 ///
 /// # Errors
 /// A word that is neither or cannot be a path, or a file that is not an allowed scene.
@@ -66,7 +66,7 @@ pub fn resolve(word: &str) -> Result<Scene, Failure> {
     }
     let path = files::typed(Path::new(word))?;
     if path.exists() {
-        return scene_file::load(&path);
+        return picture::scene_in(&path, files::read_bytes(&path, session::BYTES_MAX)?);
     }
     let names: Vec<_> = ALL.iter().map(|preset| preset.name).collect();
     Err(Failure::NoScene {

@@ -47,7 +47,9 @@ pub enum Action {
     AskFile(FileTask),
     /// Do the open dialog's task with this path.
     UsePath(PathBuf),
-    /// Open the scene or the heights of this file.
+    /// Write these notes, saved with the session.
+    SetNotes(String),
+    /// Open the scene, the session or the heights of this file.
     Open(PathBuf),
     /// Close whatever dialog is open.
     CloseDialog,
@@ -144,12 +146,14 @@ pub enum LessonAct {
 /// What a file is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileTask {
-    /// Open a scene, or measured heights as the scene's ground.
+    /// Open a scene, a session, or measured heights as the scene's ground.
     OpenScene,
     /// The same, asked for heights.
     OpenHeights,
     /// Save the scene.
     SaveScene,
+    /// Save the scene with everything that was computed of it.
+    SaveSession,
     /// Write the recorded states.
     ExportLoopCsv,
     /// Write the recorded jumps.
@@ -168,7 +172,7 @@ impl FileTask {
         match self {
             FileTask::OpenScene => "Open scene",
             FileTask::OpenHeights => "Measured ground",
-            FileTask::SaveScene => "Save scene",
+            FileTask::SaveScene | FileTask::SaveSession => "Save",
             FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
                 "Export CSV"
             }
@@ -185,6 +189,7 @@ impl FileTask {
     pub fn file_name(self) -> &'static str {
         match self {
             FileTask::OpenScene | FileTask::SaveScene => "scene.toml",
+            FileTask::SaveSession => "session.tackscope",
             FileTask::OpenHeights => "heights.csv",
             FileTask::ExportLoopCsv => "loop.csv",
             FileTask::ExportEventsCsv => "events.csv",
@@ -198,7 +203,11 @@ impl FileTask {
     /// choose.
     pub fn variants(self) -> &'static [(FileTask, &'static str)] {
         match self {
-            FileTask::OpenScene | FileTask::OpenHeights | FileTask::SaveScene => &[],
+            FileTask::OpenScene | FileTask::OpenHeights => &[],
+            FileTask::SaveScene | FileTask::SaveSession => &[
+                (FileTask::SaveScene, "scene"),
+                (FileTask::SaveSession, "session: with all that was computed"),
+            ],
             FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => &[
                 (FileTask::ExportLoopCsv, "states (loop.csv)"),
                 (FileTask::ExportEventsCsv, "jumps (events.csv)"),

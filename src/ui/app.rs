@@ -4,7 +4,7 @@ use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::gap_map::MapCache;
 use super::tabs::Tabs;
-use super::view_state::{Begin, ViewState};
+use super::view_state::{Begin, Extent, Saved, ViewState};
 use super::{
     controls, gap_map, keys, lecture, lesson, loop_plot, profile, status_bar, strip, toolbar,
 };
@@ -13,6 +13,7 @@ use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
 use crate::plot::panel::Page;
 use crate::scene::{Model, Scene, edit};
+use crate::storage::session::{self, Session};
 use crate::storage::{self, Opened, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
@@ -36,8 +37,8 @@ pub struct App {
     dialogs: Dialogs,
     /// When a jump was last announced (seconds).
     announced: f64,
-    /// The file that is being opened.
-    opening: Option<(PathBuf, Opening)>,
+    /// The file that is being read or written.
+    file: Option<(PathBuf, FileJob)>,
     /// How the window looked before lecture mode.
     before_lecture: Option<lecture::Before>,
 }
@@ -53,15 +54,19 @@ struct Sitting {
 /// Under which name.
 const SITTING: &str = "sitting";
 
-/// The reading of a file, which may take as long as the file system likes.
-type Opening = Job<Result<Found, storage::Failure>>;
+/// Work with a file, which may take as long as the file system likes.
+type FileJob = Job<Result<Done, storage::Failure>>;
 
-/// What a file makes of the scene.
-enum Found {
-    /// Another one.
+/// What came of it.
+enum Done {
+    /// Another scene.
     Scene(Scene),
-    /// The present one on measured ground, and what to know of it.
+    /// A scene with what was computed of it.
+    Session(Box<Session<Saved>>),
+    /// The present scene on measured ground, and what to know of it.
     Ground(Scene, String),
+    /// The file is written.
+    Written,
 }
 
 /// What to do where a file was refused.
@@ -89,7 +94,7 @@ impl App {
             tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
-            opening: None,
+            file: None,
             before_lecture: None,
         }
     }
@@ -121,7 +126,7 @@ impl App {
         let ctx = ui.ctx().clone();
         self.listen();
         self.state.observe_lesson();
-        self.open();
+        self.take_file();
         self.tabs.update(&mut self.state, &*self.solver);
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
@@ -155,41 +160,55 @@ impl App {
         }
     }
 
-    /// Takes in the file that was being opened, if it is there.
-    fn open(&mut self) {
-        let Some(end) = self.opening.as_mut().and_then(|(_, job)| job.poll()) else {
+    /// Takes in what came of the file that was being read or written, if it is there.
+    fn take_file(&mut self) {
+        let Some(end) = self.file.as_mut().and_then(|(_, job)| job.poll()) else {
             return;
         };
-        let Some((path, mut job)) = self.opening.take() else {
+        let Some((path, mut job)) = self.file.take() else {
             return;
         };
-        let messages = &mut self.state.messages;
+        self.state.messages.notice = None;
         match (job.so_far.take(), end) {
-            (Some(Ok(found)), _) => {
+            (Some(Ok(done)), _) => {
                 self.dialogs.close();
-                let mut notice = format!("{} opened", path.display());
-                match found {
-                    Found::Scene(scene) => self.state.open_scene(scene),
-                    Found::Ground(scene, words) => {
-                        notice = words;
-                        self.state.edit_scene(scene);
-                    }
-                }
-                let messages = &mut self.state.messages;
-                if messages.failure.is_none() {
-                    messages.notice = Some(notice);
+                if let Some(notice) = self.take_done(done, &path) {
+                    self.state.messages.notice = Some(notice);
                 }
             }
-            (Some(Err(failure)), _) => {
-                messages.notice = None;
-                messages.fail(failure, OTHER_PATH);
-            }
+            (Some(Err(failure)), _) => self.state.messages.fail(failure, OTHER_PATH),
             (None, end) => {
                 let (path, why) = (path.display(), end.err().unwrap_or_default());
-                let message = format!("{path} could not be read: {why}");
-                messages.fail(message, "Please report the file.");
+                let message = format!("{path}: {why}");
+                self.state.messages.fail(message, "Please report the file.");
             }
         }
+    }
+
+    /// Shows what came of a file; returns what to say, unless it was refused.
+    fn take_done(&mut self, done: Done, path: &Path) -> Option<String> {
+        let (state, file) = (&mut self.state, path.display());
+        state.messages.failure = None;
+        let notice = match done {
+            Done::Scene(scene) => {
+                state.open_scene(scene);
+                format!("{file} opened")
+            }
+            Done::Session(session) => {
+                let states = session.window.states();
+                if let Err(why) = state.reopen(*session) {
+                    state.messages.fail(format!("{file}: {why}"), OTHER_PATH);
+                }
+                let notes = state.notes.lines().next().unwrap_or_default();
+                format!("{file} opened, with {states} states. {notes}")
+            }
+            Done::Ground(scene, words) => {
+                state.edit_scene(scene);
+                words
+            }
+            Done::Written => format!("{file} written"),
+        };
+        state.messages.failure.is_none().then_some(notice)
     }
 
     fn announce(&mut self, ctx: &Context) {
@@ -292,9 +311,10 @@ impl App {
             Action::Redo => state.redo(),
             Action::AskFile(task) => self.dialogs.ask(task),
             Action::UsePath(path) => self.use_path(ctx, &path),
+            Action::SetNotes(notes) => state.notes = notes,
             Action::Open(path) => self.begin_to_open(ctx, &path),
             Action::CloseDialog => {
-                self.opening = None;
+                self.file = None;
                 self.dialogs.close();
             }
             Action::ToggleCommands => self.dialogs.toggle_commands(),
@@ -398,18 +418,41 @@ impl App {
         }
     }
 
-    fn begin_to_open(&mut self, ctx: &Context, path: &Path) {
+    /// Begins to work with a file.
+    fn begin_file(
+        &mut self,
+        ctx: &Context,
+        path: &Path,
+        doing: &str,
+        work: impl FnOnce(&Path) -> Result<Done, storage::Failure> + Send + 'static,
+    ) {
         let (file, ctx) = (path.to_owned(), ctx.clone());
-        let (scene, model) = (self.state.scene.clone(), self.state.model.clone());
-        let opening = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
-            report.result(storage::open(&file).and_then(|opened| match opened {
-                Opened::Scene(scene) => Ok(Found::Scene(scene)),
-                Opened::Heights(map) => ground(&scene, &model, map),
-            }));
+        let job = Job::start(Arc::new(move || ctx.request_repaint()), move |report| {
+            report.result(work(&file));
             Ok(())
         });
-        self.opening = Some((path.to_owned(), opening));
-        self.state.messages.notice = Some(format!("opening {} …", path.display()));
+        self.file = Some((path.to_owned(), job));
+        self.state.messages.notice = Some(format!("{doing} {} …", path.display()));
+    }
+
+    fn begin_to_open(&mut self, ctx: &Context, path: &Path) {
+        let (scene, model) = (self.state.scene.clone(), self.state.model.clone());
+        self.begin_file(ctx, path, "opening", move |file| {
+            match storage::open(file)? {
+                Opened::Scene(scene) => Ok(Done::Scene(scene)),
+                Opened::Session(bytes) => {
+                    session::of_bytes(file, &bytes).map(|session| Done::Session(Box::new(session)))
+                }
+                Opened::Heights(map) => ground(&scene, &model, map),
+            }
+        });
+    }
+
+    fn begin_to_save(&mut self, ctx: &Context, path: &Path) {
+        let session = self.state.session(Extent::Whole);
+        self.begin_file(ctx, path, "writing", move |file| {
+            session::save(file, &session, session.window.record()).map(|()| Done::Written)
+        });
     }
 
     /// Does what the open dialog was opened for. It stays open if that fails, so that the path can
@@ -421,6 +464,7 @@ impl App {
         let state = &self.state;
         let done = match task {
             FileTask::OpenScene | FileTask::OpenHeights => return self.begin_to_open(ctx, path),
+            FileTask::SaveSession => return self.begin_to_save(ctx, path),
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => {
                 export::write_loop_csv(path, &state.scene, &state.run.record.states)
@@ -432,11 +476,13 @@ impl App {
                 let panel = loop_plot::panel(state);
                 export::write_panels_csv(path, &state.scene.title, &[panel])
             }
-            FileTask::ExportLoopPng => drawing::write_page_png(path, &page(state))
-                .and_then(|()| picture::attach_scene(path, &state.scene)),
+            FileTask::ExportLoopPng => {
+                drawing::write_page_png(path, &page(state)).and_then(|()| attach(path, state))
+            }
             FileTask::ExportGapPng => match state.pictured() {
-                Some(frame) => picture::write_gap_png(path, &frame.gap)
-                    .and_then(|()| picture::attach_scene(path, &state.scene)),
+                Some(frame) => {
+                    picture::write_gap_png(path, &frame.gap).and_then(|()| attach(path, state))
+                }
                 None => return,
             },
         };
@@ -451,6 +497,13 @@ impl App {
     }
 }
 
+/// Puts scene and state into a picture, so that it opens again as what it shows.
+fn attach(path: &Path, state: &ViewState) -> Result<(), storage::Failure> {
+    let session = state.session(Extent::Present);
+    let bytes = session::to_bytes(&session, session.window.record()).ok();
+    picture::attach(path, &session.scene, bytes.as_deref())
+}
+
 /// The picture of the stress curve.
 fn page(state: &ViewState) -> Page<'static> {
     let ledger = state.run.record.ledger(state.model.law.surface_energy);
@@ -459,7 +512,7 @@ fn page(state: &ViewState) -> Page<'static> {
 }
 
 /// The scene on the ground of this map.
-fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Found, storage::Failure> {
+fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Done, storage::Failure> {
     let file = map.file.display().to_string();
     let (told, [ny, nx]) = (
         map.size.is_some(),
@@ -475,7 +528,7 @@ fn ground(scene: &Scene, model: &Model, map: Topography) -> Result<Found, storag
         "the file does not say how large it is: it fills the cell; see Measured side"
     };
     let words = format!("measured ground, {nx} x {ny} points ({file}): {side}");
-    Ok(Found::Ground(scene, words))
+    Ok(Done::Ground(scene, words))
 }
 
 impl eframe::App for App {

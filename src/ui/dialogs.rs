@@ -152,7 +152,7 @@ impl Dialogs {
         };
         file.poll(ctx, actions);
         let open = centred(ctx, file.task.title(), |ui| {
-            if let Some(task) = file.body(ui, actions) {
+            if let Some(task) = file.body(ui, &state.notes, actions) {
                 file.note = None;
                 file.pending = Some(chooser(FileRequest { task }));
             }
@@ -188,7 +188,7 @@ impl FileDialog {
     }
 
     /// The contents; returns the task if the desktop's chooser shall be opened.
-    fn body(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<FileTask> {
+    fn body(&mut self, ui: &mut Ui, notes: &str, actions: &mut Vec<Action>) -> Option<FileTask> {
         ui.set_width(430.0);
         if !self.task.variants().is_empty() {
             ui.horizontal(|ui| {
@@ -206,6 +206,15 @@ impl FileDialog {
             .labelled_by(label.id);
         if std::mem::take(&mut self.fresh) {
             field.request_focus();
+        }
+        if self.task == FileTask::SaveSession {
+            let (label, mut notes) = (ui.label("Notes"), notes.to_owned());
+            let field = egui::TextEdit::multiline(&mut notes)
+                .desired_rows(3)
+                .desired_width(f32::INFINITY);
+            if ui.add(field).labelled_by(label.id).changed() {
+                actions.push(Action::SetNotes(notes));
+            }
         }
         let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
         self.question
@@ -276,9 +285,13 @@ const HEIGHTS: &[&str] = &[
 pub fn desktop_chooser(request: FileRequest) -> PathFuture {
     let task = request.task;
     let (kind, extensions): (_, &[&str]) = match task {
-        FileTask::OpenScene => ("Scene, or a picture with its scene", &["toml", "png"]),
+        FileTask::OpenScene => (
+            "Scene, session, or a picture with its scene",
+            &["toml", "tackscope", "png"],
+        ),
         FileTask::OpenHeights => ("Heights", HEIGHTS),
         FileTask::SaveScene => ("Scene", &["toml"]),
+        FileTask::SaveSession => ("Session", &["tackscope"]),
         FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
             ("CSV", &["csv"])
         }

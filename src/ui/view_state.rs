@@ -5,6 +5,7 @@ mod hint;
 mod lesson;
 mod plots;
 mod run;
+mod session;
 mod stored;
 
 pub use films::Films;
@@ -12,6 +13,7 @@ pub use hint::Hint;
 pub use lesson::Begin;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
+pub use session::{Extent, Saved};
 pub use stored::{Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
@@ -28,7 +30,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, Resumed, RunId, Speed, Stored, Sweep,
 };
 use std::sync::Arc;
 
@@ -68,6 +70,8 @@ pub struct ViewState {
     pub wants_branches: bool,
     /// What is said in words.
     pub messages: Messages,
+    /// What somebody wrote, saved with the session.
+    pub notes: String,
     /// How things are drawn.
     pub view: ViewOptions,
     /// Undo and redo.
@@ -144,6 +148,7 @@ impl ViewState {
                 hint: Some(Hint::Grab),
                 announced: String::new(),
             },
+            notes: String::new(),
             view: ViewOptions::default(),
             history: History::default(),
             lesson: None,
@@ -307,6 +312,11 @@ impl ViewState {
         let motion = run.motion;
         let mut commands = Vec::new();
         if told.run != run.id {
+            let resumed = |state| {
+                let along = run.record.clone();
+                Arc::new(Resumed { state, along })
+            };
+            let from = run.from.take().map(resumed);
             // A session counts motions afresh, from the rest at the start, and is not held.
             *told = Told {
                 run: run.id,
@@ -318,6 +328,7 @@ impl ViewState {
                 scene: self.scene.clone(),
                 method: self.method,
                 asked: self.asked,
+                from,
             });
         }
         if let Some(from) = run.from.take() {

@@ -2,7 +2,7 @@
 
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
-use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::record::{JumpRecord, LoopRecord, StateRecord};
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::equilibrium::Equilibrium;
@@ -10,6 +10,7 @@ use crate::solver::methods::MethodKind;
 use crate::study::live_loop::{Fineness, LiveLoop};
 use crate::study::plan::Plan;
 use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -88,8 +89,8 @@ pub struct Envelope<T> {
 /// From the window to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Forget everything and rest at the start of this scene: a new run, whose id the envelope
-    /// carries.
+    /// Forget everything and rest at the start of this scene, or on a stored state of it: a new
+    /// run, whose id the envelope carries.
     SetScene {
         /// The scene.
         scene: Arc<Scene>,
@@ -97,6 +98,8 @@ pub enum Command {
         method: MethodKind,
         /// Whether the plan decides on the model.
         asked: Option<Strategy>,
+        /// The state on which it rests.
+        from: Option<Arc<Resumed>>,
     },
     /// Walk towards this value of the control (latest wins; the path already gone is kept).
     SetTarget {
@@ -140,7 +143,7 @@ pub enum Command {
 }
 
 /// A picture of the surface, at rest or during a jump.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame {
     /// What is driven: u0, the stage's position (length), or the load per area (E*).
     pub control: f64,
@@ -180,7 +183,7 @@ impl Frame {
 }
 
 /// An equilibrium of the path, kept to be shown and to be gone on from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stored {
     /// Its record.
     pub record: StateRecord,
@@ -220,8 +223,17 @@ impl Stored {
     }
 }
 
-/// The pictures of one jump, in order.
+/// A stored state that a new run begins with.
 #[derive(Clone, Debug)]
+pub struct Resumed {
+    /// The state.
+    pub state: Arc<Stored>,
+    /// The path that led there, as far as it is known.
+    pub along: LoopRecord,
+}
+
+/// The pictures of one jump, in order.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Film {
     /// The last equilibrium before, with the mode that goes soft.
     pub before: Arc<Frame>,

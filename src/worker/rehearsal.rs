@@ -107,6 +107,7 @@ impl Rehearsal {
             scene: rehearsal.scene.clone(),
             method: MethodKind::default(),
             asked: None,
+            from: None,
         };
         rehearsal.tell(begin, cancel)?;
         Ok(rehearsal)

@@ -347,6 +347,7 @@ mod tests {
                 scene,
                 method,
                 asked: None,
+                from: None,
             },
             Command::SetTarget {
                 motion: 1,

@@ -3,8 +3,8 @@
 
 use super::film::Recorder;
 use super::protocol::{
-    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, RunId, Speed,
-    Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, LoopSummary, Motion, Play, Ready, Resumed, RunId,
+    Speed, Stored, Sweep,
 };
 use super::setup::Setup;
 use super::system::Instant;
@@ -16,7 +16,6 @@ use crate::physics::parameter::Refusal;
 use crate::physics::system::Fields;
 use crate::scene::part::Part;
 use crate::solver::equilibrium::Equilibrium;
-use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -102,8 +101,9 @@ impl Session {
                 scene,
                 method,
                 asked,
+                from,
             } => match Setup::new(scene, method, asked) {
-                Ok(setup) => self.begin(run, setup, cancel, sink),
+                Ok(setup) => self.begin(run, setup, from.as_deref(), cancel, sink),
                 Err(error) => self.refuse(run, error, sink),
             },
             Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
@@ -214,17 +214,12 @@ impl Session {
     /// Where a walk stands, to be kept.
     fn stored(&self, walk: &Walk, before: [usize; 2]) -> Arc<Stored> {
         let here = walk.here();
-        let none = || Array2::zeros((0, 0));
         Arc::new(Stored {
             record: walk.record().clone(),
             before,
             part: self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part),
             surface: Equilibrium {
-                fields: Fields {
-                    gap: none(),
-                    traction: none(),
-                    stiffness: none(),
-                },
+                fields: Fields::default(),
                 soft_mode: here.soft_mode.clone(),
                 state: here.state.clone(),
                 ..*here
@@ -233,27 +228,45 @@ impl Session {
         })
     }
 
-    /// Takes a stored state as the present one.
+    /// Takes a stored state as the present one. Of the path stays what led to it, if it is of this
+    /// path.
     fn go_on(&mut self, from: &Stored, sink: &mut dyn FnMut(Event)) {
-        let Some(setup) = &mut self.setup else { return };
+        let known = |s: &StateRecord| {
+            let what = |s: &StateRecord| (s.direction, s.control, s.energy.to_bits());
+            what(s) == what(&from.record)
+        };
+        let place = self.record.states.get(from.before[0]);
+        let stay = if place.is_some_and(known) {
+            from.before
+        } else {
+            [0, 0]
+        };
+        if !self.stand_on(from, stay, sink) {
+            self.rest(sink);
+        }
+    }
+
+    /// Stands on a stored state, after so many states and jumps of the path; false, and says so, if
+    /// it is of another scene.
+    fn stand_on(
+        &mut self,
+        from: &Stored,
+        [states, jumps]: [usize; 2],
+        sink: &mut dyn FnMut(Event),
+    ) -> bool {
+        let Some(setup) = &mut self.setup else {
+            return false;
+        };
         let part = setup.choice.part;
         let Some(mut walk) = setup.resume(from) else {
             sink(Event::Failed(Failure {
                 message: "This state is of another scene.".into(),
                 remedy: "Open that scene, and walk there.".into(),
             }));
-            return self.rest(sink);
+            return false;
         };
         if part != from.part {
             sink(Event::Remodelled(setup.choice.clone()));
-        }
-        let [mut states, mut jumps] = from.before;
-        let known = |s: &StateRecord| {
-            let what = |s: &StateRecord| (s.direction, s.control, s.energy.to_bits());
-            what(s) == what(&from.record)
-        };
-        if !self.record.states.get(states).is_some_and(known) {
-            [states, jumps] = [0, 0];
         }
         let spent = self.walk.as_ref().map_or(0, |w| w.counts().transforms);
         self.transforms_elsewhere += spent.saturating_sub(self.transforms_before);
@@ -262,7 +275,11 @@ impl Session {
         self.cut([states, jumps], sink);
         self.arrive(&mut walk, from.record.clone(), sink);
         self.walk = Some(walk);
+        if let Some(closed) = self.record.closed() {
+            self.close_loop(Some(&closed), Instant::now(), sink);
+        }
         self.rest(sink);
+        true
     }
 
     /// Forgets the path but for its first states and jumps.
@@ -282,7 +299,14 @@ impl Session {
         }
     }
 
-    fn begin(&mut self, run: RunId, setup: Setup, cancel: &Cancel, sink: &mut dyn FnMut(Event)) {
+    fn begin(
+        &mut self,
+        run: RunId,
+        setup: Setup,
+        from: Option<&Resumed>,
+        cancel: &Cancel,
+        sink: &mut dyn FnMut(Event),
+    ) {
         *self = self.afresh(run);
         match setup.walk(cancel) {
             Ok(mut walk) => {
@@ -294,8 +318,15 @@ impl Session {
                     choice: setup.choice.clone(),
                 });
                 sink(Event::Ready(ready));
-                self.record = LoopRecord::of(walk.control());
                 self.setup = Some(setup);
+                if let Some(Resumed { state, along }) = from {
+                    let stay = [along.states.len(), along.jumps.len()];
+                    self.record = along.clone();
+                    if self.stand_on(state, stay, sink) {
+                        return;
+                    }
+                }
+                self.record = LoopRecord::of(walk.control());
                 let state = walk.record().clone();
                 let control = state.control;
                 self.arrive(&mut walk, state, sink);

@@ -54,7 +54,7 @@ fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
     let (text, shot) = (folder.path().join("scene.txt"), folder.path().join("loop"));
     scene_file::save(&text, &hertz()).expect("saved");
     picture::write_gap_png(&shot, &ndarray::Array2::zeros((4, 4))).expect("written");
-    picture::attach_scene(&shot, &hertz()).expect("attached");
+    picture::attach(&shot, &hertz(), None).expect("attached");
     for path in [text, shot] {
         let mut bench = Bench::new();
         bench.open(&path);

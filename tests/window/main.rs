@@ -16,6 +16,7 @@ mod machine;
 mod model;
 mod paper;
 mod select;
+mod session;
 mod stepped;
 mod stored;
 mod tabs;
@@ -655,7 +656,13 @@ fn a_kept_loop_stays_while_the_law_changes_until_it_is_let_go() {
 fn without_a_file_chooser_the_path_can_be_typed() {
     let mut bench = Bench::new();
     bench.click("Save…");
+    bench.click("Browse…");
     assert!(bench.names().contains("Type the path here."));
+    bench
+        .window
+        .get_by_role_and_label(egui::Role::TextInput, "Path")
+        .focus();
+    bench.window.run();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mine.toml");
     let text = path.display().to_string();

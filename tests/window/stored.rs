@@ -13,10 +13,10 @@ use tackscope::ui::App;
 use tackscope::ui::view_state::{RunView, Stretch, stretches};
 
 /// A state, and its gap as it was seen.
-type Seen = (StateRecord, Arc<Array2<f64>>);
+pub type Seen = (StateRecord, Arc<Array2<f64>>);
 
 /// The window after a loop of a coarse Fig. 2, and every picture that was seen of it at rest.
-fn looped() -> (Harness<'static, App>, Vec<Seen>) {
+pub fn looped() -> (Harness<'static, App>, Vec<Seen>) {
     let mut scene = fig2();
     scene.cell.points = Points::Square(48);
     let mut window = opened(scene);
@@ -37,18 +37,18 @@ fn looped() -> (Harness<'static, App>, Vec<Seen>) {
     (window, seen)
 }
 
-fn run<'a>(window: &'a Harness<'static, App>) -> &'a RunView {
+pub fn run<'a>(window: &'a Harness<'static, App>) -> &'a RunView {
     &window.state().state().run
 }
 
 /// What map and profile show.
-fn shown(window: &Harness<'static, App>) -> Arc<Array2<f64>> {
+pub fn shown(window: &Harness<'static, App>) -> Arc<Array2<f64>> {
     let frame = window.state().state().pictured();
     frame.expect("a picture").gap.clone()
 }
 
 /// The largest difference, in shares of the largest gap.
-fn apart(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
+pub fn apart(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     let off = (a - b).iter().fold(0.0f64, |m, x| m.max(x.abs()));
     off / largest

@@ -13,6 +13,16 @@ const VALUES_MAX: usize = 1 << 24;
 pub struct Films(VecDeque<(usize, Arc<Film>)>);
 
 impl Films {
+    /// These, with the index of their jump.
+    pub(super) fn new(films: Vec<(usize, Arc<Film>)>) -> Self {
+        Self(films.into())
+    }
+
+    /// All that are kept.
+    pub(super) fn all(&self) -> impl Iterator<Item = (usize, Arc<Film>)> {
+        self.0.iter().cloned()
+    }
+
     /// That of a jump, if it is kept.
     pub fn of(&self, jump: usize) -> Option<&Arc<Film>> {
         let found = self.0.iter().find(|(index, _)| *index == jump);

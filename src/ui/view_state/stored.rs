@@ -21,6 +21,18 @@ pub struct Store {
 }
 
 impl Store {
+    /// These states, in order.
+    pub(super) fn new(states: Vec<Arc<Stored>>) -> Self {
+        let mut store = Self::default();
+        states.into_iter().for_each(|stored| store.keep(stored));
+        store
+    }
+
+    /// All that are kept, in order.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Arc<Stored>> {
+        self.kept.iter().map(|(_, stored)| stored)
+    }
+
     /// That of the state at this place of the path, if it is kept.
     pub fn at(&self, place: usize) -> Option<&Arc<Stored>> {
         let found = self.kept.binary_search_by_key(&place, |(place, _)| *place);
@@ -161,12 +173,12 @@ impl ViewState {
     pub(super) fn cut(&mut self, states: usize, jumps: usize) {
         let run = &mut self.run;
         (run.selection, run.shown, run.replayed, run.closed_loop) = (None, None, None, None);
-        let old = std::mem::take(&mut run.curve);
-        self.plots.add_ghost(old);
+        let left = states.saturating_sub(run.forgotten);
+        if left < run.record.states.len() {
+            self.plots.add_ghost(std::mem::take(&mut run.curve));
+        }
         let run = &mut self.run;
-        run.record
-            .states
-            .truncate(states.saturating_sub(run.forgotten));
+        run.record.states.truncate(left);
         run.record.jumps.truncate(jumps);
         run.store.cut(states);
         let law = &self.model.law;
@@ -192,7 +204,6 @@ mod tests {
     use ndarray::Array2;
 
     fn stored(place: usize, side: usize) -> Arc<Stored> {
-        let none = || Array2::zeros((0, 0));
         Arc::new(Stored {
             record: StateRecord::placeholder(place as f64),
             before: [place, 0],
@@ -205,11 +216,7 @@ mod tests {
                     energy: 0.0,
                     stress: 0.0,
                 },
-                fields: Fields {
-                    gap: none(),
-                    traction: none(),
-                    stiffness: none(),
-                },
+                fields: Fields::default(),
                 residual: 0.0,
                 stiffness_min: None,
                 soft_mode: Vec::new(),
