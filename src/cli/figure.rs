@@ -9,11 +9,14 @@ use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
 use crate::paper::figure::Finding;
 use crate::paper::{self, Entry, Figure, GALLERY, Size, Stopped, TABLES, Table, Task, UNDER_LOAD};
+use crate::scene::Scene;
 use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
-use crate::storage::{Failure, drawing, export};
+use crate::storage::{Failure, drawing, export, presets, scene_file};
 use crate::worker::background::{self, Progress};
 
+/// The figure that can be of another scene than the paper's.
+const OF_A_SCENE: &str = "14";
 /// Room that the files of a figure need, in bytes.
 const ROOM: u64 = 1_000_000;
 /// What a report consists of.
@@ -45,6 +48,26 @@ fn chosen(
     }
 }
 
+/// The scene that takes the place of the paper's.
+fn scene(arguments: &FigureArguments) -> Result<Option<Scene>, Failure> {
+    let Some(name) = &arguments.scene else {
+        return Ok(None);
+    };
+    if arguments.figure != OF_A_SCENE {
+        let allowed = format!("goes with figure {OF_A_SCENE} alone");
+        return Err(Failure::value("command line", "--scene", name, &allowed));
+    }
+    let scene = presets::resolve(name)?;
+    let place = presets::place(name);
+    let model = scene.model();
+    let model = model.map_err(|error| scene_file::refused(place, error))?;
+    if model.indenter.height(&model.grid).is_none() {
+        let allowed = format!("ground with heights, for figure {OF_A_SCENE}");
+        return Err(Failure::value(place, "indenter.kind", "flat", &allowed));
+    }
+    Ok(Some(scene))
+}
+
 fn unknown(what: &str, word: &str, numbers: impl Iterator<Item = usize>, more: &str) -> Failure {
     let list: Vec<String> = numbers.map(|n| n.to_string()).collect();
     let allowed = format!("{}{more}", list.join(", "));
@@ -65,6 +88,7 @@ struct Gathered {
 /// An unknown number, a folder that cannot be written, or a standard output that cannot.
 pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     let entries = chosen(arguments)?;
+    let scene = scene(arguments)?;
     let output = &arguments.output;
     let out = &output.out;
     let size = if arguments.quick {
@@ -86,7 +110,7 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
         output.quiet,
         &format!("{what} of the paper, computed anew into {}", out.display()),
     );
-    let mut gathered = gather(&entries, size, &cancel, &monitor, &folder);
+    let mut gathered = gather(&entries, (size, scene.as_ref()), &cancel, &monitor, &folder);
     monitor.finish();
     gathered.figures.sort_by_key(|(entry, _)| entry.number);
     gathered.missing.sort_by_key(|(number, _)| *number);
@@ -122,41 +146,47 @@ fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
 /// Computes, and writes each figure as soon as it is there.
 fn gather(
     entries: &[&'static Entry],
-    size: Size,
+    (size, scene): (Size, Option<&Scene>),
     cancel: &Cancel,
     monitor: &Monitor,
     out: &Folder,
 ) -> Gathered {
     let mut gathered = Gathered::default();
     let mut shares = vec![0.0; entries.len()];
-    background::compute(entries, size, cancel, &mut |progress| match progress {
-        Progress::Working { index, done, what } => {
-            shares[index] = done;
-            monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
-            monitor.now(&format!("Fig. {}: {what}", entries[index].number));
-        }
-        Progress::Done {
-            index,
-            figure,
-            seconds,
-        } => {
-            shares[index] = 1.0;
-            monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
-            let entry = entries[index];
-            match figure {
-                Ok(figure) => {
-                    let words = findings_in_words(&figure.findings);
-                    monitor.note(&format!(
-                        "Fig. {}: {} ({seconds:.1} s{words})",
-                        entry.number, entry.title
-                    ));
-                    gathered.unwritten.extend(write_figure(out, &figure));
-                    gathered.figures.push((entry, figure));
-                }
-                Err(why) => gathered.missing.push((entry.number, why)),
+    background::compute(
+        entries,
+        size,
+        scene,
+        cancel,
+        &mut |progress| match progress {
+            Progress::Working { index, done, what } => {
+                shares[index] = done;
+                monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
+                monitor.now(&format!("Fig. {}: {what}", entries[index].number));
             }
-        }
-    });
+            Progress::Done {
+                index,
+                figure,
+                seconds,
+            } => {
+                shares[index] = 1.0;
+                monitor.fraction(shares.iter().sum::<f64>() / shares.len() as f64);
+                let entry = entries[index];
+                match figure {
+                    Ok(figure) => {
+                        let words = findings_in_words(&figure.findings);
+                        monitor.note(&format!(
+                            "Fig. {}: {} ({seconds:.1} s{words})",
+                            entry.number, entry.title
+                        ));
+                        gathered.unwritten.extend(write_figure(out, &figure));
+                        gathered.figures.push((entry, figure));
+                    }
+                    Err(why) => gathered.missing.push((entry.number, why)),
+                }
+            }
+        },
+    );
     gathered
 }
 

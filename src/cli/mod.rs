@@ -142,6 +142,9 @@ struct FigureArguments {
     /// Drive the tips of Figs 12 and 13 by a load in place of a displacement
     #[arg(long)]
     load: bool,
+    /// Measure the law of Fig. 14 on the ground of this scene in place of the paper's
+    #[arg(long, value_name = "SCENE", conflicts_with = "load")]
+    scene: Option<String>,
 }
 
 /// What `tackscope lessons` is told.

@@ -7,9 +7,10 @@ use crate::follow::record::Direction;
 use crate::follow::record::LoopRecord;
 use crate::paper::measured_law::{Fit, MeasuredLaw, Row, fit};
 use crate::physics::indenter::Indenter;
+use crate::physics::topography::{Border, Statistics};
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::steps;
-use crate::scene::Model;
+use crate::scene::{Model, Scene};
 
 pub(super) const ENTRY: Entry = Entry {
     number: 14,
@@ -35,29 +36,55 @@ const LEDGER: f64 = 2e-4;
 
 /// One surface and what was measured on it.
 struct Surface {
-    seed: u64,
+    /// Its name: "surface 1" of the paper's.
+    name: String,
     law: MeasuredLaw,
     /// By window; in words where the points do not determine one.
     fits: Vec<Result<Fit, String>>,
     record: LoopRecord,
     model: Model,
+    /// Root mean square height, gradient and Laplacian of the ground.
+    ground: Statistics,
 }
 
 fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
+    if let Some(scene) = task.scene {
+        let name = match &scene.indenter {
+            Indenter::Measured(ground) => {
+                let file = ground.topography().file.file_name();
+                file.unwrap_or_default().to_string_lossy().into_owned()
+            }
+            _ => scene.title.clone(),
+        };
+        let surface = measure(name, scene, task)?;
+        let words = words_of_one(&surface);
+        let findings = vec![ledger(&surface)];
+        let [low, high] = surface.law.reach();
+        let gaps = [low / surface.ground.height, high / surface.ground.height];
+        return Ok(ENTRY.figure(vec![panel(&[surface], gaps)], words, findings));
+    }
     let seeds: &[u64] = task.choose(&[1], &[1, 2, 3]);
-    let surfaces = task.each(seeds, |_| 1.0, |seed, task| measure(*seed, task))?;
+    let surfaces = task.each(
+        seeds,
+        |_| 1.0,
+        |seed, task| {
+            let scene = scenes::rough(task.choose(2, 3), *seed, TURN);
+            measure(format!("surface {seed}"), &scene, task)
+        },
+    )?;
     let findings = surfaces.iter().flat_map(findings).collect();
     let words = words(&surfaces, task.size);
-    Ok(ENTRY.figure(vec![panel(&surfaces)], words, findings))
+    Ok(ENTRY.figure(vec![panel(&surfaces, [0.0, 5.0])], words, findings))
 }
 
-fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
-    let scene = scenes::rough(task.choose(2, 3), seed, TURN);
-    let (run, model) = loops::planned(&scene, task, &format!("the loop on rough surface {seed}"))?;
-    let mean = match scene.indenter {
-        Indenter::Rough(roughness) => roughness.mean_height(&model.grid),
-        _ => 0.0,
+/// Measures the law on the ground of a scene.
+fn measure(name: String, scene: &Scene, task: &mut Task<'_>) -> Result<Surface, Stopped> {
+    let (run, model) = loops::planned(scene, task, &format!("the loop on {name}"))?;
+    let Some(heights) = model.indenter.height(&model.grid) else {
+        let why = "flat ground has no law but that of the scene; give ground with heights";
+        return Err(Stopped::Failed(format!("{name}: {why}")));
     };
+    let mean = heights.sum() / heights.len() as f64;
     let law = MeasuredLaw::of(&run.record, mean, GAPS);
     let tension = law.strongest().1;
     let fits = WINDOWS
@@ -65,10 +92,11 @@ fn measure(seed: u64, task: &mut Task<'_>) -> Result<Surface, Stopped> {
         .map(|most| fit(&law.window(most * tension)))
         .collect();
     Ok(Surface {
-        seed,
+        name,
         law,
         fits,
         record: run.record,
+        ground: Statistics::of(&heights, [model.grid.spacing(); 2], Border::Periodic),
         model,
     })
 }
@@ -86,11 +114,7 @@ fn ranges(fit: &Fit, rho: f64) -> [(f64, f64); 2] {
 
 fn findings(surface: &Surface) -> Vec<Finding> {
     let Surface {
-        seed,
-        fits,
-        record,
-        model,
-        ..
+        name, fits, model, ..
     } = surface;
     let mut findings = Vec::new();
     for (fit, window) in fits.iter().zip(WINDOWS) {
@@ -105,7 +129,7 @@ fn findings(surface: &Surface) -> Vec<Finding> {
                 None,
             )
         };
-        let place = format!("surface {seed}, window to p = {window} σ_max");
+        let place = format!("{name}, window to p = {window} σ_max");
         findings.push(stated(
             format!("ρ_a/ρ (± {da:.2}), {place}"),
             adhesion,
@@ -119,18 +143,30 @@ fn findings(surface: &Surface) -> Vec<Finding> {
             "increased by 60 %",
         ));
     }
-    findings.push(Finding::new(
-        format!("dissipated energy ∮σ du₀/γ, surface {seed}"),
+    findings.push(ledger(surface));
+    findings
+}
+
+/// The loop's integral against its releases.
+fn ledger(surface: &Surface) -> Finding {
+    let Surface {
+        name,
+        record,
+        model,
+        ..
+    } = surface;
+    Finding::new(
+        format!("dissipated energy ∮σ du₀/γ, {name}"),
         record.work() / model.law.surface_energy,
         record.released_energy_sum(),
         "sum of the energies released in the jumps",
         Some(LEDGER),
-    ));
-    findings
+    )
 }
 
-/// The first surface as symbols, the fits of all as lines.
-fn panel(surfaces: &[Surface]) -> Panel {
+/// The first surface as symbols, the fits of all as lines, between two mean gaps (root mean square
+/// heights).
+fn panel(surfaces: &[Surface], [left, high]: [f64; 2]) -> Panel {
     let first = &surfaces[0];
     // The narrower window is nearer to what is drawn.
     let best = |surface: &Surface| {
@@ -140,10 +176,11 @@ fn panel(surfaces: &[Surface]) -> Panel {
             .find_map(|fit| fit.as_ref().ok().map(|fit| fit.law))
     };
     let unit = best(first).map_or(first.law.strongest().1, |law| law.strongest().1);
+    let height = first.ground.height;
     let rows = || first.law.rows.iter().step_by(2);
     let symbols = |direction: Direction, symbol, stress: fn(&Row) -> f64| {
         let points = rows()
-            .map(|row| [row.gap / scenes::ROUGH_RMS, -stress(row) / unit])
+            .map(|row| [row.gap / height, -stress(row) / unit])
             .collect();
         Series::symbols(
             &direction.to_string(),
@@ -157,53 +194,77 @@ fn panel(surfaces: &[Surface]) -> Panel {
         symbols(Direction::Retraction, Symbol::Cross, |row| row.retraction),
     ];
     let low = first.law.rows.last().map_or(0.0, |row| row.gap);
-    for surface in surfaces {
+    for (k, surface) in surfaces.iter().enumerate() {
         let Some(law) = best(surface) else { continue };
         let own = law.strongest().1;
-        let curve = steps(low, 5.0, 300);
+        let curve = steps(low, high * height, 300);
         let points = curve
-            .map(|g| [g / scenes::ROUGH_RMS, -law.traction(g) / own])
+            .map(|g| [g / height, -law.traction(g) / own])
             .collect();
-        let (name, role, colour) = if surface.seed == first.seed {
+        let (name, role, colour) = if k == 0 {
             (
                 "fit by two exponentials".to_owned(),
                 Role::Theory,
                 Colour::Ink,
             )
         } else {
-            (
-                format!("fit, surface {}", surface.seed),
-                Role::Guide,
-                Colour::Grey,
-            )
+            (format!("fit, {}", surface.name), Role::Guide, Colour::Grey)
         };
         series.push(Series::line(&name, role, colour, points));
     }
     Panel {
-        x: Axis::linear("mean gap u_g/h_std").from_to(0.0, 5.0),
+        x: Axis::linear("mean gap u_g/h_std").from_to(left, high),
         y: Axis::linear("compressive stress p/σ_max").from_to(-1.7, 3.2),
         series,
         ..Panel::default()
     }
 }
 
+/// A range over the microscopic one by surface, as far as it is determined: that of adhesion
+/// (`which` 0) or of repulsion (1).
+fn list(surfaces: &[Surface], which: usize, window: usize) -> String {
+    let word = |surface: &Surface| match &surface.fits[window] {
+        Ok(fit) => {
+            let (value, error) = ranges(fit, surface.model.law.range)[which];
+            format!("{value:.2} ± {error:.2}")
+        }
+        Err(_) => "not determined".to_owned(),
+    };
+    surfaces.iter().map(word).collect::<Vec<_>>().join(", ")
+}
+
+/// Of other ground than the paper's.
+fn words_of_one(surface: &Surface) -> String {
+    let Surface {
+        name,
+        law,
+        record,
+        model,
+        ground,
+        ..
+    } = surface;
+    let one = std::slice::from_ref(surface);
+    let [first, second] = WINDOWS;
+    format!(
+        "Mean stress against mean gap on {name}: root mean square height {:.3} ρ, gradient {:.2}. \
+         A difference of two exponentials is fitted to where the compression is {first} or {second} \
+         times the largest tension: the range of adhesion over ρ is {} in the first window, {} in \
+         the second, that of repulsion over ρ/2 {} and {}. The errors are those of the fit alone. \
+         The largest mean tension is {:.3} of the microscopic σ_max, the loss {:.4} γ.",
+        ground.height / model.law.range,
+        ground.gradient,
+        list(one, 0, 0),
+        list(one, 0, 1),
+        list(one, 1, 0),
+        list(one, 1, 1),
+        law.strongest().1 / model.law.traction_max(),
+        record.released_energy_sum(),
+    )
+}
+
 fn words(surfaces: &[Surface], size: Size) -> String {
-    let rho = surfaces[0].model.law.range;
-    let list = |k: usize, window: usize| {
-        let word = |surface: &Surface| match &surface.fits[window] {
-            Ok(fit) => {
-                let (value, error) = ranges(fit, rho)[k];
-                format!("{value:.2} ± {error:.2}")
-            }
-            Err(_) => "not determined".to_owned(),
-        };
-        surfaces.iter().map(word).collect::<Vec<_>>().join(", ")
-    };
     let gamma = surfaces[0].model.law.surface_energy;
-    let gradient = match surfaces[0].model.indenter {
-        Indenter::Rough(roughness) => roughness.rms_gradient(&surfaces[0].model.grid),
-        _ => 0.0,
-    };
+    let gradient = surfaces[0].ground.gradient;
     let weaker: Vec<_> = surfaces
         .iter()
         .map(|surface| {
@@ -240,10 +301,10 @@ fn words(surfaces: &[Surface], size: Size) -> String {
          tension is {} of the microscopic σ_max, the loss {} γ.",
         WINDOWS[0],
         WINDOWS[1],
-        list(0, 0),
-        list(0, 1),
-        list(1, 0),
-        list(1, 1),
+        list(surfaces, 0, 0),
+        list(surfaces, 0, 1),
+        list(surfaces, 1, 0),
+        list(surfaces, 1, 1),
         weaker.join(", "),
         lost.join(", "),
     )

@@ -67,6 +67,15 @@ impl MeasuredLaw {
         row.map_or((f64::NAN, f64::NAN), |row| (row.gap, row.mean()))
     }
 
+    /// Mean gaps between which the law is seen: the smallest, zero at most, and one at which its
+    /// tension is less than a hundredth of the largest.
+    pub fn reach(&self) -> [f64; 2] {
+        let least = 0.01 * self.strongest().1;
+        let high = self.rows.iter().find(|row| row.mean().abs() > least);
+        let low = self.rows.last().map_or(0.0, |row| row.gap.min(0.0));
+        [low, high.map_or(low + 1.0, |row| row.gap)]
+    }
+
     /// Mean gap and mean stress from the largest gap down to where the compression reaches `most`
     /// (E*).
     pub fn window(&self, most: f64) -> Vec<[f64; 2]> {

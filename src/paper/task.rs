@@ -2,6 +2,7 @@
 
 use crate::numerics::cancel::Cancel;
 use crate::numerics::threads;
+use crate::scene::Scene;
 use std::sync::{Mutex, PoisonError};
 
 /// How much work a figure may be.
@@ -31,6 +32,8 @@ pub struct Task<'a> {
     pub size: Size,
     /// Raised to stop.
     pub cancel: &'a Cancel,
+    /// What takes the place of the paper's scenes, in a figure that can be of another.
+    pub scene: Option<&'a Scene>,
     observe: &'a mut (dyn FnMut(f64, &str) + Send),
     share: [f64; 2],
 }
@@ -45,9 +48,15 @@ impl<'a> Task<'a> {
         Self {
             size,
             cancel,
+            scene: None,
             observe,
             share: [0.0, 1.0],
         }
+    }
+
+    /// The same of another scene than the paper's.
+    pub fn of(self, scene: Option<&'a Scene>) -> Self {
+        Self { scene, ..self }
     }
 
     /// The part of it that goes from share `from` to share `to`.
@@ -57,6 +66,7 @@ impl<'a> Task<'a> {
         Task {
             size: self.size,
             cancel: self.cancel,
+            scene: self.scene,
             share: [at(from), at(to)],
             observe: self.observe,
         }
@@ -91,7 +101,7 @@ impl<'a> Task<'a> {
         let all: f64 = costs.iter().sum();
         let mut order: Vec<usize> = (0..items.len()).collect();
         order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
-        let (size, cancel) = (self.size, self.cancel.part());
+        let (size, scene, cancel) = (self.size, self.scene, self.cancel.part());
         let results: Vec<Mutex<Option<Result<R, Stopped>>>> =
             items.iter().map(|_| Mutex::default()).collect();
         let told = Mutex::new((self, vec![0.0; items.len()]));
@@ -104,7 +114,8 @@ impl<'a> Task<'a> {
                 // A request to stop reaches the work by its own token.
                 let _ = task.tell(shares.iter().sum(), what);
             };
-            let result = work(&items[index], &mut Task::new(size, &cancel, &mut observe));
+            let mut part = Task::new(size, &cancel, &mut observe).of(scene);
+            let result = work(&items[index], &mut part);
             if result.is_err() {
                 cancel.request();
             }

@@ -205,10 +205,16 @@ pub enum Progress {
     },
 }
 
-/// Computes the figures in this order, as many at a time as there are cores; `tell` is called on
-/// this thread. After a request to stop every figure is still answered for, most of them by
+/// Computes the figures in this order, as many at a time as there are cores, those that can be of
+/// another scene than the paper's of `scene`; `tell` is called on this thread. After a request to stop every figure is still answered for, most of them by
 /// [`Stopped::Cancelled`].
-pub fn compute(entries: &[&Entry], size: Size, cancel: &Cancel, tell: &mut dyn FnMut(Progress)) {
+pub fn compute(
+    entries: &[&Entry],
+    size: Size,
+    scene: Option<&Scene>,
+    cancel: &Cancel,
+    tell: &mut dyn FnMut(Progress),
+) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = unbounded();
     let work = || {
@@ -218,7 +224,7 @@ pub fn compute(entries: &[&Entry], size: Size, cancel: &Cancel, tell: &mut dyn F
                 return;
             };
             let (began, pace) = (Instant::now(), Pace::default());
-            let figure = one(entry, size, cancel, &mut |done, what| {
+            let figure = one(entry, size, scene, cancel, &mut |done, what| {
                 if pace.is_due() {
                     let _ = sender.send(Progress::Working {
                         index,
@@ -248,13 +254,14 @@ pub fn compute(entries: &[&Entry], size: Size, cancel: &Cancel, tell: &mut dyn F
 fn one(
     entry: &Entry,
     size: Size,
+    scene: Option<&Scene>,
     cancel: &Cancel,
     tell: &mut (dyn FnMut(f64, &str) + Send),
 ) -> Result<Figure, Stopped> {
     if cancel.requested() {
         return Err(Stopped::Cancelled);
     }
-    let mut task = Task::new(size, cancel, tell);
+    let mut task = Task::new(size, cancel, tell).of(scene);
     catch_unwind(AssertUnwindSafe(|| (entry.compute)(&mut task)))
         .unwrap_or_else(|_| Err(Stopped::Failed(FAULT.to_owned())))
 }
@@ -291,11 +298,17 @@ mod tests {
         ];
         let list: Vec<&Entry> = entries.iter().collect();
         let mut done = [None, None, None, None];
-        compute(&list, Size::Quick, &Cancel::default(), &mut |progress| {
-            if let Progress::Done { index, figure, .. } = progress {
-                done[index] = Some(figure.map(|_| ()));
-            }
-        });
+        compute(
+            &list,
+            Size::Quick,
+            None,
+            &Cancel::default(),
+            &mut |progress| {
+                if let Progress::Done { index, figure, .. } = progress {
+                    done[index] = Some(figure.map(|_| ()));
+                }
+            },
+        );
         assert_eq!(done[0], Some(Ok(())));
         assert_eq!(done[1], Some(Err(Stopped::Failed("no".to_owned()))));
         assert!(
@@ -311,7 +324,7 @@ mod tests {
         let list: Vec<&Entry> = entries.iter().collect();
         let cancel = Cancel::default();
         let (mut done, mut cancelled) = (0, 0);
-        compute(&list, Size::Quick, &cancel, &mut |progress| {
+        compute(&list, Size::Quick, None, &cancel, &mut |progress| {
             if let Progress::Done { figure, .. } = progress {
                 cancel.request();
                 if matches!(figure, Err(Stopped::Cancelled)) {

@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 use tackscope::follow::run::{LoopRun, Outcome};
 use tackscope::numerics::cancel::Cancel;
+use tackscope::paper::{GALLERY, Size, Task};
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::heights::read;
@@ -97,36 +98,92 @@ fn a_map_of_each_format_comes_to_the_same_heights_and_the_same_loop() {
     }
 }
 
+/// A coarse built-in scene, and the same on ground that was written to a file and read back.
+fn written_back(name: &str, home: &Path) -> [Scene; 2] {
+    let mut scene = presets::resolve(name).unwrap();
+    scene.cell.points = scene.cell.points.resized(32);
+    (scene.drive.step, scene.law.range) = (0.1, tackscope::scene::Range::MuRho(0.45));
+    let model = scene.model().unwrap();
+    scene.law.range = tackscope::scene::Range::Length(model.law.range);
+    let report = GroundReport::of(&model.indenter, &model.grid, None).unwrap();
+    let file = home.join(format!("{name}.csv"));
+    export::write_heights_csv(&file, &report).unwrap();
+    let mut back = scene.clone();
+    let text = format!(
+        "[indenter]\nkind = \"measured\"\nfile = \"{}\"\nperiodic = \"as_is\"\n",
+        file.display()
+    );
+    let own = scene_file::to_text(&scene);
+    let (before, rest) = own.split_once("[indenter]").unwrap();
+    let (_, after) = rest.split_once("[drive]").unwrap();
+    let read = scene_file::parse(&format!("{before}{text}[drive]{after}"), "back").unwrap();
+    back.indenter = read.indenter.clone();
+    assert_eq!(back, read);
+    [scene, back]
+}
+
 #[test]
 fn built_in_ground_written_to_a_file_and_read_back_has_the_same_loop() {
     let home = tempfile::tempdir().unwrap();
     for name in ["rough", "wavy"] {
-        let mut scene = presets::resolve(name).unwrap();
-        scene.cell.points = scene.cell.points.resized(32);
-        (scene.drive.step, scene.law.range) = (0.1, tackscope::scene::Range::MuRho(0.45));
-        let model = scene.model().unwrap();
-        scene.law.range = tackscope::scene::Range::Length(model.law.range);
-        let report = GroundReport::of(&model.indenter, &model.grid, None).unwrap();
-        let file = home.path().join(format!("{name}.csv"));
-        export::write_heights_csv(&file, &report).unwrap();
-        let mut back = scene.clone();
-        let text = format!(
-            "[indenter]\nkind = \"measured\"\nfile = \"{}\"\nperiodic = \"as_is\"\n",
-            file.display()
-        );
-        let own = scene_file::to_text(&scene);
-        let (before, rest) = own.split_once("[indenter]").unwrap();
-        let (_, after) = rest.split_once("[drive]").unwrap();
-        let read = scene_file::parse(&format!("{before}{text}[drive]{after}"), "back").unwrap();
-        back.indenter = read.indenter.clone();
-        assert_eq!(back, read);
-        let built_in = model.indenter.height(&model.grid).unwrap();
-        let measured = back.model().unwrap().indenter.height(&model.grid).unwrap();
+        let [scene, back] = written_back(name, home.path());
+        let [built_in, measured] = [&scene, &back].map(|scene| {
+            let model = scene.model().unwrap();
+            model.indenter.height(&model.grid).unwrap()
+        });
         for (a, b) in built_in.iter().zip(&measured) {
             assert!((a - b).abs() < 1e-9, "{name}: {a} {b}");
         }
         let off = difference(&loop_of(&scene), &loop_of(&back));
         assert!(off < 1e-6, "{name}: {off}");
+    }
+}
+
+#[test]
+fn the_law_of_figure_14_measured_on_a_file_is_that_of_the_ground_it_was_written_from() {
+    let home = tempfile::tempdir().unwrap();
+    let cancel = Cancel::default();
+    let [own, read] = written_back("rough", home.path()).map(|scene| {
+        let entry = GALLERY.iter().find(|entry| entry.number == 14).unwrap();
+        let mut observe = |_: f64, _: &str| {};
+        let mut task = Task::new(Size::Full, &cancel, &mut observe).of(Some(&scene));
+        (entry.compute)(&mut task).unwrap()
+    });
+    let [a, b] = [&own, &read].map(|figure| &figure.panels[0].series);
+    assert_eq!(a.len(), b.len());
+    // Both ways, and the fit.
+    assert!(a.len() >= 3, "{}", own.words);
+    for (a, b) in a.iter().zip(b) {
+        assert_eq!(a.points.len(), b.points.len());
+        for (a, b) in a.points.iter().zip(&b.points) {
+            assert!(
+                (a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-5,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+    assert!(read.words.contains("rough.csv"), "{}", read.words);
+    assert!(
+        own.findings
+            .iter()
+            .all(|finding| finding.agrees() == Some(true))
+    );
+    // Another scene than the paper's goes with this figure alone, and with ground that has heights.
+    for (figure, scene, words) in [
+        ("2", "rough", "--scene = rough: goes with figure 14 alone"),
+        (
+            "14",
+            "fig2",
+            "fig2: indenter.kind = flat: ground with heights",
+        ),
+    ] {
+        let out = home.path().join("refused").display().to_string();
+        let refused = tackscope()
+            .args(["figure", figure, "--scene", scene, "--out", &out])
+            .output()
+            .unwrap();
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(errors(&refused).contains(words), "{}", errors(&refused));
     }
 }
 

@@ -26,12 +26,6 @@ impl Component {
         let [x, y] = self.wave.map(|k| 2 * k.unsigned_abs() as usize);
         x < grid.nx.max(2) && (y == 0 || y < grid.ny.max(2))
     }
-
-    /// |wave|^2.
-    pub(super) fn square(&self) -> f64 {
-        let [x, y] = self.wave;
-        (x * x + y * y) as f64
-    }
 }
 
 /// The sum of the waves on the points of `grid`, which must be able to show them.
