@@ -10,6 +10,7 @@ use crate::plot::diagram_panel::{counts, page};
 use crate::plot::ticks::digits;
 use crate::scene::window;
 use crate::storage::export::{write_barriers_csv, write_branches_csv, write_points_csv};
+use crate::storage::fields::write_diagram_fields;
 use crate::storage::{Failure, drawing, scene_file};
 use crate::study::landscape::{Ground, Saddle};
 use crate::study::plan;
@@ -18,6 +19,8 @@ use crate::study::plan;
 const FILES: [&str; 4] = ["branches.csv", "points.csv", "diagram.svg", "diagram.png"];
 /// What is written if it is asked for.
 const BARRIERS: &str = "barriers.csv";
+/// Likewise.
+const FIELDS: &str = "fields.npz";
 /// Room that the files need, in bytes.
 const ROOM: u64 = 4_000_000;
 
@@ -31,7 +34,9 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     let model = scene.model().map_err(refused)?;
     let cancel = cancel_on_signal();
     let output = &arguments.output;
-    let folder = output.claim(&[], ROOM, |name| name == BARRIERS || FILES.contains(&name))?;
+    let folder = output.claim(&[], ROOM, |name| {
+        [BARRIERS, FIELDS].contains(&name) || FILES.contains(&name)
+    })?;
     let monitor = Monitor::new(
         output.quiet,
         &format!("{}: every branch of equilibria", scene.title),
@@ -64,6 +69,10 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         written.push(barriers);
         found.missing.extend(missing);
         found.cancelled |= cancel.requested();
+    }
+    if arguments.fields {
+        let path = folder.join(FIELDS);
+        written.push(write_diagram_fields(&path, &found, (&scene, &model)));
     }
     let page = page(&found, &model, &scene.title);
     written.extend([

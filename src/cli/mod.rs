@@ -23,7 +23,7 @@ use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::fields::Keep;
 use crate::storage::folder::Folder;
-use crate::storage::{Failure, files, line, presets, scene_file};
+use crate::storage::{Failure, VERSION, files, line, presets, scene_file};
 use crate::study::map::Vary;
 use crate::study::reality::reality;
 use crate::worker::signals;
@@ -52,7 +52,7 @@ const SECONDS_MAX: f64 = 1e6;
 /// tackscope-out/.
 #[derive(Parser)]
 #[command(
-    version,
+    version = VERSION,
     about,
     after_help = "Exit codes: 0 done, 2 bad input or a file that cannot be written, 3 not \
         converged, 130 interrupted by Ctrl-C, SIGTERM or SIGHUP (3 and 130: what was computed is \
@@ -178,6 +178,9 @@ struct DiagramArguments {
     /// Also writes barriers.csv: every saddle at N places of the drive, and what it separates
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     barriers: Option<u16>,
+    /// Also writes fields.npz: gap, displacement and traction of every point, for numpy
+    #[arg(long)]
+    fields: bool,
 }
 
 /// What `tackscope map` is told.

@@ -16,7 +16,7 @@ use crate::storage::summary::{
     Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
     UnitsSummary, Yardstick,
 };
-use crate::storage::{Failure, drawing, export, picture};
+use crate::storage::{Failure, VERSION, drawing, export, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, promise};
 
@@ -78,7 +78,7 @@ pub(super) fn summary(
         Number(states.iter().map(value).reduce(nan_max).unwrap_or(f64::NAN))
     };
     Summary {
-        tackscope: env!("CARGO_PKG_VERSION"),
+        tackscope: VERSION,
         scene: SceneSummary::new(given, scene),
         plan: plan_summary(scene, model, plan, run.deviation.as_deref()),
         predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),

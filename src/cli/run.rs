@@ -5,7 +5,9 @@ use super::report::{self, Timed};
 use super::{
     DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, scene_with_points, warn,
 };
+use crate::follow::record::StateRecord;
 use crate::follow::run::{LoopRun, Outcome, Report};
+use crate::follow::walk::soft_mode;
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::{Dimension, Refusal};
 use crate::scene::parameter;
@@ -20,6 +22,7 @@ use crate::study::error_bar::{measured_error, reference};
 use crate::study::plan::run_planned;
 use crate::study::plan::{Plan, plan as plan_of, promise, refusal};
 use cpu_time::ProcessTime;
+use ndarray::Array2;
 use std::time::Instant;
 
 /// Computes the loop, writes its files and returns the exit code.
@@ -78,11 +81,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     .map_err(refused)?;
     let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
     if let Some(fields) = fields {
-        failures.extend(
-            fields
-                .finish(&folder.join(report::FIELDS), &scene, &model)
-                .err(),
-        );
+        let mut mode = |record: &StateRecord, displacement: &Array2<f64>| {
+            soft_mode((&model, scene.control()), record, displacement, &cancel)
+        };
+        let path = folder.join(report::FIELDS);
+        failures.extend(fields.finish(&path, (&scene, &model), &mut mode).err());
     }
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());

@@ -16,6 +16,7 @@ mod views;
 
 pub use progress::{Counts, Observed, Progress, Stuck};
 pub use symmetry::Widened;
+pub use views::soft_mode;
 
 use super::contest::Share;
 use super::flat_branch::FlatBranch;

@@ -1,13 +1,15 @@
-//! Fields as data: gap, displacement and traction of the states of a loop in `fields.npz`, which
-//! numpy reads.
+//! Fields as data: gap, displacement and traction of the states of a loop, or of a diagram, in
+//! `fields.npz`, which numpy reads.
 //!
 //! What is kept goes to a file without a name as it comes, so that memory does not grow with the
 //! number of states; the archive is made of that at the end. Arrays have one row a state, and
 //! fields the shape (state, row y, column x).
 
-use super::{Failure, files, scene_file};
+use super::{Failure, VERSION, files, scene_file};
+use crate::follow::diagram::{Branch, Diagram, Point};
 use crate::follow::record::StateRecord;
 use crate::follow::run::Report;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::parameter::Dimension;
 use crate::scene::{Model, Scene, edit};
@@ -46,6 +48,10 @@ impl FromStr for Keep {
         }
     }
 }
+
+/// Finds the mode that goes soft in a state, by its record and displacement (length); `None` where
+/// it is not found.
+pub type SoftMode<'a> = &'a mut dyn FnMut(&StateRecord, &Array2<f64>) -> Option<Array2<f64>>;
 
 /// A state that is kept, or may be.
 struct Row {
@@ -148,18 +154,40 @@ impl Collector {
         self.scratch.seek(SeekFrom::Start(end)).map(drop)
     }
 
-    /// Writes the archive of what was collected on `scene`.
+    /// Writes the archive of what was collected on `scene`. `soft_mode` finds the mode that goes
+    /// soft in a state from its displacement; it is asked for each that is followed by an event.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn finish(mut self, path: &Path, scene: &Scene, model: &Model) -> Result<(), Failure> {
+    pub fn finish(
+        mut self,
+        path: &Path,
+        (scene, model): (&Scene, &Model),
+        soft_mode: SoftMode<'_>,
+    ) -> Result<(), Failure> {
         if let Some(fault) = self.fault.take() {
             return Err(Failure::write(path, fault));
         }
-        files::write_by(path, |file| self.archive(file, scene, model))
+        files::write_by(path, |file| self.archive(file, (scene, model), soft_mode))
     }
 
-    fn archive(mut self, file: &mut File, scene: &Scene, model: &Model) -> io::Result<()> {
+    /// The rows of states that are followed by an event.
+    fn before_events(&self) -> Vec<usize> {
+        let pairs = self.rows.windows(2).enumerate();
+        let leads = |two: &[Row]| two[1].event && two[1].index == two[0].index + 1;
+        pairs
+            .filter(|(_, two)| leads(two))
+            .map(|(row, _)| row)
+            .collect()
+    }
+
+    fn archive(
+        mut self,
+        file: &mut File,
+        (scene, model): (&Scene, &Model),
+        soft_mode: SoftMode<'_>,
+    ) -> io::Result<()> {
+        let soft = self.before_events();
         self.scratch.flush()?;
         let mut scratch = BufReader::new(self.scratch.get_mut());
         let Grid { nx, ny, .. } = model.grid;
@@ -176,7 +204,7 @@ impl Collector {
                         continue;
                     }
                     for number in bytes.chunks_exact(size_of::<f64>()) {
-                        let value = f64::from_le_bytes(number.try_into().expect("of this size"));
+                        let value = number_of(number);
                         push(if law {
                             given(Dimension::Stress, model.law.at(value).traction)
                         } else {
@@ -190,6 +218,29 @@ impl Collector {
         field(&mut archive, "gap", 0, false)?;
         field(&mut archive, "displacement", 1, false)?;
         field(&mut archive, "traction", 0, true)?;
+        let place =
+            |row: usize| SeekFrom::Start(((2 * row + 1) * nx * ny * size_of::<f64>()) as u64);
+        let modes = [soft.len() as u64, ny as u64, nx as u64];
+        archive.array("soft_mode", &modes, |push| {
+            let mut bytes = vec![0; nx * ny * size_of::<f64>()];
+            for &row in &soft {
+                scratch.seek(place(row))?;
+                scratch.read_exact(&mut bytes)?;
+                let numbers = bytes.chunks_exact(size_of::<f64>());
+                let values = numbers.map(number_of).collect();
+                let displacement =
+                    Array2::from_shape_vec((ny, nx), values).map_err(io::Error::other)?;
+                match soft_mode(&self.rows[row].record, &displacement) {
+                    Some(mode) => mode.iter().try_for_each(|value| push(*value))?,
+                    None => (0..nx * ny).try_for_each(|_| push(f64::NAN))?,
+                }
+            }
+            Ok(())
+        })?;
+        archive.list(
+            "soft_mode_state",
+            soft.iter().map(|row| self.rows[*row].index as i64),
+        )?;
         let records = || self.rows.iter().map(|row| &row.record);
         archive.list("mean_displacement", records().map(|s| s.mean_displacement))?;
         archive.list(
@@ -208,21 +259,38 @@ impl Collector {
         archive.list("event", self.rows.iter().map(|row| row.event))?;
         let branches: Vec<String> = records().map(|s| s.direction.to_string()).collect();
         archive.texts("branch", &shape[..1], &branches)?;
-        archive.array("wave_stiffness", &shape[1..], |push| {
-            waves(&model.grid)
-                .try_for_each(|q| push(given(Dimension::Stiffness, stiffness(model, q))))
-        })?;
-        archive.array("length", &[], |push| push(model.grid.length))?;
-        archive.texts(
-            "scene",
-            &[],
-            &[scene_file::to_text(&edit::decided(scene, model))],
-        )?;
-        let program = concat!("tackscope ", env!("CARGO_PKG_VERSION")).to_owned();
-        archive.texts("program", &[], &[program])?;
-        archive.array("format", &[], |push| push(FORMAT))?;
+        archive.waves("wave_stiffness", (scene, model), &model.grid)?;
+        archive.scene(scene, model)?;
         archive.0.finish()?.flush()
     }
+}
+
+/// Writes the fields of every point of a diagram, of each branch on its own mesh (ridges, and the
+/// flat state, on a line): arrays `BRANCH_gap`, `BRANCH_displacement` and `BRANCH_traction` of the
+/// shape (point, row y, column x), and by point what `branches.csv` has.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_diagram_fields(
+    path: &Path,
+    diagram: &Diagram,
+    (scene, model): (&Scene, &Model),
+) -> Result<(), Failure> {
+    files::write_by(path, |file| {
+        let mut archive = Archive(ZipWriter::new(BufWriter::new(file)));
+        for branch in &diagram.branches {
+            archive.branch(branch, diagram.control, (scene, model))?;
+        }
+        let names: Vec<String> = diagram.branches.iter().map(|b| b.name.clone()).collect();
+        archive.texts("branches", &[names.len() as u64], &names)?;
+        archive.scene(scene, model)?;
+        archive.0.finish()?.flush()
+    })
+}
+
+/// The number in eight bytes of the scratch file.
+fn number_of(bytes: &[u8]) -> f64 {
+    f64::from_le_bytes(bytes.try_into().expect("eight of them"))
 }
 
 /// The wave numbers of a mesh in the order of numpy's `fft2`.
@@ -267,6 +335,77 @@ impl<'a> Archive<'a> {
         self.array(name, &[values.len() as u64], |push| {
             values.into_iter().try_for_each(push)
         })
+    }
+
+    /// The points of a branch.
+    fn branch(
+        &mut self,
+        branch: &Branch,
+        driven: Control,
+        (scene, model): (&Scene, &Model),
+    ) -> io::Result<()> {
+        let name = |what: &str| format!("{}_{what}", branch.name);
+        let given = |of, value| scene.number_given(of, value);
+        let points = &branch.points;
+        let (rows, columns) = points
+            .first()
+            .map_or((0, 0), |point| branch.gap(point).dim());
+        let shape = [points.len() as u64, rows as u64, columns as u64];
+        let system = &branch.system;
+        let height = system.height().map(|height| system.unfolded(height));
+        let field = |archive: &mut Self, what: &str, of: &dyn Fn(&Point) -> Array2<f64>| {
+            archive.array(&name(what), &shape, |push| {
+                let mut fields = points.iter().map(of);
+                fields.try_for_each(|field| field.iter().try_for_each(|value| push(*value)))
+            })
+        };
+        field(self, "gap", &|point| branch.gap(point))?;
+        field(self, "displacement", &|point| match &height {
+            Some(height) => branch.gap(point) + height,
+            None => branch.gap(point),
+        })?;
+        let traction = |gap: f64| given(Dimension::Stress, model.law.at(gap).traction);
+        field(self, "traction", &|point| branch.gap(point).mapv(traction))?;
+        let mut list =
+            |what: &str, of: &dyn Fn(&Point) -> f64| self.list(&name(what), points.iter().map(of));
+        list("mean_displacement", &|p| p.state.mean_displacement)?;
+        list("stress", &|p| given(Dimension::Stress, p.state.stress))?;
+        list("control", &|p| given(Dimension::Driven, p.state.control))?;
+        list("energy", &|p| {
+            given(Dimension::SurfaceEnergy, p.state.body_energy(driven))
+        })?;
+        let least = |p: &Point| p.index[0].min(p.index[1]) as i64;
+        self.list(&name("index"), points.iter().map(least))?;
+        let kinds: Vec<String> = points.iter().map(|p| p.kind.to_string()).collect();
+        self.texts(&name("kind"), &shape[..1], &kinds)?;
+        let mesh = Grid {
+            nx: columns,
+            ny: rows,
+            ..*system.grid()
+        };
+        self.waves(&name("wave_stiffness"), (scene, model), &mesh)
+    }
+
+    /// The body's stiffness by wave, in the order of numpy's `fft2`.
+    fn waves(
+        &mut self,
+        name: &str,
+        (scene, model): (&Scene, &Model),
+        grid: &Grid,
+    ) -> io::Result<()> {
+        let given = |q| scene.number_given(Dimension::Stiffness, stiffness(model, q));
+        self.array(name, &[grid.ny as u64, grid.nx as u64], |push| {
+            waves(grid).try_for_each(|q| push(given(q)))
+        })
+    }
+
+    /// What the fields are of, and which program wrote them.
+    fn scene(&mut self, scene: &Scene, model: &Model) -> io::Result<()> {
+        self.array("length", &[], |push| push(model.grid.length))?;
+        let text = scene_file::to_text(&edit::decided(scene, model));
+        self.texts("scene", &[], &[text])?;
+        self.texts("program", &[], &[format!("tackscope {VERSION}")])?;
+        self.array("format", &[], |push| push(FORMAT))
     }
 
     /// An array of texts.

@@ -21,6 +21,9 @@ pub mod scene_file;
 pub mod session;
 pub mod summary;
 
+/// The version of the program, in a release with the commit it was built from.
+pub const VERSION: &str = env!("TACKSCOPE_VERSION");
+
 pub use failure::{Failure, line};
 pub use files::{read_regular, remove};
 pub use picture::{Opened, open, open_scene};

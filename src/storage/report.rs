@@ -2,7 +2,7 @@
 //! that needs nothing else.
 
 use super::drawing::{escaped, page_svg};
-use super::{Failure, files};
+use super::{Failure, VERSION, files};
 use crate::paper::errata::Erratum;
 use crate::paper::figure::{Figure, Finding, Table};
 use crate::plot::typeset::{Script, number, runs};
@@ -63,7 +63,7 @@ fn page(report: &Report<'_>) -> String {
          <p>The figures of Wang, Zhou and Müser (<i>Lubricants</i> 9 (2021) 17, doi \
          10.3390/lubricants9020017), computed anew by \
          Tackscope {}, beside theory and print.</p>\n",
-        env!("CARGO_PKG_VERSION")
+        VERSION
     );
     summary(&mut out, report);
     for (figure, look_for) in &report.figures {

@@ -9,7 +9,7 @@
 //! | `notes.txt` | what somebody wrote |
 //! | `window.msgpack` | everything, in MessagePack: records, stored states, films of jumps |
 
-use super::{Failure, export, files, scene_file};
+use super::{Failure, VERSION, export, files, scene_file};
 use crate::follow::record::LoopRecord;
 use crate::scene::Scene;
 use serde::de::DeserializeOwned;
@@ -100,7 +100,7 @@ fn archive<T: Serialize, W: Write + Seek>(
         .large_file(true);
     let head = Head {
         format: FORMAT,
-        program: concat!("tackscope ", env!("CARGO_PKG_VERSION")).to_owned(),
+        program: format!("tackscope {VERSION}"),
     };
     let Session {
         scene,

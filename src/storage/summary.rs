@@ -1,7 +1,7 @@
 //! `summary.json`: what was computed, how well, and at what cost; `chart.json`: what the chart of
 //! speed against accuracy says in short.
 
-use super::{Failure, files, scene_file};
+use super::{Failure, VERSION, files, scene_file};
 use crate::scene::Scene;
 use crate::study::chart::{Chart, Judged, Verdict};
 use serde::{Serialize, Serializer};
@@ -341,7 +341,7 @@ pub fn write_chart_json(
     let count =
         |which: fn(&Verdict) -> bool| chart.rows.iter().filter(|row| which(&row.verdict)).count();
     let told = Short {
-        tackscope: env!("CARGO_PKG_VERSION"),
+        tackscope: VERSION,
         scene: SceneSummary::new(given, scene),
         completed: !chart.cancelled,
         reference: chart.reference.as_ref().map(|reference| ReferenceShort {

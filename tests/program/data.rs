@@ -6,8 +6,9 @@ use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use tackscope::physics::grid::Grid;
 use tackscope::physics::system::System;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{VERSION, presets, scene_file};
 use zip::ZipArchive;
 
 /// The binary with a text on its standard input.
@@ -225,10 +226,7 @@ fn the_fields_of_every_state_are_in_equilibrium_and_have_its_stress() {
             assert!(off.iter().all(|off| off.abs() < 1e-10), "{u0}");
             assert!((of(&traction, i).mean().unwrap() - stress[i]).abs() < 1e-12);
         }
-        assert_eq!(
-            text(&file, "program"),
-            concat!("tackscope ", env!("CARGO_PKG_VERSION"))
-        );
+        assert_eq!(text(&file, "program"), format!("tackscope {VERSION}"));
         assert_eq!(array::<i64>(&file, "format"), (vec![], vec![1]));
         assert_eq!(array(&file, "length"), (vec![], vec![model.grid.length]));
     }
@@ -258,6 +256,109 @@ fn every_nth_state_or_those_around_jumps_can_be_kept_instead() {
     let refused = run("fig2", &home.path().join("no"), &["--fields", "every=0"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(errors(&refused).contains("every=N"), "{}", errors(&refused));
+}
+
+/// The mode is held against the second difference of the energy along it.
+#[test]
+fn the_soft_mode_before_a_jump_has_the_stiffness_of_its_state() {
+    let (scene, home) = fig2_with(&[
+        ("points = 64", "points = 32"),
+        ("step = 0.02", "step = 0.2"),
+    ]);
+    for model in ["whole", "plan"] {
+        let out = home.path().join(model);
+        let more = ["--fields", "jumps", "--quiet", "--model", model];
+        let output = run(&scene, &out, &more);
+        assert!(output.status.success(), "{}", errors(&output));
+        let file = out.join("fields.npz");
+        let (shape, modes): (_, Vec<f64>) = array(&file, "soft_mode");
+        let of: Vec<i64> = array(&file, "soft_mode_state").1;
+        let states: Vec<i64> = array(&file, "state").1;
+        let displacement: Vec<f64> = array(&file, "displacement").1;
+        let jumps = table(&out, "events.csv").len() - 1;
+        assert!(jumps >= 6);
+        assert_eq!(shape, [jumps as u64, 32, 32]);
+        assert_eq!(of.len(), jumps);
+        let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
+        let decided = scene.model().unwrap();
+        let system = System::new(decided.grid, decided.law, &decided.indenter);
+        let mut ws = system.workspace();
+        let points = decided.grid.points();
+        let field = |all: &[f64], i: usize| {
+            let field = all[i * points..(i + 1) * points].to_vec();
+            ndarray::Array2::from_shape_vec((32, 32), field).unwrap()
+        };
+        let [u0s, stiffness] = [1, 7].map(|index| column(&out, index));
+        for (i, &state) in of.iter().enumerate() {
+            let row = states.iter().position(|s| *s == state).unwrap();
+            let mode = field(&modes, i);
+            assert!((mode.mapv(|v| v * v).mean().unwrap() - 1.0).abs() < 1e-9);
+            let u0: f64 = u0s[state as usize].parse().unwrap();
+            let told: f64 = stiffness[state as usize].parse().unwrap();
+            let mut energy = |by: f64| {
+                let moved = field(&displacement, row) + &(&mode * by);
+                let z = system.amplitudes(&moved, &mut ws);
+                system.at(z, u0, &mut ws).state.energy
+            };
+            let by = 1e-3;
+            let second = (energy(by) - 2.0 * energy(0.0) + energy(-by)) / (by * by);
+            let found = second * decided.grid.length;
+            assert!((found - told).abs() < 0.02, "{model} {u0}: {found} {told}");
+        }
+    }
+}
+
+#[test]
+fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
+    let (scene, home) = fig2_with(&[("points = 64", "points = 48")]);
+    let out = home.path().join("out");
+    let output = tackscope()
+        .args(["diagram", &scene, "--fields", "--quiet", "--out"])
+        .arg(&out)
+        .output()
+        .expect("the binary runs");
+    assert!(output.status.success(), "{}", errors(&output));
+    let file = out.join("fields.npz");
+    let branches: Vec<String> = array(&file, "branches").1;
+    assert!(branches.len() >= 4, "{branches:?}");
+    let scene = scene_file::parse(&text(&file, "scene"), "fields.npz").unwrap();
+    let model = scene.model().unwrap();
+    let rows = table(&out, "branches.csv").split_off(1);
+    let mut rows = rows.iter();
+    for branch in branches {
+        let of = |what: &str| array::<f64>(&file, &format!("{branch}_{what}"));
+        let (shape, displacement) = of("displacement");
+        let [(_, gap), (_, u0s), (_, stress)] =
+            ["gap", "mean_displacement", "stress"].map(|what| of(what));
+        let (ny, nx) = (shape[1] as usize, shape[2] as usize);
+        let grid = if ny == 1 {
+            Grid::line(model.grid.length, nx)
+        } else {
+            Grid::square(model.grid.length, nx)
+        };
+        let system = System::new(grid, model.law, &model.indenter);
+        let mut ws = system.workspace();
+        assert_eq!(shape[0] as usize, u0s.len());
+        for (i, u0) in u0s.iter().enumerate() {
+            let row = rows.next().expect("a row a point");
+            assert_eq!((&row[0], row[2].parse()), (&branch, Ok(*u0)));
+            let part = i * ny * nx..(i + 1) * ny * nx;
+            let values = displacement[part.clone()].to_vec();
+            let field = ndarray::Array2::from_shape_vec((ny, nx), values).unwrap();
+            let amplitudes = system.amplitudes(&field, &mut ws);
+            let at = system.at(amplitudes, *u0, &mut ws);
+            // Where a branch meets the ridge the state is known on the ridge's finer line, some of
+            // whose waves a square mesh lacks.
+            let meets = branch.starts_with("mixed") && [0, u0s.len() - 1].contains(&i);
+            let [balance, pull] = if meets { [1e-3, 1e-5] } else { [1e-6, 1e-9] };
+            assert!(system.residual(&at, &mut ws) < balance, "{branch} {u0}");
+            assert!((at.state.stress - stress[i]).abs() < pull, "{branch} {u0}");
+            for (a, b) in at.fields.gap.iter().zip(&gap[part]) {
+                assert!((a - b).abs() < 1e-10);
+            }
+        }
+    }
+    assert!(rows.next().is_none());
 }
 
 /// The lines of the README, but for the picture.

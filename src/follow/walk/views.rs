@@ -1,8 +1,40 @@
 //! What a walk shows: the gap, and the mode that gives way first.
 
+use super::symmetry::slides_on;
 use super::{Phase, Walk};
+use crate::follow::record::StateRecord;
+use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{dot, scale};
+use crate::physics::control::Control;
+use crate::physics::system::System;
+use crate::scene::Model;
+use crate::solver::mechanics::Mechanics;
+use crate::solver::stability::Tracker;
 use ndarray::Array2;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+/// The field of the mode of smallest stiffness in a state of which the displacement (length) is
+/// known over the whole cell, mean(phi^2) = 1: of several that are equal one. `None` where it was
+/// not found, or somebody asked to stop.
+pub fn soft_mode(
+    (model, driven): (&Model, Control),
+    record: &StateRecord,
+    displacement: &Array2<f64>,
+    cancel: &Cancel,
+) -> Option<Array2<f64>> {
+    let system = System::new(model.grid, model.law, &model.indenter).with_body(model.body);
+    let mut mechanics = Mechanics::new(system.with_control(driven), slides_on(model));
+    mechanics.cancel = cancel.clone();
+    let [control, mean] = driven.balanced(record.mean_displacement, record.stress);
+    let mut z = mechanics.amplitudes(displacement);
+    z[0] = mean;
+    let at = mechanics.at(z, control);
+    mechanics.refresh(&at.fields);
+    let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
+    let (stiffness, mode) = tracker.check(&mut mechanics, &at.state.amplitudes, &at.fields);
+    (!stiffness.value.is_nan()).then(|| mechanics.field(&mode).clone())
+}
 
 impl Walk {
     /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
