@@ -43,7 +43,7 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
         .map_err(refused)?;
     monitor.finish();
     let [csv, svg, png] = FILES.map(|name| folder.join(name));
-    let page = page(&found, &scene.title);
+    let page = page(&found, &scene);
     let written = [
         write_map_csv(&csv, &found),
         drawing::write_page_svg(&svg, &page),

@@ -6,7 +6,8 @@ use super::scale::ends;
 use crate::follow::record::Direction;
 use crate::physics::parameter::Parameter;
 use crate::physics::pattern::Pattern;
-use crate::scene::parameter;
+use crate::scene::units::Units;
+use crate::scene::{Scene, parameter};
 use crate::study::map::{Found, PatternMap, Row};
 
 /// Regions narrower than this share of the axis bear no name, which would not fit.
@@ -26,8 +27,8 @@ impl Colour {
     }
 }
 
-/// The picture of a map under the scene's title.
-pub fn page(map: &PatternMap, title: &str) -> Page<'static> {
+/// The picture of a map of the `scene`.
+pub fn page(map: &PatternMap, scene: &Scene) -> Page<'static> {
     let known = map.rows.iter().filter(|row| row.found.is_ok()).count();
     let mut caption = vec![format!(
         "{known} loops, {} from {} to {}.",
@@ -42,15 +43,23 @@ pub fn page(map: &PatternMap, title: &str) -> Page<'static> {
     if map.cancelled {
         caption.push("Stopped before all was found.".to_owned());
     }
-    Page::new(title, caption, map_panels(map).to_vec())
+    Page::new(&scene.title, caption, map_panels(map, scene.units).to_vec())
 }
 
-/// Approach, retraction, and the loss.
-pub fn map_panels(map: &PatternMap) -> [Panel; 3] {
+/// Approach, retraction, and the loss; what goes is told in its unit, where the scene has units.
+pub fn map_panels(map: &PatternMap, units: Option<Units>) -> [Panel; 3] {
     let parameter = parameter::all()
         .into_iter()
         .find(|parameter| parameter.key == map.vary.key);
-    let label = parameter.map_or_else(|| map.vary.key.clone(), Parameter::title);
+    let mut label = parameter.map_or_else(|| map.vary.key.clone(), Parameter::title);
+    if let (Some(units), Some(parameter)) = (units, parameter) {
+        let word = units.word(parameter.unit);
+        label.push_str(&if word.is_empty() {
+            word
+        } else {
+            format!(" ({word})")
+        });
+    }
     let (low, high) = (
         map.vary.from.min(map.vary.to),
         map.vary.from.max(map.vary.to),

@@ -160,6 +160,8 @@ pub enum FileTask {
     ExportEventsCsv,
     /// Write every curve of the plot.
     ExportCurvesCsv,
+    /// Write every curve of the chosen tab.
+    ExportTabCsv,
     /// Write the curve of stress against u0 as a picture.
     ExportLoopPng,
     /// Write the gap map as a picture.
@@ -173,9 +175,10 @@ impl FileTask {
             FileTask::OpenScene => "Open scene",
             FileTask::OpenHeights => "Measured ground",
             FileTask::SaveScene | FileTask::SaveSession => "Save",
-            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
-                "Export CSV"
-            }
+            FileTask::ExportLoopCsv
+            | FileTask::ExportEventsCsv
+            | FileTask::ExportCurvesCsv
+            | FileTask::ExportTabCsv => "Export CSV",
             FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
         }
     }
@@ -194,6 +197,7 @@ impl FileTask {
             FileTask::ExportLoopCsv => "loop.csv",
             FileTask::ExportEventsCsv => "events.csv",
             FileTask::ExportCurvesCsv => "curves.csv",
+            FileTask::ExportTabCsv => "tab.csv",
             FileTask::ExportLoopPng => "loop.png",
             FileTask::ExportGapPng => "gap.png",
         }
@@ -208,10 +212,14 @@ impl FileTask {
                 (FileTask::SaveScene, "scene"),
                 (FileTask::SaveSession, "session: with all that was computed"),
             ],
-            FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => &[
+            FileTask::ExportLoopCsv
+            | FileTask::ExportEventsCsv
+            | FileTask::ExportCurvesCsv
+            | FileTask::ExportTabCsv => &[
                 (FileTask::ExportLoopCsv, "states (loop.csv)"),
                 (FileTask::ExportEventsCsv, "jumps (events.csv)"),
                 (FileTask::ExportCurvesCsv, "curves of the plot"),
+                (FileTask::ExportTabCsv, "of the tab"),
             ],
             FileTask::ExportLoopPng | FileTask::ExportGapPng => &[
                 (FileTask::ExportLoopPng, "stress curve"),

@@ -476,6 +476,16 @@ impl App {
                 let panel = loop_plot::panel(state);
                 export::write_panels_csv(path, &state.scene.title, &[panel])
             }
+            FileTask::ExportTabCsv => {
+                let (tab, panels) = self.tabs.panels(state);
+                if panels.is_empty() {
+                    let message = format!("the tab {tab} has no curves to write");
+                    let remedy = "Choose a tab with a diagram, or wait until it is computed.";
+                    return self.state.messages.fail(message, remedy);
+                }
+                let title = format!("{}: {tab}", state.scene.title);
+                export::write_panels_csv(path, &title, &panels)
+            }
             FileTask::ExportLoopPng => {
                 drawing::write_page_png(path, &page(state)).and_then(|()| attach(path, state))
             }

@@ -124,6 +124,11 @@ fn files() -> Vec<Command> {
             Action::AskFile(FileTask::SaveScene),
         ),
         one(
+            "Save the session",
+            "",
+            Action::AskFile(FileTask::SaveSession),
+        ),
+        one(
             "Open a height file as measured ground",
             "",
             Action::AskFile(FileTask::OpenHeights),
@@ -143,6 +148,11 @@ fn files() -> Vec<Command> {
             "Export the curves of the plot as CSV",
             "",
             Action::AskFile(FileTask::ExportCurvesCsv),
+        ),
+        one(
+            "Export the curves of the tab as CSV",
+            "",
+            Action::AskFile(FileTask::ExportTabCsv),
         ),
         one(
             "Copy the picture of the stress curve",

@@ -43,7 +43,7 @@ pub fn fixed<'a>(id: impl AsIdSalt) -> Plot<'a> {
 pub fn small<'a>(
     ui: &Ui,
     id: &'static str,
-    [x, y]: [&'static str; 2],
+    [x, y]: [&str; 2],
     hover: impl Fn(f64, f64) -> String + 'a,
 ) -> Plot<'a> {
     let height = ui.available_height().max(80.0);
@@ -58,8 +58,21 @@ pub fn small<'a>(
     if height < NAMED {
         plot
     } else {
-        plot.x_axis_label(x).y_axis_label(y)
+        plot.x_axis_label(x.to_owned()).y_axis_label(y.to_owned())
     }
+}
+
+/// The same with its abscissa told in a unit, of which 1 along it makes `scale`.
+pub fn along(plot: Plot<'_>, scale: f64) -> Plot<'_> {
+    plot.x_grid_spacer(move |mut input| {
+        input.bounds = (input.bounds.0 * scale, input.bounds.1 * scale);
+        let mut marks = grid(input, 7.0);
+        for mark in &mut marks {
+            (mark.value, mark.step_size) = (mark.value / scale, mark.step_size / scale);
+        }
+        marks
+    })
+    .x_axis_formatter(move |mark, _| label(mark.value * scale, mark.step_size * scale))
 }
 
 /// Where the pointer is.

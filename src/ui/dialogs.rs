@@ -292,9 +292,10 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
         FileTask::OpenHeights => ("Heights", HEIGHTS),
         FileTask::SaveScene => ("Scene", &["toml"]),
         FileTask::SaveSession => ("Session", &["tackscope"]),
-        FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
-            ("CSV", &["csv"])
-        }
+        FileTask::ExportLoopCsv
+        | FileTask::ExportEventsCsv
+        | FileTask::ExportCurvesCsv
+        | FileTask::ExportTabCsv => ("CSV", &["csv"]),
         FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
     };
     let dialog = rfd::AsyncFileDialog::new()

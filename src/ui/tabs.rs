@@ -16,6 +16,7 @@ mod why;
 
 use super::action::{Action, ViewOptions};
 use super::view_state::ViewState;
+use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
 use egui::{Context, Label, RichText, Role, Ui, WidgetInfo};
@@ -70,6 +71,11 @@ pub trait Tab {
     /// Draws what floats over the panels.
     fn float(&mut self, _ctx: &Context, _state: &ViewState, _actions: &mut Vec<Action>) {}
 
+    /// The diagrams that it shows, for a file.
+    fn panels(&self, _state: &ViewState) -> Vec<Panel> {
+        Vec::new()
+    }
+
     /// What it does beyond being shown, by names for the palette of commands.
     fn commands(&self) -> Vec<String> {
         Vec::new()
@@ -103,6 +109,14 @@ impl Default for Tabs {
 }
 
 impl Tabs {
+    /// The diagrams of the chosen tab, and its name.
+    pub fn panels(&self, state: &ViewState) -> (&'static str, Vec<Panel>) {
+        let tab = self.0.get(state.view.tab);
+        tab.map_or(("", Vec::new()), |tab| {
+            (tab.title().name, tab.panels(state))
+        })
+    }
+
     /// Once a frame, before anything is drawn.
     pub fn update(&mut self, state: &mut ViewState, solver: &dyn SolverHandle) {
         for (index, tab) in self.0.iter_mut().enumerate() {

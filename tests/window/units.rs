@@ -2,6 +2,7 @@
 
 use super::bench::Bench;
 use egui::{Event, Key, Modifiers};
+use tackscope::follow::record::Direction;
 
 /// Runs the command that these words find.
 fn command(bench: &mut Bench, words: &str) -> String {
@@ -50,19 +51,60 @@ fn whether_the_scene_is_real_stands_below_the_equations() {
     );
 }
 
+/// What a command of the palette writes.
+fn exported(bench: &mut Bench, name: &str, path: &std::path::Path) -> String {
+    command(bench, name);
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.settle();
+    bench.window.event(Event::Text(path.display().to_string()));
+    bench.settle();
+    bench.click("Write");
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+#[test]
+fn the_curves_of_a_tab_are_written_as_it_shows_them() {
+    let home = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| home.path().join(name);
+    let mut bench = Bench::new();
+    for u0 in [4.0, 3.9, 3.8] {
+        bench.reach(u0, Direction::Approach);
+    }
+    let text = exported(&mut bench, "curves of the tab as", &at("why.csv"));
+    assert!(text.is_empty() && bench.names().contains("the tab Why has no curves"));
+    bench.press(Modifiers::NONE, Key::Escape);
+    bench.press(Modifiers::NONE, Key::Escape);
+    command(&mut bench, "tab stability");
+    let text = exported(&mut bench, "curves of the tab as", &at("stability.csv"));
+    assert!(text.contains("smallest eigenvalue (E*/L)"), "{text}");
+    let numbers = |line: &str| {
+        let cells: Vec<f64> = line
+            .split(',')
+            .filter_map(|cell| cell.parse().ok())
+            .collect();
+        (cells.len() == 2).then(|| [cells[0], cells[1]])
+    };
+    let mut written: Vec<[f64; 2]> = text.lines().filter_map(numbers).collect();
+    written.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let states = bench.state().run.record.states.clone();
+    assert_eq!(written.len(), states.len(), "{text}");
+    for (written, state) in written.iter().zip(&states) {
+        let [u0, eigenvalue] = *written;
+        assert_eq!(u0, state.mean_displacement / bench.state().rho());
+        assert!((eigenvalue / state.stiffness_min - 1.0).abs() < 1e-9);
+    }
+    command(&mut bench, "preset rubber");
+    let text = exported(&mut bench, "curves of the tab as", &at("rubber.csv"));
+    assert!(text.contains("x = u0 (nm)"), "{text}");
+}
+
 #[test]
 fn every_curve_of_the_plot_is_written_in_the_units_of_its_axes() {
     let home = tempfile::tempdir().expect("a temporary folder");
     let path = home.path().join("curves.csv");
     let mut bench = Bench::new();
     command(&mut bench, "preset rubber");
-    command(&mut bench, "curves of the plot as");
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.settle();
-    bench.window.event(Event::Text(path.display().to_string()));
-    bench.settle();
-    bench.click("Write");
-    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = exported(&mut bench, "curves of the plot as", &path);
     assert!(text.contains("x = u₀ (nm), y = stress (kPa)"), "{text}");
     // The flat state in full contact at its strongest: 250 kPa at 100 nm ln 2.
     let flat = text

@@ -3,6 +3,7 @@
 
 use super::{STAYS, Tab, Title, Update, doing, take_in};
 use crate::plot::chart_panel::{ChartPanel, Cost, headline};
+use crate::plot::panel::Panel;
 use crate::scene::part::Strategy;
 use crate::scene::{Model, Range};
 use crate::study::chart::{Effort, Judged, Point, Verdict};
@@ -57,6 +58,13 @@ impl Tab for Accuracy {
                 half a minute.";
             ui.label(RichText::new(words).weak());
         }
+    }
+
+    fn panels(&self, _: &ViewState) -> Vec<Panel> {
+        let chart = self.chart.as_ref().and_then(|(_, job)| job.so_far.as_ref());
+        let drawn =
+            |chart: &ChartSoFar| ChartPanel::new(&chart.rows, chart.floor, self.cost).panel();
+        chart.map(drawn).into_iter().collect()
     }
 
     fn update(&mut self, Update { state, solver, .. }: Update<'_>) {

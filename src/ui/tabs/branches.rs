@@ -79,6 +79,10 @@ impl Tab for Branches {
         }
     }
 
+    fn panels(&self, _: &ViewState) -> Vec<Panel> {
+        self.shown.iter().map(|shown| shown.panel.clone()).collect()
+    }
+
     fn update(&mut self, with: Update<'_>) {
         let state = with.state;
         let asked = self.asked.take();

@@ -75,6 +75,13 @@ impl Tab for GroundTab {
         panel(ui, spectrum_panel(report), "wave number q", rest);
     }
 
+    fn panels(&self, _: &ViewState) -> Vec<Panel> {
+        let shown = self.shown.as_ref();
+        shown.map_or(Vec::new(), |(report, _)| {
+            vec![distribution_panel(report), spectrum_panel(report)]
+        })
+    }
+
     fn update(
         &mut self,
         Update {

@@ -93,7 +93,7 @@ impl Tab for LandscapeTab {
             return;
         };
         let law = &state.model.law;
-        let mut paths = landscape_panel(&landscape, &state.model, self.extent);
+        let [mut paths, barriers] = self.diagrams(&landscape, state);
         paths.series.extend(ball(&landscape, law, down));
         let place = before.and_then(|[pass, place]| {
             let pass = landscape.passes.get(pass)?;
@@ -102,18 +102,6 @@ impl Tab for LandscapeTab {
         let frame = place.into_iter().collect();
         let frame = Series::symbols("", Symbol::Frame, Colour::Ink, frame);
         paths.series.push(frame);
-        let told = told(state);
-        let label = match state.model.units {
-            None => format!("{} /{}", told.symbol, told.suffix),
-            Some(_) => format!("{} ({})", told.symbol, told.suffix.trim()),
-        };
-        let mut barriers =
-            barrier_panel(&landscape, &state.model, self.extent, (&label, told.unit));
-        if state.scene.control() != Control::Load {
-            let [left, right] = [state.axes().0[0], state.axes().1[0]];
-            let ranges = law.range / told.unit;
-            barriers.x = barriers.x.from_to(left * ranges, right * ranges);
-        }
         diagram::legend(ui, &paths);
         let size = ui.available_size();
         ui.horizontal_top(|ui| {
@@ -125,6 +113,13 @@ impl Tab for LandscapeTab {
                 }
             }
         });
+    }
+
+    fn panels(&self, state: &ViewState) -> Vec<Panel> {
+        let shown = self.shown.as_ref();
+        shown.map_or(Vec::new(), |landscape| {
+            self.diagrams(landscape, state).into()
+        })
     }
 
     fn update(&mut self, with: Update<'_>) {
@@ -203,6 +198,25 @@ fn compute(
 }
 
 impl LandscapeTab {
+    /// The ways over the barriers, and how high these are along the drive.
+    fn diagrams(&self, landscape: &Landscape, state: &ViewState) -> [Panel; 2] {
+        let told = told(state);
+        let label = match state.model.units {
+            None => format!("{} /{}", told.symbol, told.suffix),
+            Some(_) => format!("{} ({})", told.symbol, told.suffix.trim()),
+        };
+        let mut barriers = barrier_panel(landscape, &state.model, self.extent, (&label, told.unit));
+        if state.scene.control() != Control::Load {
+            let [left, right] = [state.axes().0[0], state.axes().1[0]];
+            let ranges = state.rho() / told.unit;
+            barriers.x = barriers.x.from_to(left * ranges, right * ranges);
+        }
+        [
+            landscape_panel(landscape, &state.model, self.extent),
+            barriers,
+        ]
+    }
+
     /// Begins a fall for the newest jump, from the state that gave way.
     fn hear_of_jumps(&mut self, state: &ViewState) {
         let record = &state.run.record;

@@ -139,7 +139,7 @@ impl Tab for Map {
             ui.label(RichText::new(words).weak());
             return;
         };
-        let [mut approach, mut retraction, loss] = map_panels(map);
+        let [mut approach, mut retraction, loss] = map_panels(map, state.scene.units);
         let now = state.run.state.as_ref().zip(self.goes(state));
         let here = now.map(|(now, (_, value))| [now.mean_displacement / state.rho(), value]);
         for panel in [&mut approach, &mut retraction] {
@@ -191,6 +191,11 @@ impl Tab for Map {
             }
         });
         self.pointed = pointed;
+    }
+
+    fn panels(&self, state: &ViewState) -> Vec<Panel> {
+        let map = self.shown(state);
+        map.map_or(Vec::new(), |map| map_panels(map, state.scene.units).into())
     }
 
     fn update(

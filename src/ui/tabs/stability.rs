@@ -3,16 +3,17 @@
 
 use super::{STAYS, Tab, Title, Update, take_in};
 use crate::follow::record::Direction;
+use crate::physics::parameter::Dimension;
 use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
-use crate::plot::panel::Panel;
+use crate::plot::panel::{Axis, Panel};
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
 use crate::ui::action::{Action, ViewOptions};
-use crate::ui::diagram::{self, line, small};
+use crate::ui::diagram::{self, along, line, small};
 use crate::ui::machine::{self, Told};
 use crate::ui::theme::{self, Palette};
 use crate::ui::view_state::ViewState;
@@ -73,6 +74,19 @@ impl Tab for Stability {
         }
     }
 
+    fn panels(&self, state: &ViewState) -> Vec<Panel> {
+        let mut series = branches(&state.run.stiffness);
+        for point in series.iter_mut().flat_map(|series| &mut series.points) {
+            point[1] = eigenvalue_at(point[1]);
+        }
+        vec![Panel {
+            x: Axis::of(&state.model.unit(Dimension::Length), "u0/rho", "u0"),
+            y: Axis::linear("smallest eigenvalue (E*/L)"),
+            series: series.into(),
+            ..Panel::default()
+        }]
+    }
+
     fn update(&mut self, Update { state, solver, .. }: Update<'_>) {
         self.time_steps.take_if(|(run, _)| *run != state.run.id);
         if std::mem::take(&mut self.measure) {
@@ -98,19 +112,20 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     ui.label(RichText::new(&words).strong());
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
-    let response = small(
-        ui,
-        "eigenvalue",
-        ["u₀ / ρ", "eigenvalue, E*/L"],
-        |x, y| format!("u₀ {x:.3} ρ\neigenvalue {:.4} E*/L", eigenvalue_at(y)),
-    )
-    .y_grid_spacer(decades)
-    .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
-    .show(ui, |plot| {
-        plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
-        draw(plot, state, ahead.as_ref(), ground);
-    })
-    .response;
+    let unit = state.model.unit(Dimension::Length);
+    let hover = |x, y| {
+        let u0 = unit.say(x, 3, "ρ");
+        format!("u₀ {u0}\neigenvalue {:.4} E*/L", eigenvalue_at(y))
+    };
+    let names = [&*unit.label("u₀ / ρ", "u₀"), "eigenvalue, E*/L"];
+    let response = along(small(ui, "eigenvalue", names, hover), unit.scale)
+        .y_grid_spacer(decades)
+        .y_axis_formatter(|mark, _| decade(eigenvalue_at(mark.value)))
+        .show(ui, |plot| {
+            plot.set_plot_bounds(PlotBounds::from_min_max([left, low], [right, high]));
+            draw(plot, state, ahead.as_ref(), ground);
+        })
+        .response;
     let sentence = format!(
         "Smallest eigenvalue against u0: {}; {words}",
         present(state)
@@ -325,23 +340,27 @@ fn time_step_plot(ui: &mut Ui, state: &ViewState, map: &TimeStepMap, palette: &P
         map.time_steps[0].log10() - 0.06,
         map.time_steps[map.time_steps.len() - 1].log10() + 0.06,
     );
-    let response = small(ui, "time steps", ["u₀ / ρ", "time step"], |x, y| {
-        format!("u₀ {x:.3} ρ\ntime step {:.3}", 10f64.powf(y))
-    })
-    .y_grid_spacer(|_| {
-        TIME_STEPS
-            .map(|step| GridMark {
-                value: step.log10(),
-                step_size: 1.0,
-            })
-            .to_vec()
-    })
-    .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
-    .show(ui, |plot| {
-        plot.set_plot_bounds(PlotBounds::from_min_max([left, ends.0], [right, ends.1]));
-        draw_time_steps(plot, state, map, palette);
-    })
-    .response;
+    let unit = state.model.unit(Dimension::Length);
+    let hover = |x, y| {
+        let u0 = unit.say(x, 3, "ρ");
+        format!("u₀ {u0}\ntime step {:.3}", 10f64.powf(y))
+    };
+    let names = [&*unit.label("u₀ / ρ", "u₀"), "time step"];
+    let response = along(small(ui, "time steps", names, hover), unit.scale)
+        .y_grid_spacer(|_| {
+            TIME_STEPS
+                .map(|step| GridMark {
+                    value: step.log10(),
+                    step_size: 1.0,
+                })
+                .to_vec()
+        })
+        .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
+        .show(ui, |plot| {
+            plot.set_plot_bounds(PlotBounds::from_min_max([left, ends.0], [right, ends.1]));
+            draw_time_steps(plot, state, map, palette);
+        })
+        .response;
     let unstable = map.stable.iter().filter(|stable| !**stable).count();
     let sentence = format!(
         "Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable",
