@@ -77,7 +77,7 @@ fn report(arguments: &GroundArguments) -> Result<(GroundReport, String), Failure
         let allowed = "allowed is ground with heights; flat ground has none to look at";
         Failure::value(&place, "indenter.kind", "\"flat\"", allowed)
     })?;
-    Ok((report, scene.title))
+    Ok((report.in_units(scene.units), scene.title))
 }
 
 /// An even number of points that shows all that a file has.

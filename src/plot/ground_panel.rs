@@ -19,23 +19,26 @@ pub fn panels(report: &GroundReport) -> Vec<Panel> {
 
 /// All three under a title, with the numbers and what must be known.
 pub fn page<'a>(report: &GroundReport, title: &str) -> Page<'a> {
-    let mut caption = vec![numbers("On the mesh", &report.cell)];
+    let mut caption = vec![numbers("On the mesh", &report.cell, report.unit)];
     if let Some(file) = &report.file {
         let [nx, ny] = file.points;
         caption.push(numbers(
             &format!("In the file ({}, {nx} x {ny})", file.format),
             &file.before,
+            report.unit,
         ));
     }
     caption.extend(report.words.iter().cloned());
     Page::new(title, caption, panels(report))
 }
 
-/// Root mean squares in one line.
-pub fn numbers(what: &str, of: &Statistics) -> String {
+/// Root mean squares in one line, lengths with their unit where it is known.
+pub fn numbers(what: &str, of: &Statistics, unit: Option<&str>) -> String {
     let told = |x: f64| digits(x, 1e-3 * x.abs());
+    let [length, inverse] =
+        ["", "1/"].map(|over| unit.map_or(String::new(), |u| format!(" {over}{u}")));
     format!(
-        "{what}: rms height {}, rms slope {}, rms curvature {}, span {}",
+        "{what}: rms height {}{length}, rms slope {}, rms curvature {}{inverse}, span {}{length}",
         told(of.height),
         told(of.gradient),
         told(0.5 * of.laplacian),
@@ -45,15 +48,15 @@ pub fn numbers(what: &str, of: &Statistics) -> String {
 
 /// The heights over the cell; of a profile, height over x.
 pub fn map_panel(report: &GroundReport) -> Panel {
-    let length = report.grid.length;
-    let x = Axis::linear("x (length)").from_to(0.0, length);
+    let (length, unit) = (report.grid.length, report.length());
+    let x = Axis::linear(&format!("x ({unit})")).from_to(0.0, length);
     if report.grid.is_line() {
         let places = report.height.iter().enumerate();
         let places = places.map(|(i, h)| [i as f64 * report.grid.spacing(), *h]);
         return Panel {
             title: "profile".to_owned(),
             x,
-            y: Axis::linear("height above the mean (length)"),
+            y: Axis::linear(&format!("height above the mean ({unit})")),
             series: vec![Series::line(
                 "",
                 Role::Simulation,
@@ -66,7 +69,7 @@ pub fn map_panel(report: &GroundReport) -> Panel {
     Panel {
         title: "height (dark is low)".to_owned(),
         x,
-        y: Axis::linear("y (length)").from_to(0.0, length),
+        y: Axis::linear(&format!("y ({unit})")).from_to(0.0, length),
         insets: vec![Inset {
             place: [0.0, 0.0, 1.0, 1.0],
             content: Content::Map {
@@ -91,7 +94,7 @@ pub fn distribution_panel(report: &GroundReport) -> Panel {
         .fold(0.0, f64::max);
     Panel {
         title: "distribution of heights".to_owned(),
-        x: Axis::linear("height above the mean (length)"),
+        x: Axis::linear(&format!("height above the mean ({})", report.length())),
         y: Axis::linear("share of the area per height").from_to(0.0, 1.05 * most),
         areas: vec![Area {
             colour: Colour::Blue,
@@ -132,16 +135,13 @@ pub fn spectrum_panel(report: &GroundReport) -> Panel {
         colour: Colour::Ink,
         side: [-1, 0],
     };
-    let unit = if report.grid.is_line() {
-        "length^3"
-    } else {
-        "length^4"
-    };
+    let unit = report.length();
+    let power = if report.grid.is_line() { 3 } else { 4 };
     let simulated = Series::line("", Role::Simulation, Colour::Blue, shown);
     Panel {
         title: "power spectrum".to_owned(),
-        x: Axis::logarithmic("wave number q (1/length)").from_to(0.7 * q1, 1.5 * last),
-        y: Axis::logarithmic(&format!("C(q) ({unit})")).from_to(low, high),
+        x: Axis::logarithmic(&format!("wave number q (1/{unit})")).from_to(0.7 * q1, 1.5 * last),
+        y: Axis::logarithmic(&format!("C(q) ({unit}^{power})")).from_to(low, high),
         series: report.cutoffs.iter().map(line).chain([simulated]).collect(),
         labels: report.cutoffs.iter().enumerate().map(word).collect(),
         ..Panel::default()

@@ -6,6 +6,7 @@ use crate::physics::grid::Grid;
 use crate::physics::indenter::{Indenter, Measured};
 use crate::physics::law::Law;
 use crate::physics::topography::{Border, Statistics};
+use crate::scene::units::Units;
 use ndarray::Array2;
 use std::f64::consts::{PI, TAU};
 
@@ -26,6 +27,8 @@ pub struct GroundReport {
     pub height: Array2<f64>,
     /// The mesh.
     pub grid: Grid,
+    /// The unit of lengths, where it is known.
+    pub unit: Option<&'static str>,
     /// Root mean squares on the mesh, which is periodic.
     pub cell: Statistics,
     /// The height file, if it comes from one.
@@ -70,9 +73,9 @@ impl GroundReport {
         let height = &height - height.mean()?;
         let pitch = [grid.spacing(); 2];
         let (spectrum, beyond) = spectrum(&height, grid, law.map_or(0.0, |law| law.range));
-        let file = match indenter {
-            Indenter::Measured(measured) => Some(FileReport::of(measured)?),
-            _ => None,
+        let (file, unit) = match indenter {
+            Indenter::Measured(measured) => (Some(FileReport::of(measured)?), measured.unit()),
+            _ => (None, None),
         };
         let mut cutoffs = vec![("mesh", PI / grid.spacing())];
         if let Some(law) = law {
@@ -102,11 +105,26 @@ impl GroundReport {
             distribution: distribution(&height),
             height,
             grid: *grid,
+            unit,
             file,
             spectrum,
             cutoffs,
             words,
         })
+    }
+
+    /// The same of a scene with these units.
+    pub fn in_units(self, units: Option<Units>) -> Self {
+        let unit = units.map(|units| units.length.word);
+        Self {
+            unit: unit.or(self.unit),
+            ..self
+        }
+    }
+
+    /// The unit of lengths, or the word for any.
+    pub fn length(&self) -> &'static str {
+        self.unit.unwrap_or("length")
     }
 }
 

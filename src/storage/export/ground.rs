@@ -20,6 +20,8 @@ struct Told<'a> {
     file: Option<File<'a>>,
     /// Wave numbers (1/length) that cut the spectrum off.
     cutoffs: serde_json::Map<String, serde_json::Value>,
+    /// Of lengths, where it is known.
+    unit: Option<&'static str>,
     warnings: &'a [String],
 }
 
@@ -78,6 +80,7 @@ pub fn write_ground_json(path: &Path, report: &GroundReport) -> Result<(), Failu
     let told = Told {
         mesh: Numbers::of(&report.cell),
         file,
+        unit: report.unit,
         cutoffs: cutoffs
             .map(|(name, q)| ((*name).to_owned(), (*q).into()))
             .collect(),

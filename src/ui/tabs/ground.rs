@@ -49,7 +49,7 @@ impl Tab for GroundTab {
             ui.label(RichText::new(words).weak());
             return;
         };
-        let told = numbers("On the mesh", &report.cell);
+        let told = numbers("On the mesh", &report.cell, report.unit);
         ui.label(RichText::new(&told).strong());
         for words in &report.words {
             ui.small(words);
@@ -58,7 +58,8 @@ impl Tab for GroundTab {
         let side = MAP * size.x.min(size.y);
         ui.horizontal_top(|ui| {
             if report.grid.is_line() {
-                panel(ui, map_panel(report), "x", vec2(side, side));
+                let x = format!("x ({})", report.length());
+                panel(ui, map_panel(report), &x, vec2(side, side));
             } else {
                 let texture = texture.get_or_insert_with(|| {
                     let image = gap_picture::heights(&report.height);
@@ -69,10 +70,12 @@ impl Tab for GroundTab {
                 described(&ui.add(image), &format!("Map of the ground. {told}"));
             }
             let beside = vec2(size.x - side - 12.0, side);
-            panel(ui, distribution_panel(report), "height", beside);
+            let height = format!("height ({})", report.length());
+            panel(ui, distribution_panel(report), &height, beside);
         });
         let rest = vec2(size.x, ui.available_height() - 4.0);
-        panel(ui, spectrum_panel(report), "wave number q", rest);
+        let wave = format!("wave number q (1/{})", report.length());
+        panel(ui, spectrum_panel(report), &wave, rest);
     }
 
     fn panels(&self, _: &ViewState) -> Vec<Panel> {
@@ -114,7 +117,7 @@ fn compute(scene: &Arc<Scene>, report: &Reporter<GroundReport>) -> Result<(), St
     let found = GroundReport::of(&model.indenter, &model.grid, Some(&model.law));
     let found =
         found.ok_or("Flat ground: choose another one on the left, or drop a height file.")?;
-    report.result(found);
+    report.result(found.in_units(scene.units));
     Ok(())
 }
 
