@@ -13,10 +13,13 @@ pub mod fields;
 pub mod files;
 pub mod folder;
 pub mod heights;
+pub mod journal;
 pub mod picture;
 pub mod presets;
 pub mod report;
 pub mod scene_file;
+mod section;
+pub mod study_file;
 pub mod summary;
 
 pub use failure::{Failure, line};

@@ -7,6 +7,7 @@
 
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
+use super::sweep::{Spacing, Span};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
@@ -55,13 +56,12 @@ impl Vary {
 
     /// So many values from end to end.
     pub fn values(&self, count: usize) -> Vec<f64> {
-        let last = count.max(2) - 1;
-        let value = |i: usize| match i as f64 / last as f64 {
-            _ if i == last => self.to,
-            t if self.is_geometric() => self.from * (self.to / self.from).powf(t),
-            t => self.from + t * (self.to - self.from),
+        let spacing = match self.is_geometric() {
+            true => Spacing::Logarithmic,
+            false => Spacing::Linear,
         };
-        (0..=last).map(value).collect()
+        let (from, to) = (self.from, self.to);
+        Span { from, to, spacing }.values(count)
     }
 }
 

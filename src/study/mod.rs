@@ -5,6 +5,7 @@
 //! May use `follow` and all below it; no threads, channels or files.
 
 pub mod chart;
+pub mod converge;
 pub mod equations;
 pub mod error_bar;
 pub mod forecast;
@@ -14,5 +15,6 @@ pub mod live_loop;
 pub mod map;
 pub mod plan;
 pub mod reality;
+pub mod sweep;
 pub mod time_step_map;
 pub mod why;

@@ -1,0 +1,165 @@
+//! How a number of a loop converges with the mesh: the same scene on a ladder of meshes, the order
+//! that is observed, the limit after Richardson, and an error bar.
+//!
+//! Spectral meshes converge faster than any power of the spacing: the observed order then grows
+//! along the ladder, and the limit that the last order gives is farther from the finest value than
+//! the truth is. The error bar is on the safe side.
+
+use super::sweep::{Cell, Row, Study, column, grid};
+use crate::physics::parameter::Refusal;
+use crate::scene::mesh::next_fast;
+use crate::scene::{Scene, parameter};
+
+/// Meshes of a ladder, as shares of the scene's own number of points: two coarser and two finer ones,
+/// each with 1.4 times the points of the one before.
+const RUNGS: [f64; 5] = [0.5, 0.707, 1.0, 1.414, 2.0];
+/// The quarter of a cell needs a multiple of so many points.
+const MULTIPLE: usize = 4;
+/// The difference to the limit is stated so many times larger, as is usual for grids of three sizes
+/// (Roache 1998, grid convergence index).
+const SAFETY: f64 = 1.25;
+/// Orders between which the observed one is looked for.
+const ORDERS: [f64; 2] = [0.05, 60.0];
+
+/// What is recorded of a loop of a ladder.
+const RECORD: [&str; 4] = ["dissipated_energy", "approach_jumps", "retraction_jumps", "seconds"];
+
+/// The study of a scene on a ladder of meshes around its own.
+///
+/// # Errors
+/// A scene that is not allowed.
+pub fn ladder(scene: &Scene) -> Result<Study, Refusal> {
+    let n = scene.model()?.grid.nx as f64;
+    let rung = |share: &f64| {
+        let mut points = next_fast((share * n).round() as usize).max(2 * MULTIPLE);
+        while points % MULTIPLE > 0 {
+            points = next_fast(points + 1);
+        }
+        points as f64
+    };
+    let mut meshes: Vec<f64> = RUNGS.iter().map(rung).collect();
+    meshes.dedup();
+    Ok(Study {
+        title: format!("{}: convergence", scene.title),
+        scene: scene.clone(),
+        keys: vec![parameter::POINTS.key.to_owned()],
+        places: grid(&[meshes]),
+        record: RECORD.iter().filter_map(|name| column(name)).collect(),
+        plot: [parameter::POINTS.key.to_owned(), RECORD[0].to_owned()],
+    })
+}
+
+/// A number on the meshes of a ladder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convergence {
+    /// What it is: a column, and of the jumps of a direction which one, from 1.
+    pub quantity: String,
+    /// Points along a side and the value there, from coarse to fine.
+    pub values: Vec<[f64; 2]>,
+    /// Where it goes.
+    pub estimate: Estimate,
+}
+
+/// Where a number goes as the mesh is refined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The exponent of the spacing with which the error of the last three meshes falls; `None`
+    /// where their differences do not fall, or there are fewer.
+    pub order: Option<f64>,
+    /// The value on an infinitely fine mesh; the finest value where there is no order.
+    pub limit: f64,
+    /// How far the limit may be off; NaN of a single mesh.
+    pub error_bar: f64,
+}
+
+/// The limit of values on meshes of so many points, from coarse to fine.
+pub fn estimate(values: &[[f64; 2]]) -> Estimate {
+    let finest = values.last().map_or(f64::NAN, |[_, value]| *value);
+    let unknown = |error_bar: f64| Estimate {
+        order: None,
+        limit: finest,
+        error_bar,
+    };
+    let [.., [a, coarse], [b, middle], [c, fine]] = *values else {
+        return unknown(match values {
+            [[_, a], [_, b]] => SAFETY * (b - a).abs(),
+            _ => f64::NAN,
+        });
+    };
+    let (before, after) = (middle - coarse, fine - middle);
+    if after == 0.0 {
+        // To the last bit.
+        return unknown(f64::EPSILON * fine.abs());
+    }
+    // Of errors that go as n^-p the differences have this ratio, which grows with p.
+    let ratio = |p: f64| (a.powf(-p) - b.powf(-p)) / (b.powf(-p) - c.powf(-p));
+    let seen = before / after;
+    let [mut low, mut high] = ORDERS;
+    if !(seen > ratio(low)) {
+        return unknown(SAFETY * before.abs().max(after.abs()));
+    }
+    for _ in 0..60 {
+        let order = 0.5 * (low + high);
+        if ratio(order) < seen {
+            low = order;
+        } else {
+            high = order;
+        }
+    }
+    let left = after / ((c / b).powf(low) - 1.0);
+    Estimate {
+        order: Some(low),
+        limit: fine + left,
+        error_bar: SAFETY * left.abs(),
+    }
+}
+
+/// Every number of the rows of a ladder. Jumps are compared one by one where the finest meshes have
+/// equally many; coarser ones that have others are left out, and said by having fewer values.
+pub fn convergences(study: &Study, rows: &[Row]) -> Vec<Convergence> {
+    let mut rows: Vec<&Row> = rows.iter().filter(|row| row.is_complete()).collect();
+    rows.sort_by(|a, b| a.values[0].total_cmp(&b.values[0]));
+    let Some(finest) = rows.last() else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    for (column, cell) in study.record.iter().zip(&finest.cells) {
+        let count = study.numbers(finest, column.name).len();
+        for jump in 0..count {
+            let values = rows.iter().rev().map_while(|row| {
+                let numbers = study.numbers(row, column.name);
+                (numbers.len() == count).then(|| [row.values[0], numbers[jump]])
+            });
+            let mut values: Vec<[f64; 2]> = values.collect();
+            values.reverse();
+            let quantity = match cell {
+                Cell::Numbers(_) => format!("{} {}", column.name, jump + 1),
+                _ => column.name.to_owned(),
+            };
+            all.push(Convergence {
+                quantity,
+                estimate: estimate(&values),
+                values,
+            });
+        }
+    }
+    all.retain(|one| one.quantity != "seconds");
+    all
+}
+
+impl std::fmt::Display for Convergence {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Estimate {
+            order,
+            limit,
+            error_bar,
+        } = self.estimate;
+        write!(f, "{}: {limit:.12}, +- {error_bar:.1e}", self.quantity)?;
+        let meshes: Vec<String> = self.values.iter().map(|[n, _]| n.to_string()).collect();
+        write!(f, " (n = {}; ", meshes.join(", "))?;
+        match order {
+            Some(order) => write!(f, "order {order:.1})"),
+            None => f.write_str("no order)"),
+        }
+    }
+}
