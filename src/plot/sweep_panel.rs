@@ -7,7 +7,8 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Parameter, number};
 use crate::physics::theory::{dissipation, flat};
 use crate::scene::{Model, parameter};
-use crate::study::sweep::{Row, Spacing, Span, Study};
+use crate::study::axis::{Spacing, Span};
+use crate::study::sweep::{Row, Study};
 
 /// From this ratio of its ends on an axis is logarithmic where nothing else decides.
 const DECADES: f64 = 30.0;

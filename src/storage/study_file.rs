@@ -5,10 +5,8 @@ use super::section::{self, Section, finite};
 use super::{Failure, files, presets};
 use crate::physics::parameter::Refusal;
 use crate::scene::Scene;
-use crate::study::sweep::{
-    AXES_MAX, COLUMNS, DEFAULT, POINTS_MAX, SOBOL_MAX, Sequence, Spacing, Span, Study, column,
-    grid,
-};
+use crate::study::axis::{SOBOL_MAX, Sequence, Spacing, Span, grid};
+use crate::study::sweep::{AXES_MAX, COLUMNS, DEFAULT, POINTS_MAX, Study, column};
 use std::path::Path;
 use toml::{Table, Value};
 

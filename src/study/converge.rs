@@ -5,7 +5,8 @@
 //! along the ladder, and the limit that the last order gives is farther from the finest value than
 //! the truth is. The error bar is on the safe side.
 
-use super::sweep::{Cell, Row, Study, column, grid};
+use super::axis::grid;
+use super::sweep::{Cell, Row, Study, column};
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
 use crate::scene::{Scene, parameter};

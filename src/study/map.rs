@@ -5,9 +5,9 @@
 //! to value: a loop that is little different from the last is read off in milliseconds. Where there
 //! is no atlas the loop is walked.
 
+use super::axis::{Spacing, Span};
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
-use super::sweep::{Spacing, Span};
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, JumpRecord};
 use crate::follow::run::{LoopRun, run_loop};
@@ -314,7 +314,7 @@ fn found(
 ) -> Result<Found, String> {
     let mut wider = scene.clone();
     if model.indenter == Indenter::Flat {
-        widen(&mut wider, model);
+        enclose(&mut wider, model);
     }
     if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
         return Ok(read(&live));
@@ -339,8 +339,8 @@ fn found(
     walked(&run, model, scene.drive.turn)
 }
 
-/// Makes the drive of a `scene` on flat ground go beyond the limits of the flat state.
-fn widen(scene: &mut Scene, model: &Model) {
+/// Makes the drive of a `scene` on flat ground go beyond every jump, if it does not.
+pub(super) fn enclose(scene: &mut Scene, model: &Model) {
     let (law, control) = (&model.law, scene.control());
     let flat = FlatBranch::new(*law, model.equivalent_length, control);
     let (Turn::At(turn), Some(limits), Some((gap, _))) =

@@ -4,6 +4,7 @@
 //!
 //! May use `follow` and all below it; no threads, channels or files.
 
+pub mod axis;
 pub mod chart;
 pub mod converge;
 pub mod equations;

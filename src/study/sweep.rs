@@ -8,104 +8,23 @@ mod columns;
 
 pub use columns::{COLUMNS, Cell, Column, DEFAULT, Measured, column, table};
 
+use super::map::enclose;
 use super::plan::{plan, run_planned};
 use crate::follow::run::Outcome;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::threads::{FAULT, side_by_side};
+use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Refusal, Value};
 use crate::scene::{Points, Scene, edit, parameter};
 use crate::solver::methods::MethodKind;
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Most points of a study.
 pub const POINTS_MAX: usize = 1_000_000;
-/// Most points of a Sobol sequence, and most axes it has.
-pub const SOBOL_MAX: usize = 1 << 16;
 /// Most axes of a study.
 pub const AXES_MAX: usize = 16;
-/// Steps between two numbers of single precision in [0, 1), which a Sobol sequence consists of.
-const SINGLE: f64 = 16_777_216.0;
-
-/// How values lie between two ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spacing {
-    /// Equal steps apart.
-    Linear,
-    /// Equal factors apart; both ends are above zero.
-    Logarithmic,
-}
-
-/// Values between two ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
-    /// The first.
-    pub from: f64,
-    /// The last.
-    pub to: f64,
-    /// How they lie.
-    pub spacing: Spacing,
-}
-
-impl Span {
-    /// The value at this share of the way, 0 to 1.
-    pub fn at(&self, share: f64) -> f64 {
-        match self.spacing {
-            Spacing::Logarithmic => self.from * (self.to / self.from).powf(share),
-            Spacing::Linear => self.from + share * (self.to - self.from),
-        }
-    }
-
-    /// So many values from end to end, two at least.
-    pub fn values(&self, count: usize) -> Vec<f64> {
-        let last = count.max(2) - 1;
-        let share = |i: usize| i as f64 / last as f64;
-        let inner = (0..last).map(|i| self.at(share(i)));
-        inner.chain([self.to]).collect()
-    }
-}
-
-/// Every combination of the values of the axes; the last axis goes fastest.
-pub fn grid(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    axes.iter().fold(vec![Vec::new()], |places, axis| {
-        let longer = |place: &Vec<f64>, value: &f64| [&place[..], &[*value]].concat();
-        let of = |place: &Vec<f64>| axis.iter().map(|value| longer(place, value)).collect();
-        places.iter().flat_map(|place| -> Vec<_> { of(place) }).collect()
-    })
-}
-
-/// How places are chosen within the ends of the axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sequence {
-    /// Independent of each other.
-    Random,
-    /// Sobol's low-discrepancy sequence, scrambled after Owen.
-    Sobol,
-}
-
-impl Sequence {
-    /// So many places within the `spans`, one an axis. The first ones stay when there are more.
-    pub fn places(self, spans: &[Span], count: usize, seed: u32) -> Vec<Vec<f64>> {
-        let mut chance = Pcg64::seed_from_u64(u64::from(seed));
-        let mut share = |i: usize, axis: usize| match self {
-            Sequence::Random => chance.random_range(0.0..1.0),
-            // In the middle of its step, so that no place is an end.
-            Sequence::Sobol => {
-                let share = sobol_burley::sample(i as u32, axis as u32, seed);
-                f64::from(share) + 0.5 / SINGLE
-            }
-        };
-        let mut place = |i: usize| -> Vec<f64> {
-            let axes = spans.iter().enumerate();
-            axes.map(|(axis, span)| span.at(share(i, axis))).collect()
-        };
-        (0..count).map(&mut place).collect()
-    }
-}
-
 /// What is computed, and what is recorded of it.
 #[derive(Clone, Debug)]
 pub struct Study {
@@ -211,8 +130,8 @@ impl Study {
     }
 
     /// The scene with these values. As in a map of patterns its other numbers stay what they are, a
-    /// range that was given by mu_rho among them, and the drive follows where it would not enclose
-    /// the jumps any more; a mesh that is "auto" is decided anew.
+    /// range that was given by mu_rho among them, and on flat ground the drive goes beyond every jump
+    /// unless its own ends go; a mesh that is "auto" is decided anew.
     ///
     /// # Errors
     /// A value that is not allowed.
@@ -235,6 +154,13 @@ impl Study {
             scene = edit::with_parameter(&scene, &scene.model()?, key, *value)?;
             if auto {
                 scene.cell.points = Points::Auto;
+            }
+        }
+        let driven = |key: &String| [parameter::START.key, parameter::TURN.key].contains(&&**key);
+        if !self.keys.iter().any(driven) {
+            let model = scene.model()?;
+            if model.indenter == Indenter::Flat {
+                enclose(&mut scene, &model);
             }
         }
         Ok(scene)
