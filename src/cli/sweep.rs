@@ -93,7 +93,10 @@ struct Sweep<'a> {
 pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     let study = study(arguments)?;
     let points = study.points();
-    let hashes: Vec<_> = points.iter().map(|point| journal::hash(&study, point)).collect();
+    let hashes: Vec<_> = points
+        .iter()
+        .map(|point| journal::hash(&study, point))
+        .collect();
     let (output, cancel) = (&arguments.output, cancel_on_signal());
     let place = match arguments.shard {
         Some(Shard { index, count }) => journal::shard_folder(&output.out, index, count),
@@ -138,12 +141,15 @@ fn study(arguments: &SweepArguments) -> Result<Study, Failure> {
     };
     if let Some(text) = &arguments.plot {
         let refuse = |allowed: &str| Failure::value("command line", "--plot", text, allowed);
-        let names = text.split_once(',').map(|(x, y)| [x, y].map(|name| name.trim().to_owned()));
-        study.plot = names.ok_or_else(|| refuse("allowed are two columns, as in law.range,jumps"))?;
+        let names = text
+            .split_once(',')
+            .map(|(x, y)| [x, y].map(|name| name.trim().to_owned()));
+        study.plot =
+            names.ok_or_else(|| refuse("allowed are two columns, as in law.range,jumps"))?;
         for name in &study.plot {
-            study.check_name(name).map_err(|all| {
-                refuse(&format!("allowed are two of {}", all.join(", ")))
-            })?;
+            study
+                .check_name(name)
+                .map_err(|all| refuse(&format!("allowed are two of {}", all.join(", "))))?;
         }
     }
     Ok(study)
@@ -172,7 +178,9 @@ impl Sweep<'_> {
             ));
         }
         if own.torn {
-            warn(format_args!("the last line of {TABLE} was not finished, and is computed anew"));
+            warn(format_args!(
+                "the last line of {TABLE} was not finished, and is computed anew"
+            ));
         }
         Ok(())
     }
@@ -183,7 +191,9 @@ impl Sweep<'_> {
         let first = (0..self.points.len()).filter(|i| seen.insert(&self.hashes[*i]));
         let first: Vec<usize> = first.collect();
         match self.arguments.shard {
-            Some(Shard { index, count }) => first.into_iter().skip(index - 1).step_by(count).collect(),
+            Some(Shard { index, count }) => {
+                first.into_iter().skip(index - 1).step_by(count).collect()
+            }
             None => first,
         }
     }
@@ -272,11 +282,20 @@ impl Sweep<'_> {
         let failed: Vec<&Row> = rows.iter().filter(|row| !row.is_complete()).collect();
         if let Some(first) = failed.first() {
             let (count, of, row) = (failed.len(), rows.len(), first.index + 1);
-            warn(format_args!("{count} of {of} loops failed, first row {row}: {}", first.reason));
+            warn(format_args!(
+                "{count} of {of} loops failed, first row {row}: {}",
+                first.reason
+            ));
         }
         let missing: Vec<usize> = match self.arguments.shard {
-            Some(_) => mine.iter().copied().filter(|i| !self.is_known(*i)).collect(),
-            None => (0..self.points.len()).filter(|i| !self.is_known(*i)).collect(),
+            Some(_) => mine
+                .iter()
+                .copied()
+                .filter(|i| !self.is_known(*i))
+                .collect(),
+            None => (0..self.points.len())
+                .filter(|i| !self.is_known(*i))
+                .collect(),
         };
         let code = if cancel.requested() {
             warn(format_args!(
@@ -285,7 +304,11 @@ impl Sweep<'_> {
             ));
             INTERRUPTED
         } else if !missing.is_empty() {
-            warn(format_args!("{} rows are missing: {}", missing.len(), ranges(&missing)));
+            warn(format_args!(
+                "{} rows are missing: {}",
+                missing.len(),
+                ranges(&missing)
+            ));
             NOT_CONVERGED
         } else if failed.is_empty() {
             DONE

@@ -35,7 +35,11 @@ pub fn page(study: &Study, rows: &[Row]) -> Page<'static> {
     let mut caption = vec![format!("{complete} of {} loops.", study.places.len())];
     if let Some(row) = rows.iter().find(|row| !row.is_complete()) {
         let failed = rows.len() - complete;
-        caption.push(format!("{failed} failed, first row {}: {}.", row.index + 1, row.reason));
+        caption.push(format!(
+            "{failed} failed, first row {}: {}.",
+            row.index + 1,
+            row.reason
+        ));
     }
     Page::new(&study.title, caption, vec![panel(study, rows, &study.plot)])
 }
@@ -43,7 +47,9 @@ pub fn page(study: &Study, rows: &[Row]) -> Page<'static> {
 /// The numbers of `y` against those of `x`, keys or recorded columns of the study.
 pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
     let all = |name: &str| -> Vec<f64> {
-        rows.iter().flat_map(|row| study.numbers(row, name)).collect()
+        rows.iter()
+            .flat_map(|row| study.numbers(row, name))
+            .collect()
     };
     let (xs, ys) = (all(x), all(y));
     let mut sets: Vec<(String, Vec<&Row>)> = Vec::new();
@@ -58,7 +64,12 @@ pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
     if sets.len() <= SETS_MAX {
         for ((name, set), (symbol, colour)) in sets.iter().zip(MARKS) {
             series.extend(theory(study, set[0], [x, y], [&xs, &ys], colour));
-            series.push(Series::symbols(name, symbol, colour, points(study, set, [x, y])));
+            series.push(Series::symbols(
+                name,
+                symbol,
+                colour,
+                points(study, set, [x, y]),
+            ));
         }
     } else {
         let rows: Vec<&Row> = rows.iter().collect();
@@ -68,10 +79,17 @@ pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
     let least = ys.iter().copied().fold(f64::INFINITY, f64::min);
     let floor = if least.is_finite() { least } else { 0.0 };
     let failed = rows.iter().filter(|row| !row.is_complete());
-    let failed = failed.flat_map(|row| study.numbers(row, x)).map(|x| [x, floor]);
+    let failed = failed
+        .flat_map(|row| study.numbers(row, x))
+        .map(|x| [x, floor]);
     let failed: Vec<[f64; 2]> = failed.collect();
     if !failed.is_empty() {
-        series.push(Series::symbols("failed", Symbol::Cross, Colour::Ink, failed));
+        series.push(Series::symbols(
+            "failed",
+            Symbol::Cross,
+            Colour::Ink,
+            failed,
+        ));
     }
     Panel {
         x: axis(x, &xs),
@@ -93,13 +111,19 @@ fn points(study: &Study, rows: &[&Row], [x, y]: [&str; 2]) -> Vec<[f64; 2]> {
 
 /// The values of the other keys in words.
 fn others(study: &Study, row: &Row, x: &str) -> String {
-    let values = study.keys.iter().zip(&row.values).filter(|(key, _)| *key != x);
+    let values = study
+        .keys
+        .iter()
+        .zip(&row.values)
+        .filter(|(key, _)| *key != x);
     let words = values.map(|(key, value)| format!("{key} = {}", number(*value)));
     words.collect::<Vec<_>>().join(", ")
 }
 
 fn axis(name: &str, values: &[f64]) -> Axis {
-    let known = parameter::all().into_iter().find(|parameter| parameter.key == name);
+    let known = parameter::all()
+        .into_iter()
+        .find(|parameter| parameter.key == name);
     let label = known.map_or_else(|| name.replace('_', " "), Parameter::title);
     Axis {
         logarithmic: is_logarithmic(values),
@@ -149,7 +173,10 @@ fn theory(
     };
     let ends = |values: &[f64]| {
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        [low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
+        [
+            low,
+            values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        ]
     };
     let [[from, to], [_, high]] = shown.map(ends);
     if !(from < to) {
@@ -165,7 +192,10 @@ fn theory(
         study.scene_at(&place).ok()?.model().ok().filter(has_theory)
     };
     let places = Span { from, to, spacing }.values(PLACES);
-    let models: Vec<_> = places.iter().map(|value| (*value, model_at(*value))).collect();
+    let models: Vec<_> = places
+        .iter()
+        .map(|value| (*value, model_at(*value)))
+        .collect();
     let curve = models.iter().map(|(value, model)| {
         let number = model.as_ref().and_then(of);
         [*value, number.unwrap_or(f64::NAN)]

@@ -13,9 +13,9 @@ use crate::scene::{Scene, edit};
 use crate::study::sweep::{Cell, Point, Row, Study};
 use siphasher::sip::SipHasher13;
 use std::collections::HashMap;
+use std::ffi::OsString;
 use std::hash::Hasher;
 use std::io::ErrorKind;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// The table of a sweep.
@@ -160,7 +160,10 @@ pub fn read(path: &Path, study: &Study) -> Result<Known, Failure> {
         return Ok(Known::default());
     }
     let bytes = files::read_bytes(path, BYTES_MAX)?;
-    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |i| i + 1);
+    let whole = bytes
+        .iter()
+        .rposition(|byte| *byte == b'\n')
+        .map_or(0, |i| i + 1);
     let text = String::from_utf8_lossy(&bytes[..whole]);
     let mut lines = text.lines();
     let expected = heading(study);

@@ -47,7 +47,11 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, Failure> {
         plot: Default::default(),
     };
     let names = match root.has("record") {
-        true => texts(&root, "record", "a list of columns, as in [\"dissipated_energy\"]")?,
+        true => texts(
+            &root,
+            "record",
+            "a list of columns, as in [\"dissipated_energy\"]",
+        )?,
         false => DEFAULT.map(str::to_owned).to_vec(),
     };
     for name in &names {
@@ -70,14 +74,20 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, Failure> {
 
 /// The scene, with what `set` puts in place of its numbers.
 fn scene(root: &Section<'_>) -> Result<Scene, Failure> {
-    let word = root.text("scene", "a preset or the path of a scene file, as in \"fig2\"")?;
+    let word = root.text(
+        "scene",
+        "a preset or the path of a scene file, as in \"fig2\"",
+    )?;
     let scene = match presets::find(word) {
         Some(preset) => preset.scene()?,
         None => {
             let typed = files::typed(Path::new(word))?;
             let folder = Path::new(root.file).parent();
             let file = folder.unwrap_or(Path::new("")).join(typed);
-            presets::resolve(&file.display().to_string())?
+            if !file.exists() {
+                return Err(presets::unknown(word));
+            }
+            scene_file::load(&file)?
         }
     };
     let Some(set) = root.inside("set")? else {
@@ -87,7 +97,11 @@ fn scene(root: &Section<'_>) -> Result<Scene, Failure> {
     for name in set.keys() {
         let value = set.value(name, "a table of the scene file")?;
         let own = value.as_table().ok_or_else(|| {
-            set.refuse(name, value, "allowed are tables of the scene file, as in law.range = 0.8")
+            set.refuse(
+                name,
+                value,
+                "allowed are tables of the scene file, as in law.range = 0.8",
+            )
         })?;
         merge(&mut whole, name, own);
     }
@@ -101,7 +115,10 @@ fn merge(scene: &mut Table, name: &str, own: &Table) {
         Some(Value::Table(known)) => known.clone(),
         _ => Table::new(),
     };
-    let other = |key: &str| own.get(key).is_some_and(|value| merged.get(key) != Some(value));
+    let other = |key: &str| {
+        own.get(key)
+            .is_some_and(|value| merged.get(key) != Some(value))
+    };
     if other("kind") || other("control") {
         let kept = ["surface_energy", "range", "mu_rho", "contact_modulus"];
         merged.retain(|key, _| kept.contains(&key));
@@ -129,7 +146,9 @@ fn places(root: &Section<'_>) -> Result<(Vec<String>, Vec<Vec<f64>>), Failure> {
     }
     let names: Vec<String> = (1..=tables.len()).map(|i| format!("axis {i}")).collect();
     let axes = tables.iter().zip(&names);
-    let axes: Vec<_> = axes.map(|(table, name)| Section::of(root.file, name, table)).collect();
+    let axes: Vec<_> = axes
+        .map(|(table, name)| Section::of(root.file, name, table))
+        .collect();
     let mut keys: Vec<String> = Vec::new();
     for axis in &axes {
         axis.only(&AXIS)?;
@@ -192,7 +211,11 @@ fn sampled(
 
 /// The values of an axis of a grid.
 fn values(axis: &Section<'_>) -> Result<Vec<f64>, Failure> {
-    let given: Vec<&str> = AXIS[1..].iter().copied().filter(|key| axis.has(key)).collect();
+    let given: Vec<&str> = AXIS[1..]
+        .iter()
+        .copied()
+        .filter(|key| axis.has(key))
+        .collect();
     match given[..] {
         ["values"] => {
             let allowed = "a list of numbers, as in [0.5, 1.0, 2.0]";
@@ -264,14 +287,20 @@ fn plot(root: &Section<'_>, study: &Study) -> Result<[String; 2], Failure> {
         })?;
     }
     let value = root.value("plot", allowed)?;
-    names.try_into().map_err(|_| root.refuse("plot", value, &format!("allowed are {allowed}")))
+    names
+        .try_into()
+        .map_err(|_| root.refuse("plot", value, &format!("allowed are {allowed}")))
 }
 
 /// A list of texts, not empty.
 fn texts(root: &Section<'_>, key: &str, allowed: &str) -> Result<Vec<String>, Failure> {
     let value = root.value(key, allowed)?;
     let texts = value.as_array().filter(|all| !all.is_empty());
-    let texts = texts.and_then(|all| all.iter().map(|one| Some(one.as_str()?.to_owned())).collect());
+    let texts = texts.and_then(|all| {
+        all.iter()
+            .map(|one| Some(one.as_str()?.to_owned()))
+            .collect()
+    });
     texts.ok_or_else(|| root.refuse(key, value, &format!("allowed is {allowed}")))
 }
 

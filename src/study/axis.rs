@@ -51,7 +51,10 @@ pub fn grid(axes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     axes.iter().fold(vec![Vec::new()], |places, axis| {
         let longer = |place: &Vec<f64>, value: &f64| [&place[..], &[*value]].concat();
         let of = |place: &Vec<f64>| axis.iter().map(|value| longer(place, value)).collect();
-        places.iter().flat_map(|place| -> Vec<_> { of(place) }).collect()
+        places
+            .iter()
+            .flat_map(|place| -> Vec<_> { of(place) })
+            .collect()
     })
 }
 

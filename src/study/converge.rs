@@ -6,7 +6,8 @@
 //! the truth is. The error bar is on the safe side.
 
 use super::axis::grid;
-use super::sweep::{Cell, Row, Study, column};
+use super::sweep::{Column, Row, Study, column};
+use crate::follow::record::LOCATED;
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
 use crate::scene::{Scene, parameter};
@@ -22,8 +23,10 @@ const SAFETY: f64 = 1.25;
 /// Orders between which the observed one is looked for.
 const ORDERS: [f64; 2] = [0.05, 60.0];
 
-/// What is recorded of a loop of a ladder.
-const RECORD: [&str; 4] = ["dissipated_energy", "approach_jumps", "retraction_jumps", "seconds"];
+/// The loss, how well it is located, and the jumps.
+const LOSS: &str = "dissipated_energy";
+const OF_LOSS: &str = "released_energy_error";
+const JUMPS: [&str; 2] = ["approach_jumps", "retraction_jumps"];
 
 /// The study of a scene on a ladder of meshes around its own.
 ///
@@ -40,13 +43,14 @@ pub fn ladder(scene: &Scene) -> Result<Study, Refusal> {
     };
     let mut meshes: Vec<f64> = RUNGS.iter().map(rung).collect();
     meshes.dedup();
+    let record = [LOSS, OF_LOSS, JUMPS[0], JUMPS[1], "seconds"];
     Ok(Study {
         title: format!("{}: convergence", scene.title),
         scene: scene.clone(),
         keys: vec![parameter::POINTS.key.to_owned()],
         places: grid(&[meshes]),
-        record: RECORD.iter().filter_map(|name| column(name)).collect(),
-        plot: [parameter::POINTS.key.to_owned(), RECORD[0].to_owned()],
+        record: record.into_iter().filter_map(column).collect(),
+        plot: [parameter::POINTS.key.to_owned(), LOSS.to_owned()],
     })
 }
 
@@ -73,31 +77,35 @@ pub struct Estimate {
     pub error_bar: f64,
 }
 
-/// The limit of values on meshes of so many points, from coarse to fine.
-pub fn estimate(values: &[[f64; 2]]) -> Estimate {
+/// The limit of values on meshes of so many points, from coarse to fine, each of which may be off by
+/// `located` for other reasons than the mesh.
+pub fn estimate(values: &[[f64; 2]], located: f64) -> Estimate {
     let finest = values.last().map_or(f64::NAN, |[_, value]| *value);
-    let unknown = |error_bar: f64| Estimate {
-        order: None,
+    let without = |order, off: f64| Estimate {
+        order,
         limit: finest,
-        error_bar,
+        error_bar: SAFETY * off + located,
     };
     let [.., [a, coarse], [b, middle], [c, fine]] = *values else {
-        return unknown(match values {
-            [[_, a], [_, b]] => SAFETY * (b - a).abs(),
-            _ => f64::NAN,
-        });
+        return without(
+            None,
+            match values {
+                [[_, a], [_, b]] => (b - a).abs(),
+                _ => f64::NAN,
+            },
+        );
     };
     let (before, after) = (middle - coarse, fine - middle);
-    if after == 0.0 {
-        // To the last bit.
-        return unknown(f64::EPSILON * fine.abs());
-    }
     // Of errors that go as n^-p the differences have this ratio, which grows with p.
     let ratio = |p: f64| (a.powf(-p) - b.powf(-p)) / (b.powf(-p) - c.powf(-p));
-    let seen = before / after;
+    let seen = (before / after).abs();
     let [mut low, mut high] = ORDERS;
     if !(seen > ratio(low)) {
-        return unknown(SAFETY * before.abs().max(after.abs()));
+        return without(None, before.abs().max(after.abs()));
+    }
+    if after.abs() <= located {
+        // What is left of the mesh is not to be seen.
+        return without(None, after.abs());
     }
     for _ in 0..60 {
         let order = 0.5 * (low + high);
@@ -107,11 +115,15 @@ pub fn estimate(values: &[[f64; 2]]) -> Estimate {
             high = order;
         }
     }
+    if before * after < 0.0 {
+        // From both sides: the limit is between the last two.
+        return without(Some(low), after.abs());
+    }
     let left = after / ((c / b).powf(low) - 1.0);
     Estimate {
         order: Some(low),
         limit: fine + left,
-        error_bar: SAFETY * left.abs(),
+        error_bar: SAFETY * left.abs() + located,
     }
 }
 
@@ -120,11 +132,14 @@ pub fn estimate(values: &[[f64; 2]]) -> Estimate {
 pub fn convergences(study: &Study, rows: &[Row]) -> Vec<Convergence> {
     let mut rows: Vec<&Row> = rows.iter().filter(|row| row.is_complete()).collect();
     rows.sort_by(|a, b| a.values[0].total_cmp(&b.values[0]));
-    let Some(finest) = rows.last() else {
+    let (Some(finest), Ok(model)) = (rows.last(), study.scene.model()) else {
         return Vec::new();
     };
+    let number = |name: &str| study.numbers(finest, name).first().copied();
+    let of_loss = number(OF_LOSS).unwrap_or(0.0);
     let mut all = Vec::new();
-    for (column, cell) in study.record.iter().zip(&finest.cells) {
+    let wanted = |column: &Column| column.name == LOSS || JUMPS.contains(&column.name);
+    for column in study.record.iter().filter(|column| wanted(column)) {
         let count = study.numbers(finest, column.name).len();
         for jump in 0..count {
             let values = rows.iter().rev().map_while(|row| {
@@ -133,18 +148,17 @@ pub fn convergences(study: &Study, rows: &[Row]) -> Vec<Convergence> {
             });
             let mut values: Vec<[f64; 2]> = values.collect();
             values.reverse();
-            let quantity = match cell {
-                Cell::Numbers(_) => format!("{} {}", column.name, jump + 1),
-                _ => column.name.to_owned(),
+            let (quantity, located) = match column.name {
+                LOSS => (LOSS.to_owned(), of_loss),
+                jumps => (format!("{jumps} {}", jump + 1), LOCATED * model.law.range),
             };
             all.push(Convergence {
                 quantity,
-                estimate: estimate(&values),
+                estimate: estimate(&values, located),
                 values,
             });
         }
     }
-    all.retain(|one| one.quantity != "seconds");
     all
 }
 

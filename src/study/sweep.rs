@@ -107,11 +107,15 @@ impl Study {
     /// Its loops in order. Values that are not allowed are points that say so.
     pub fn points(&self) -> Vec<Point> {
         let points = self.places.iter().enumerate();
-        points.map(|(index, place)| self.point(index, place)).collect()
+        points
+            .map(|(index, place)| self.point(index, place))
+            .collect()
     }
 
     fn point(&self, index: usize, place: &[f64]) -> Point {
-        let scene = self.scene_at(place).and_then(|scene| Ok((scene.model()?, scene)));
+        let scene = self
+            .scene_at(place)
+            .and_then(|scene| Ok((scene.model()?, scene)));
         let (values, cost) = match &scene {
             Ok((model, scene)) => {
                 let value = |(key, asked): (&String, f64)| whole(scene, key).unwrap_or(asked);
@@ -210,7 +214,10 @@ impl Study {
             ledger: run.ledger(model.law.surface_energy),
             seconds: began.elapsed().as_secs_f64(),
         };
-        let open = measured.ledger.as_ref().and_then(|ledger| ledger.open.as_ref());
+        let open = measured
+            .ledger
+            .as_ref()
+            .and_then(|ledger| ledger.open.as_ref());
         let open = open.map(|open| format!("{}; {}", open.reason, open.remedy));
         let reason = run.stop_reason().or(open).unwrap_or_default();
         let cells = self.record.iter().map(|column| column.of(&measured));
@@ -250,7 +257,8 @@ impl Study {
             return vec![row.values[i]];
         }
         let i = self.record.iter().position(|column| column.name == name);
-        i.and_then(|i| row.cells.get(i)).map_or_else(Vec::new, Cell::numbers)
+        i.and_then(|i| row.cells.get(i))
+            .map_or_else(Vec::new, Cell::numbers)
     }
 }
 

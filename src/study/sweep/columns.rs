@@ -98,7 +98,9 @@ pub fn column(name: &str) -> Option<&'static Column> {
 pub fn table() -> String {
     let head = "| column | is |\n|---|---|\n".to_owned();
     let row = |column: &Column| format!("| `{}` | {} |\n", column.name, column.what);
-    COLUMNS.iter().fold(head, |text, column| text + &row(column))
+    COLUMNS
+        .iter()
+        .fold(head, |text, column| text + &row(column))
 }
 
 macro_rules! columns {
@@ -117,6 +119,8 @@ columns! {
         |m| stated_error(m.model, m.plan, m.run).into();
     "released_energy_sum", "sum of the energies released in jumps, per area over γ",
         |m| Some(m.run.record.released_energy_sum()).into();
+    "released_energy_error", "how far that may be off because ends of branches are located only so well",
+        |m| of_ledger(m, |ledger| Some(ledger.released_energy_error));
     "loop_integral", "loop integral of σ du₀ over γ, the check of the loss",
         |m| of_ledger(m, |ledger| Some(ledger.loop_integral).filter(|_| ledger.open.is_none()));
     "ledger_mismatch", "difference of the two over the loss",
@@ -182,12 +186,21 @@ fn places(m: &Measured<'_>, direction: Direction) -> Vec<f64> {
 }
 
 fn patterns(m: &Measured<'_>, direction: Direction) -> String {
-    let pieces = m.run.record.pieces().filter(|piece| piece[0].direction == direction);
+    let pieces = m
+        .run
+        .record
+        .pieces()
+        .filter(|piece| piece[0].direction == direction);
     let words: Vec<&str> = pieces.map(|piece| piece[0].pattern.word()).collect();
     words.join(" ")
 }
 
 fn contested(m: &Measured<'_>) -> String {
-    let words = m.run.record.jumps.iter().filter_map(|jump| jump.contested_words());
+    let words = m
+        .run
+        .record
+        .jumps
+        .iter()
+        .filter_map(|jump| jump.contested_words());
     words.collect::<Vec<_>>().join("; ")
 }

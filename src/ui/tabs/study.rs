@@ -88,7 +88,9 @@ fn numbers(state: &ViewState) -> Vec<(&'static Parameter, f64)> {
         Value::Whole(n) => Some((parameter, n as f64)),
         _ => None,
     });
-    numbers.filter(|(parameter, _)| *parameter.key != *parameter::TARGET.key).collect()
+    numbers
+        .filter(|(parameter, _)| *parameter.key != *parameter::TARGET.key)
+        .collect()
 }
 
 /// Values around a number.
@@ -109,7 +111,10 @@ impl Tab for StudyTab {
     fn title(&self) -> Title {
         Title {
             tall: true,
-            ..Title::new("Study", "the loop at many values of one number, as marks to open")
+            ..Title::new(
+                "Study",
+                "the loop at many values of one number, as marks to open",
+            )
         }
     }
 
@@ -160,7 +165,9 @@ impl Tab for StudyTab {
                 known.iter().any(|(known, _)| known.key == parameter.key)
             };
             if !self.goes.as_ref().is_some_and(goes) {
-                let range = known.iter().find(|(known, _)| known.key == parameter::RANGE.key);
+                let range = known
+                    .iter()
+                    .find(|(known, _)| known.key == parameter::RANGE.key);
                 self.goes = range.copied().map(around);
             }
         }
@@ -245,12 +252,20 @@ impl StudyTab {
         let speed = 0.01 * (span.to - span.from).abs().max(1e-6);
         for (name, end) in [("from", &mut span.from), ("to", &mut span.to)] {
             let label = ui.label(name);
-            let drag = field(end).range(parameter.range.clone()).speed(speed).max_decimals(6);
-            ui.add(drag.clamp_existing_to_range(false)).labelled_by(label.id);
+            let drag = field(end)
+                .range(parameter.range.clone())
+                .speed(speed)
+                .max_decimals(6);
+            ui.add(drag.clamp_existing_to_range(false))
+                .labelled_by(label.id);
         }
         let label = ui.label("loops");
-        ui.add(field(&mut self.count).range(2..=COUNT_MAX).speed(0.1)).labelled_by(label.id);
-        for (spacing, word) in [(Spacing::Linear, "linear"), (Spacing::Logarithmic, "logarithmic")] {
+        ui.add(field(&mut self.count).range(2..=COUNT_MAX).speed(0.1))
+            .labelled_by(label.id);
+        for (spacing, word) in [
+            (Spacing::Linear, "linear"),
+            (Spacing::Logarithmic, "logarithmic"),
+        ] {
             ui.radio_value(&mut span.spacing, spacing, word);
         }
         let combo = ComboBox::from_id_salt("study quantity")
