@@ -115,18 +115,13 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<u8, Failure> {
     };
     sweep.gather(&own)?;
     let mine = sweep.mine();
-    let todo: Vec<usize> = match arguments.collect {
-        true => Vec::new(),
-        false => {
-            let unknown = |i: &usize| !sweep.rows.contains_key(&sweep.hashes[*i]);
-            mine.iter().copied().filter(unknown).collect()
-        }
-    };
+    let wanted = |i: &usize| !arguments.collect && !sweep.is_known(*i);
+    let todo: Vec<usize> = mine.iter().copied().filter(wanted).collect();
     if !todo.is_empty() {
         let journal = Journal::open(&table, &sweep.study, &own)?;
         sweep.compute(&todo, journal, &cancel)?;
     }
-    sweep.close(&folder, &mine, todo.len(), &cancel)
+    sweep.close(&folder, mine, todo.len(), &cancel)
 }
 
 /// The study of the file, or that of a scene on a ladder of meshes.
@@ -162,13 +157,12 @@ impl Sweep<'_> {
         let tables: Vec<PathBuf> = journal::tables(&self.arguments.output.out);
         let others = tables.iter().map(|table| journal::read(table, &self.study));
         let others: Vec<Known> = others.collect::<Result<_, _>>()?;
-        let mut strangers = 0;
         for (hash, row) in others.iter().chain([own]).flat_map(|table| &table.rows) {
             if known.contains(hash) {
                 self.rows.entry(hash.clone()).or_insert_with(|| row.clone());
             }
         }
-        strangers += own.rows.keys().filter(|hash| !known.contains(hash)).count();
+        let strangers = own.rows.keys().filter(|hash| !known.contains(hash)).count();
         if self.arguments.output.quiet {
             return Ok(());
         }
@@ -235,92 +229,93 @@ impl Sweep<'_> {
         unwritten.map_or(Ok(()), Err)
     }
 
-    /// The rows of the study in its order, each with what it is known by.
-    fn in_order(&self, indices: impl Iterator<Item = usize>) -> Vec<(&str, Row)> {
-        let row = |i: usize| {
-            let found = self.rows.get(&self.hashes[i])?;
-            let row = Row {
-                index: i,
-                values: self.points[i].values.clone(),
-                ..found.clone()
-            };
-            Some((self.hashes[i].as_str(), row))
-        };
-        indices.filter_map(row).collect()
-    }
-
     /// Writes the table in order, and of a whole study its pictures; says what failed and what is
     /// missing.
     fn close(
         &self,
         folder: &Folder,
-        mine: &[usize],
+        mine: Vec<usize>,
         computed: usize,
         cancel: &Cancel,
     ) -> Result<u8, Failure> {
-        let (study, output) = (&self.study, &self.arguments.output);
-        let all = match self.arguments.shard {
-            Some(_) => self.in_order(mine.iter().copied()),
-            None => self.in_order(0..self.points.len()),
+        let about = match self.arguments.shard {
+            Some(_) => mine,
+            None => (0..self.points.len()).collect(),
         };
-        let listed = all.iter().map(|(hash, row)| (*hash, row));
-        let mut written = vec![journal::write(&folder.join(TABLE), study, listed)];
-        let rows: Vec<Row> = all.into_iter().map(|(_, row)| row).collect();
-        if self.arguments.shard.is_none() {
-            let page = sweep_panel::page(study, &rows);
-            let [svg, png] = PICTURES.map(|name| folder.join(name));
-            written.push(drawing::write_page_svg(&svg, &page));
-            written.push(drawing::write_page_png(&png, &page));
+        let row = |i: &usize| {
+            let found = self.rows.get(&self.hashes[*i])?;
+            Some(Row {
+                index: *i,
+                values: self.points[*i].values.clone(),
+                ..found.clone()
+            })
+        };
+        let rows: Vec<Row> = about.iter().filter_map(row).collect();
+        let listed = rows
+            .iter()
+            .map(|row| (self.hashes[row.index].as_str(), row));
+        let table = journal::write(&folder.join(TABLE), &self.study, listed);
+        let written = std::iter::once(table).chain(self.pictures(folder, &rows));
+        let unwritten = failures(written);
+        let missing: Vec<usize> = about.into_iter().filter(|i| !self.is_known(*i)).collect();
+        let code = if cancel.requested() && !missing.is_empty() {
+            let left = missing.len();
+            warn(format_args!(
+                "interrupted with {left} rows to go; the same command goes on"
+            ));
+            INTERRUPTED
+        } else {
+            judged(&rows, &missing)
+        };
+        let done = format!("{} loops, {computed} of them now", rows.len());
+        self.arguments.output.close(&unwritten, code, &done)
+    }
+
+    /// What is written of a whole study beside its table.
+    fn pictures(&self, folder: &Folder, rows: &[Row]) -> Vec<Result<(), Failure>> {
+        let arguments = self.arguments;
+        if arguments.shard.is_some() {
+            return Vec::new();
         }
-        if self.arguments.converge.is_some() && self.arguments.shard.is_none() {
-            let found = convergences(study, &rows);
-            if !output.quiet {
+        let page = sweep_panel::page(&self.study, rows);
+        let [svg, png] = PICTURES.map(|name| folder.join(name));
+        let mut written = vec![
+            drawing::write_page_svg(&svg, &page),
+            drawing::write_page_png(&png, &page),
+        ];
+        if arguments.converge.is_some() {
+            let found = convergences(&self.study, rows);
+            if !arguments.output.quiet {
                 found.iter().for_each(|one| tell(&one.to_string()));
             }
             written.push(write_convergence_csv(&folder.join(CONVERGENCE), &found));
         }
-        let failed: Vec<&Row> = rows.iter().filter(|row| !row.is_complete()).collect();
-        if let Some(first) = failed.first() {
-            let (count, of, row) = (failed.len(), rows.len(), first.index + 1);
-            warn(format_args!(
-                "{count} of {of} loops failed, first row {row}: {}",
-                first.reason
-            ));
-        }
-        let missing: Vec<usize> = match self.arguments.shard {
-            Some(_) => mine
-                .iter()
-                .copied()
-                .filter(|i| !self.is_known(*i))
-                .collect(),
-            None => (0..self.points.len())
-                .filter(|i| !self.is_known(*i))
-                .collect(),
-        };
-        let code = if cancel.requested() {
-            warn(format_args!(
-                "interrupted with {} rows to go; the same command goes on",
-                missing.len()
-            ));
-            INTERRUPTED
-        } else if !missing.is_empty() {
-            warn(format_args!(
-                "{} rows are missing: {}",
-                missing.len(),
-                ranges(&missing)
-            ));
-            NOT_CONVERGED
-        } else if failed.is_empty() {
-            DONE
-        } else {
-            NOT_CONVERGED
-        };
-        let done = format!("{} loops, {computed} of them now", rows.len());
-        output.close(&failures(written), code, &done)
+        written
     }
 
     fn is_known(&self, index: usize) -> bool {
         self.rows.contains_key(&self.hashes[index])
+    }
+}
+
+/// Says which rows failed or are missing; the exit code.
+fn judged(rows: &[Row], missing: &[usize]) -> u8 {
+    let failed: Vec<&Row> = rows.iter().filter(|row| !row.is_complete()).collect();
+    if let Some(first) = failed.first() {
+        let (count, of, row) = (failed.len(), rows.len(), first.index + 1);
+        let why = &first.reason;
+        warn(format_args!(
+            "{count} of {of} loops failed, first row {row}: {why}"
+        ));
+    }
+    if !missing.is_empty() {
+        let (count, which) = (missing.len(), ranges(missing));
+        warn(format_args!("{count} rows are missing: {which}"));
+    }
+    if failed.is_empty() && missing.is_empty() {
+        DONE
+    } else {
+        NOT_CONVERGED
     }
 }
 

@@ -182,9 +182,10 @@ fn theory(
     if !(from < to) {
         return Vec::new();
     }
-    let spacing = match is_logarithmic(shown[0]) {
-        true => Spacing::Logarithmic,
-        false => Spacing::Linear,
+    let spacing = if is_logarithmic(shown[0]) {
+        Spacing::Logarithmic
+    } else {
+        Spacing::Linear
     };
     let model_at = |value: f64| {
         let mut place = row.values.clone();

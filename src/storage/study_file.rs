@@ -46,13 +46,11 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, Failure> {
         record: Vec::new(),
         plot: Default::default(),
     };
-    let names = match root.has("record") {
-        true => texts(
-            &root,
-            "record",
-            "a list of columns, as in [\"dissipated_energy\"]",
-        )?,
-        false => DEFAULT.map(str::to_owned).to_vec(),
+    let names = if root.has("record") {
+        let allowed = "a list of columns, as in [\"dissipated_energy\"]";
+        texts(&root, "record", allowed)?
+    } else {
+        DEFAULT.map(str::to_owned).to_vec()
     };
     for name in &names {
         let words: Vec<_> = COLUMNS.iter().map(|column| column.name).collect();
@@ -194,12 +192,13 @@ fn sampled(
         Sequence::Sobol => SOBOL_MAX,
     };
     let count = whole(&section, "count", 1, most as i64)?;
-    let seed = match section.has("seed") {
-        true => whole(&section, "seed", 0, i64::from(u32::MAX))?,
-        false => 1,
+    let seed = if section.has("seed") {
+        whole(&section, "seed", 0, i64::from(u32::MAX))?
+    } else {
+        1
     };
     let spans = axes.iter().map(|axis| {
-        for key in ["values", "seeds"].into_iter().filter(|key| axis.has(key)) {
+        if let Some(key) = ["values", "seeds"].into_iter().find(|key| axis.has(key)) {
             let allowed = format!("not together with [{name}]: give linear or logarithmic ends");
             return Err(axis.refuse(key, axis.value(key, "")?, &allowed));
         }

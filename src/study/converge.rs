@@ -36,7 +36,7 @@ pub fn ladder(scene: &Scene) -> Result<Study, Refusal> {
     let n = scene.model()?.grid.nx as f64;
     let rung = |share: &f64| {
         let mut points = next_fast((share * n).round() as usize).max(2 * MULTIPLE);
-        while points % MULTIPLE > 0 {
+        while !points.is_multiple_of(MULTIPLE) {
             points = next_fast(points + 1);
         }
         points as f64

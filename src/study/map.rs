@@ -56,9 +56,10 @@ impl Vary {
 
     /// So many values from end to end.
     pub fn values(&self, count: usize) -> Vec<f64> {
-        let spacing = match self.is_geometric() {
-            true => Spacing::Logarithmic,
-            false => Spacing::Linear,
+        let spacing = if self.is_geometric() {
+            Spacing::Logarithmic
+        } else {
+            Spacing::Linear
         };
         let (from, to) = (self.from, self.to);
         Span { from, to, spacing }.values(count)

@@ -267,83 +267,85 @@ fn a_row_is_the_summary_of_a_run_of_the_same_scene() {
     }
 }
 
+/// A line of the study, what it is replaced by, and parts of the sentence that refuses it.
+const REFUSED: [(&str, &str, &[&str]); 14] = [
+    (
+        "scene = \"fig2\"",
+        "scene = \"fig22\"",
+        &["fig22", "did you mean fig2"],
+    ),
+    (
+        "format = 1",
+        "format = 2",
+        &["study.toml: format = 2", "allowed is 1"],
+    ),
+    (
+        "record",
+        "recrd",
+        &["recrd is not a key of this file, did you mean record"],
+    ),
+    (
+        "\"jumps\"",
+        "\"jmps\"",
+        &["record = \"jmps\"", "did you mean jumps"],
+    ),
+    (
+        "\"jumps\"",
+        "\"transforms\"",
+        &["record = \"transforms\"", "each column once"],
+    ),
+    (
+        "\"law.range\"",
+        "\"law.rage\"",
+        &["axis.key = \"law.rage\"", "law.range, law.mu_rho"],
+    ),
+    (
+        "\"law.range\"",
+        "3",
+        &["axis 1.key = 3", "a number of the scene"],
+    ),
+    (
+        "\"cell.length\"",
+        "\"law.range\"",
+        &["axis 2.key = \"law.range\"", "each key once"],
+    ),
+    (
+        "values = [1.2,",
+        "values = [\"1.2\",",
+        &["axis 1.values", "a list of numbers"],
+    ),
+    (
+        "count = 2 }",
+        "count = 1 }",
+        &["linear.count = 1", "a whole number from 2"],
+    ),
+    (
+        "to = 256.0",
+        "to = 220.0",
+        &["linear.to = 220.0", "another number than from"],
+    ),
+    (
+        "linear = {",
+        "logarithmic = { by = 1,",
+        &["logarithmic.by is not a key"],
+    ),
+    (
+        "cell.points = \"auto\"",
+        "cell.pints = 4",
+        &["cell.pints is not a key", "did you mean points"],
+    ),
+    (
+        "[[axis]]",
+        "[sobol]\ncount = 8\n[[axis]]",
+        &["axis 1.values", "not together with [sobol]"],
+    ),
+];
+
 #[test]
 fn what_is_no_study_is_refused_in_words() {
-    let cases: [(&str, &str, &[&str]); 14] = [
-        (
-            "scene = \"fig2\"",
-            "scene = \"fig22\"",
-            &["fig22", "did you mean fig2"],
-        ),
-        (
-            "format = 1",
-            "format = 2",
-            &["study.toml: format = 2", "allowed is 1"],
-        ),
-        (
-            "record",
-            "recrd",
-            &["recrd is not a key of this file, did you mean record"],
-        ),
-        (
-            "\"jumps\"",
-            "\"jmps\"",
-            &["record = \"jmps\"", "did you mean jumps"],
-        ),
-        (
-            "\"jumps\"",
-            "\"transforms\"",
-            &["record = \"transforms\"", "each column once"],
-        ),
-        (
-            "\"law.range\"",
-            "\"law.rage\"",
-            &["axis.key = \"law.rage\"", "law.range, law.mu_rho"],
-        ),
-        (
-            "\"law.range\"",
-            "3",
-            &["axis 1.key = 3", "a number of the scene"],
-        ),
-        (
-            "\"cell.length\"",
-            "\"law.range\"",
-            &["axis 2.key = \"law.range\"", "each key once"],
-        ),
-        (
-            "values = [1.2,",
-            "values = [\"1.2\",",
-            &["axis 1.values", "a list of numbers"],
-        ),
-        (
-            "count = 2 }",
-            "count = 1 }",
-            &["linear.count = 1", "a whole number from 2"],
-        ),
-        (
-            "to = 256.0",
-            "to = 220.0",
-            &["linear.to = 220.0", "another number than from"],
-        ),
-        (
-            "linear = {",
-            "logarithmic = { by = 1,",
-            &["logarithmic.by is not a key"],
-        ),
-        (
-            "cell.points = \"auto\"",
-            "cell.pints = 4",
-            &["cell.pints is not a key", "did you mean points"],
-        ),
-        (
-            "[[axis]]",
-            "[sobol]\ncount = 8\n[[axis]]",
-            &["axis 1.values", "not together with [sobol]"],
-        ),
-    ];
     let home = folder();
     let out = home.path().join("out");
-    for (line, replacement, parts) in cases {
+    for (line, replacement, parts) in REFUSED {
         assert!(STUDY.contains(line), "{line}");
         let study = write(home.path(), &STUDY.replacen(line, replacement, 1));
         let output = sweep(&study, &out, &[]);
@@ -355,6 +357,12 @@ fn what_is_no_study_is_refused_in_words() {
         }
         assert!(!out.exists(), "nothing is written for {replacement}");
     }
+}
+
+#[test]
+fn an_option_that_means_nothing_is_refused_in_words() {
+    let home = folder();
+    let out = home.path().join("out");
     let study = write(home.path(), STUDY);
     for (more, part) in [
         (["--shard", "4/3"], "\"4/3\" is not I/N"),

@@ -251,13 +251,4 @@ fn the_error_bars_of_a_ladder_hold_against_theory_and_a_finer_mesh() {
         );
         assert!(estimate.error_bar < 1e-3, "{name}: {estimate:?}");
     }
-    assert!(
-        found
-            .iter()
-            .all(|one| !matches!(one.quantity.as_str(), "seconds"))
-    );
-    assert!(
-        rows.iter()
-            .all(|row| row.cells.iter().all(|cell| !matches!(cell, Cell::Word(_))))
-    );
 }

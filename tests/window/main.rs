@@ -18,6 +18,7 @@ mod paper;
 mod select;
 mod stepped;
 mod stored;
+mod study;
 mod tabs;
 mod units;
 mod why;

@@ -29,7 +29,7 @@ fn marks_come_from_a_job_and_a_click_opens_the_scene_of_one_until_it_is_undone()
             at = picture.left_top() + egui::vec2(x as f32, y as f32);
             bench.window.hover_at(at);
             bench.window.step();
-            if bench.window.output().cursor_icon == egui::CursorIcon::PointingHand {
+            if bench.window.output().platform_output.cursor_icon == egui::CursorIcon::PointingHand {
                 break 'search;
             }
         }
@@ -53,7 +53,10 @@ fn a_value_that_is_refused_is_a_mark_of_its_own_and_said() {
     bench.click("Compute");
     bench.run_jobs();
     let names = bench.names();
-    assert!(names.contains("Study of drive.start: 2 of 2 loops, 1 failed"), "{names}");
+    assert!(
+        names.contains("Study of drive.start: 2 of 2 loops, 1 failed"),
+        "{names}"
+    );
 }
 
 #[test]
@@ -63,5 +66,9 @@ fn a_study_of_another_scene_is_not_shown() {
     bench.run_jobs();
     assert!(bench.names().contains("Study of law.range"));
     bench.press(egui::Modifiers::NONE, egui::Key::Num2);
-    assert!(!bench.names().contains("Study of law.range"), "{}", bench.names());
+    assert!(
+        !bench.names().contains("Study of law.range"),
+        "{}",
+        bench.names()
+    );
 }

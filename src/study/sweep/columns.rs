@@ -2,7 +2,7 @@
 //! the same numbers.
 
 use crate::follow::ledger::Ledger;
-use crate::follow::record::{Cause, Direction};
+use crate::follow::record::{Cause, Direction, JumpRecord};
 use crate::follow::run::{LoopRun, nan_max};
 use crate::physics::parameter::Dimension;
 use crate::scene::{Model, Scene};
@@ -201,6 +201,6 @@ fn contested(m: &Measured<'_>) -> String {
         .record
         .jumps
         .iter()
-        .filter_map(|jump| jump.contested_words());
+        .filter_map(JumpRecord::contested_words);
     words.collect::<Vec<_>>().join("; ")
 }

@@ -196,11 +196,11 @@ impl Tab for StudyTab {
             None => {}
         }
         // What is shown belongs to this scene.
-        let holds = |running: &mut Running| {
-            let key = running.study.keys[0].clone();
-            !running.around.holds(state, &key, f64::INFINITY)
+        let holds = |running: &Running| {
+            let key = &running.study.keys[0];
+            running.around.holds(state, key, f64::INFINITY)
         };
-        self.running.take_if(holds);
+        self.running.take_if(|running| !holds(running));
         if let Some(running) = &mut self.running
             && let Some(Err(why)) = running.job.poll()
         {
@@ -214,9 +214,10 @@ impl StudyTab {
     fn study(&self, state: &ViewState) -> Option<(&'static str, Study)> {
         let (parameter, span) = self.goes?;
         let key = parameter.key;
-        let spacing = match span.from.min(span.to) > 0.0 {
-            true => span.spacing,
-            false => Spacing::Linear,
+        let spacing = if span.from.min(span.to) > 0.0 {
+            span.spacing
+        } else {
+            Spacing::Linear
         };
         let study = Study {
             title: state.scene.title.clone(),
