@@ -16,6 +16,8 @@ const DECADES: f64 = 30.0;
 const EQUAL: f64 = 1e-6;
 /// Most sets of symbols that are told apart.
 const SETS_MAX: usize = 6;
+/// Room beside the marks, as a share of their way.
+const MARGIN: f64 = 0.03;
 /// Places of a theory's curve.
 const PLACES: usize = 96;
 
@@ -64,35 +66,45 @@ pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
     if sets.len() <= SETS_MAX {
         for ((name, set), (symbol, colour)) in sets.iter().zip(MARKS) {
             series.extend(theory(study, set[0], [x, y], [&xs, &ys], colour));
-            series.push(Series::symbols(
-                name,
-                symbol,
-                colour,
-                points(study, set, [x, y]),
-            ));
+            series.push(Series::symbols(name, symbol, colour, points(study, set, [x, y])).filled());
         }
     } else {
         let rows: Vec<&Row> = rows.iter().collect();
         let points = points(study, &rows, [x, y]);
-        series.push(Series::symbols("", Symbol::Circle, Colour::Blue, points));
+        series.push(Series::symbols("", Symbol::Circle, Colour::Blue, points).filled());
     }
-    let least = ys.iter().copied().fold(f64::INFINITY, f64::min);
+    // One name for the curves of all sets.
+    let mut known: Vec<String> = Vec::new();
+    for one in series.iter_mut().filter(|one| one.symbol.is_none()) {
+        if known.contains(&one.name) {
+            one.name.clear();
+        } else {
+            known.push(one.name.clone());
+        }
+    }
+    let [least, _] = extent(&ys);
     let floor = if least.is_finite() { least } else { 0.0 };
-    let failed = rows.iter().filter(|row| !row.is_complete());
-    let failed = failed
-        .flat_map(|row| study.numbers(row, x))
-        .map(|x| [x, floor]);
-    let failed: Vec<[f64; 2]> = failed.collect();
-    if !failed.is_empty() {
-        series.push(Series::symbols(
-            "failed",
-            Symbol::Cross,
-            Colour::Ink,
-            failed,
-        ));
+    let without = |row: &&Row| study.numbers(row, y).is_empty();
+    let open = |row: &&Row| without(row) && row.is_complete() && !row.reason.is_empty();
+    let at = |rows: Vec<&Row>| -> Vec<[f64; 2]> {
+        let xs = rows.iter().flat_map(|row| study.numbers(row, x));
+        xs.map(|x| [x, floor]).collect()
+    };
+    let failed = at(rows.iter().filter(|row| !row.is_complete()).collect());
+    let open = at(rows.iter().filter(open).collect());
+    for (name, symbol, points) in [
+        ("failed", Symbol::Cross, failed),
+        ("loop not closed", Symbol::Ring, open),
+    ] {
+        if !points.is_empty() {
+            series.push(Series::symbols(name, symbol, Colour::Ink, points));
+        }
     }
+    let way = way(study, x);
+    let mut across = axis(x, way.as_ref().unwrap_or(&xs));
+    across.range = way.and_then(|way| ends(&way, across.logarithmic));
     Panel {
-        x: axis(x, &xs),
+        x: across,
         y: axis(y, &ys),
         series,
         ..Panel::default()
@@ -131,6 +143,32 @@ fn axis(name: &str, values: &[f64]) -> Axis {
     }
 }
 
+/// All values of a number that goes.
+fn way(study: &Study, name: &str) -> Option<Vec<f64>> {
+    let k = study.keys.iter().position(|key| key == name)?;
+    Some(study.places.iter().map(|place| place[k]).collect())
+}
+
+/// What an axis shows of a number that goes: all of its way, from the first loop on.
+fn ends(way: &[f64], logarithmic: bool) -> Option<[f64; 2]> {
+    let [low, high] = extent(way);
+    let room = MARGIN * (high - low);
+    let factor = (high / low).powf(MARGIN);
+    (low < high).then(|| {
+        if logarithmic {
+            [low / factor, high * factor]
+        } else {
+            [low - room, high + room]
+        }
+    })
+}
+
+fn extent(values: &[f64]) -> [f64; 2] {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    [low, high]
+}
+
 /// True of values that were chosen by equal factors, or go over decades.
 fn is_logarithmic(values: &[f64]) -> bool {
     let mut sorted = values.to_vec();
@@ -162,23 +200,20 @@ fn theory(
         return Vec::new();
     };
     let of: fn(&Model) -> Option<f64> = match y {
-        "dissipated_energy" => |model| dissipation::loss(&model.law, model.grid.length),
+        "dissipated_energy" => |model| {
+            // That of a ridge: squares have other patterns beside it.
+            let line = model.grid.is_line();
+            line.then(|| dissipation::loss(&model.law, model.grid.length))?
+        },
         "approach_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.1),
         "retraction_jumps" => |model| Some(flat::limits(&model.law, model.grid.length)?.0),
         _ => return Vec::new(),
     };
     let name = match y {
-        "dissipated_energy" => "limit of small range",
+        "dissipated_energy" => "flat to ridge and back, small range",
         _ => "flat limit, Eq. 8",
     };
-    let ends = |values: &[f64]| {
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        [
-            low,
-            values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        ]
-    };
-    let [[from, to], [_, high]] = shown.map(ends);
+    let [[from, to], [_, high]] = shown.map(extent);
     if !(from < to) {
         return Vec::new();
     }

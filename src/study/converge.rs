@@ -68,8 +68,8 @@ pub struct Convergence {
 /// Where a number goes as the mesh is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The exponent of the spacing with which the error of the last three meshes falls; `None`
-    /// where their differences do not fall, or there are fewer.
+    /// The exponent of the spacing with which the error falls on the finest three meshes whose
+    /// differences are to be seen; `None` where these do not fall, or there are fewer.
     pub order: Option<f64>,
     /// The value on an infinitely fine mesh; the finest value where there is no order.
     pub limit: f64,
@@ -86,26 +86,48 @@ pub fn estimate(values: &[[f64; 2]], located: f64) -> Estimate {
         limit: finest,
         error_bar: SAFETY * off + located,
     };
-    let [.., [a, coarse], [b, middle], [c, fine]] = *values else {
-        return without(
-            None,
-            match values {
-                [[_, a], [_, b]] => (b - a).abs(),
-                _ => f64::NAN,
-            },
-        );
+    let steps: Vec<f64> = values
+        .windows(2)
+        .map(|pair| pair[1][1] - pair[0][1])
+        .collect();
+    let [.., before, after] = steps[..] else {
+        return without(None, steps.first().map_or(f64::NAN, |step| step.abs()));
     };
-    let (before, after) = (middle - coarse, fine - middle);
+    // The finest meshes whose differences are to be seen.
+    let seen = steps.windows(2).rposition(|pair| pair[1].abs() > located);
+    let order = seen.and_then(|k| order(&values[k..k + 3]));
+    let off = match order {
+        // What is left of the mesh is not to be seen.
+        _ if after.abs() <= located => return without(order, after.abs()),
+        None => return without(None, before.abs().max(after.abs())),
+        // From both sides: the limit is between the last two.
+        Some(_) if before * after < 0.0 => return without(order, after.abs()),
+        Some(order) => {
+            let [.., [coarser, _], [finer, _]] = *values else {
+                return without(None, f64::NAN);
+            };
+            after / ((finer / coarser).powf(order) - 1.0)
+        }
+    };
+    Estimate {
+        order,
+        limit: finest + off,
+        error_bar: SAFETY * off.abs() + located,
+    }
+}
+
+/// The exponent of the spacing with which the differences of three values fall; `None` if they do
+/// not.
+fn order(values: &[[f64; 2]]) -> Option<f64> {
+    let [[a, coarse], [b, middle], [c, fine]] = *values else {
+        return None;
+    };
     // Of errors that go as n^-p the differences have this ratio, which grows with p.
     let ratio = |p: f64| (a.powf(-p) - b.powf(-p)) / (b.powf(-p) - c.powf(-p));
-    let seen = (before / after).abs();
+    let seen = ((middle - coarse) / (fine - middle)).abs();
     let [mut low, mut high] = ORDERS;
     if !(seen > ratio(low)) {
-        return without(None, before.abs().max(after.abs()));
-    }
-    if after.abs() <= located {
-        // What is left of the mesh is not to be seen.
-        return without(None, after.abs());
+        return None;
     }
     for _ in 0..60 {
         let order = 0.5 * (low + high);
@@ -115,16 +137,7 @@ pub fn estimate(values: &[[f64; 2]], located: f64) -> Estimate {
             high = order;
         }
     }
-    if before * after < 0.0 {
-        // From both sides: the limit is between the last two.
-        return without(Some(low), after.abs());
-    }
-    let left = after / ((c / b).powf(low) - 1.0);
-    Estimate {
-        order: Some(low),
-        limit: fine + left,
-        error_bar: SAFETY * left.abs() + located,
-    }
+    Some(low)
 }
 
 /// Every number of the rows of a ladder. Jumps are compared one by one where the finest meshes have

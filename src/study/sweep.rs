@@ -13,9 +13,12 @@ use super::plan::{plan, run_planned};
 use crate::follow::run::Outcome;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::threads::{FAULT, side_by_side};
+use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Refusal, Value};
-use crate::scene::{Points, Scene, edit, parameter};
+use crate::physics::theory::units::Units;
+use crate::physics::theory::{flat, ridge};
+use crate::scene::{Model, Points, Scene, edit, parameter};
 use crate::solver::methods::MethodKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
@@ -69,6 +72,9 @@ pub struct Row {
     /// Where and why it stopped, or why its loop is not closed; else empty.
     pub reason: String,
 }
+
+/// Room beyond the last jump, in ranges.
+const SPARE: f64 = 0.25;
 
 /// Of values that are not allowed.
 const REFUSED: &str = "refused";
@@ -164,7 +170,12 @@ impl Study {
         if !self.keys.iter().any(driven) {
             let model = scene.model()?;
             if model.indenter == Indenter::Flat {
+                let start = scene.drive.start;
                 enclose(&mut scene, &model);
+                if scene.control() == Control::Displacement {
+                    let far = beyond_ridges(&model).max(start);
+                    scene.drive.start = scene.drive.start.min(far);
+                }
             }
         }
         Ok(scene)
@@ -260,6 +271,19 @@ impl Study {
         i.and_then(|i| row.cells.get(i))
             .map_or_else(Vec::new, Cell::numbers)
     }
+}
+
+/// u0 beyond which no pattern holds on flat ground (length): the end of a ridge of zero range, which
+/// is farther than those of any range, or the limit of the flat state, with room to spare.
+fn beyond_ridges(model: &Model) -> f64 {
+    let (law, length) = (&model.law, model.equivalent_length);
+    let units = Units {
+        length,
+        surface_energy: law.surface_energy,
+    };
+    let ridge = units.restore(ridge::critical().displacement);
+    let upper = flat::limits(law, length).map_or(0.0, |(_, upper)| upper);
+    ridge.max(upper) + SPARE * law.range
 }
 
 /// The whole number of this key that the scene has; `None` of other numbers.

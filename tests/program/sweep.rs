@@ -76,7 +76,7 @@ fn a_sweep_that_is_killed_again_and_again_is_row_by_row_the_one_that_is_not() {
     let (mut done, mut before) = (0, 0);
     for _ in 0..kills {
         let mut going = Running::spawn(command(&study, &killed, &["--quiet"]));
-        sleep(takes.mul_f64(chance.random_range(0.05..0.5)));
+        sleep(takes.mul_f64(chance.random_range(0.03..0.22)));
         if going.is_going() {
             going.signal("KILL");
             done += 1;

@@ -234,17 +234,20 @@ fn the_error_bars_of_a_ladder_hold_against_theory_and_a_finer_mesh() {
     scene.cell.points = Points::Square(120);
     let jumps = &read_off(&scene, &Cancel::default()).unwrap()[0];
     let loss: f64 = jumps.iter().map(|jump| jump.released_energy).sum();
-    for (name, right) in [
-        ("approach_jumps 1", upper),
-        ("retraction_jumps 1", lower),
-        ("dissipated_energy", loss),
-        ("approach_jumps 2", jumps[1].mean_displacement),
-        ("approach_jumps 3", jumps[2].mean_displacement),
-        ("approach_jumps 4", jumps[3].mean_displacement),
-        ("retraction_jumps 4", jumps[7].mean_displacement),
-    ] {
+    let ways = ["approach_jumps", "retraction_jumps"]
+        .map(|way| (1..=4).map(move |k| format!("{way} {k}")));
+    let jumps = jumps.iter().map(|jump| jump.mean_displacement);
+    let mut right: Vec<(String, f64)> = ways.into_iter().flatten().zip(jumps).collect();
+    assert_eq!(right.len(), 8);
+    let names = [
+        "approach_jumps 1",
+        "retraction_jumps 1",
+        "dissipated_energy",
+    ]
+    .map(str::to_owned);
+    right.extend(names.into_iter().zip([upper, lower, loss]));
+    for (name, right) in &right {
         let estimate = of(name);
-        println!("{name}: {estimate:?}, right {right}");
         assert!(
             (estimate.limit - right).abs() <= estimate.error_bar,
             "{name}: {estimate:?}, right {right}"

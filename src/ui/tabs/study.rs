@@ -2,7 +2,7 @@
 //! click opens the scene of a mark.
 
 use super::map::Around;
-use super::{Tab, Title, Update, doing};
+use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
 use crate::plot::sweep_panel::panel;
@@ -124,7 +124,6 @@ impl Tab for StudyTab {
             match (&self.running, &self.missing) {
                 (Some(Running { job, .. }), _) if job.is_running() => {
                     progress(ui, job);
-                    doing(ui, job);
                 }
                 (_, missing) => {
                     let distinct = self.goes.is_some_and(|(_, span)| span.from != span.to);
@@ -301,7 +300,10 @@ impl Running {
         if failed > 0 {
             words.push_str(&format!(", {failed} failed"));
         }
-        words + "; a click opens one"
+        if !rows.is_empty() {
+            words.push_str("; a click opens one");
+        }
+        words
     }
 
     /// Draws the marks; returns the values of the one that was clicked.
