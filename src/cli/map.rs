@@ -2,14 +2,32 @@
 
 use super::progress::Monitor;
 use super::{
-    DONE, INTERRUPTED, MapArguments, NOT_CONVERGED, cancel_on_signal, failures, scene_with_points,
-    warn,
+    DONE, INTERRUPTED, NOT_CONVERGED, Output, cancel_on_signal, failures, scene_with_points, warn,
 };
 use crate::plot::map_panel::page;
 use crate::plot::ticks::digits;
 use crate::storage::export::write_map_csv;
 use crate::storage::{Failure, drawing, scene_file};
-use crate::study::map::{PatternMap, Row};
+use crate::study::map::{PatternMap, Row, Vary};
+use clap::Args;
+
+/// What `tackscope map` is told.
+#[derive(Args, Clone, Debug)]
+pub(super) struct MapArguments {
+    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
+    scene: String,
+    /// The parameter of the scene file that goes, and its ends, as in law.range=0.5..2
+    #[arg(long, value_name = "KEY=A..B")]
+    vary: Vary,
+    #[command(flatten)]
+    output: Output,
+    /// Values of the parameter; by equal factors where its ends are a factor of two or more apart
+    #[arg(long, value_name = "N", default_value_t = 97, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    rows: u32,
+    /// Points a side in place of the scene's (a line cell stays a line), where loops are walked
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+}
 
 /// What is written.
 const FILES: [&str; 3] = ["map.csv", "map.svg", "map.png"];

@@ -14,6 +14,7 @@ mod map;
 mod progress;
 mod report;
 mod run;
+mod sweep;
 
 use crate::numerics::cancel::Cancel;
 use crate::physics::grid::Grid;
@@ -24,7 +25,6 @@ use crate::solver::methods::MethodKind;
 use crate::storage::fields::Keep;
 use crate::storage::folder::Folder;
 use crate::storage::{Failure, VERSION, files, line, presets, scene_file};
-use crate::study::map::Vary;
 use crate::study::reality::reality;
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
@@ -81,7 +81,13 @@ enum Command {
     ///
     /// Writes map.csv (jumps and ends of patterns, with the loss), map.svg and map.png into the
     /// folder. A value whose loop is not known is said, and in the picture: exit code 3.
-    Map(MapArguments),
+    Map(map::MapArguments),
+    /// Compute the loops of a scene at many values of its numbers
+    ///
+    /// Writes sweep.csv, a row a loop as it is done, sweep.svg and sweep.png into the folder. The
+    /// same command goes on where an earlier one was stopped or killed. A loop that fails is a row
+    /// that says why: exit code 3.
+    Sweep(sweep::SweepArguments),
     /// Look at the ground before anything runs
     ///
     /// Writes ground.svg and ground.png (map, distribution of heights, power spectrum), ground.json
@@ -181,24 +187,6 @@ struct DiagramArguments {
     /// Also writes fields.npz: gap, displacement and traction of every point, for numpy
     #[arg(long)]
     fields: bool,
-}
-
-/// What `tackscope map` is told.
-#[derive(Args, Clone, Debug)]
-struct MapArguments {
-    /// A built-in scene (see `tackscope presets`), a scene file, or - for standard input
-    scene: String,
-    /// The parameter of the scene file that goes, and its ends, as in law.range=0.5..2
-    #[arg(long, value_name = "KEY=A..B")]
-    vary: Vary,
-    #[command(flatten)]
-    output: Output,
-    /// Values of the parameter; by equal factors where its ends are a factor of two or more apart
-    #[arg(long, value_name = "N", default_value_t = 97, value_parser = clap::value_parser!(u32).range(2..=10_000))]
-    rows: u32,
-    /// Points a side in place of the scene's (a line cell stays a line), where loops are walked
-    #[arg(long, value_name = "N")]
-    points: Option<usize>,
 }
 
 /// What `tackscope ground` is told.
@@ -343,6 +331,7 @@ pub fn main() -> ExitCode {
             Some(Command::Run(arguments)) => code(run::run(&arguments)),
             Some(Command::Diagram(arguments)) => code(diagram::diagram(&arguments)),
             Some(Command::Map(arguments)) => code(map::map(&arguments)),
+            Some(Command::Sweep(arguments)) => code(sweep::sweep(&arguments)),
             Some(Command::Ground(arguments)) => code(ground::ground(&arguments)),
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),

@@ -6,8 +6,9 @@ use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::run::Report;
 use crate::plot::ticks::digits;
 use crate::storage::line;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::time::Duration;
 
 /// Resolution of the bar.
 const TICKS: u64 = 1000;
@@ -89,6 +90,24 @@ impl Monitor {
     pub(super) fn fraction(&self, fraction: f64) {
         if let Monitor::Bar(bar) = self {
             bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
+        }
+    }
+
+    /// Tells how many loops of so many are done after so many `seconds`, and which share of the work
+    /// that is expected to be.
+    pub(super) fn loops(&mut self, [done, of]: [usize; 2], fraction: f64, seconds: f64) {
+        self.fraction(fraction);
+        let words = format!("{done} of {of} loops");
+        self.now(&words);
+        if let Monitor::Lines { tenths } = self {
+            let reached = (fraction * 10.0 + 1e-9) as u64;
+            if reached > *tenths {
+                *tenths = reached;
+                let left = HumanDuration(Duration::from_secs_f64(
+                    (seconds * (1.0 / fraction - 1.0)).max(0.0),
+                ));
+                tell(&format!("{:>3} %  {words}, {left} left", 10 * reached));
+            }
         }
     }
 

@@ -3,11 +3,10 @@
 use super::failures;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::StateRecord;
-use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop};
+use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop, nan_max};
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
-use crate::scene::part::Strategy;
 use crate::scene::units::Units;
 use crate::scene::{Model, Points, Scene, Turn};
 use crate::solver::Stop;
@@ -18,22 +17,13 @@ use crate::storage::summary::{
 };
 use crate::storage::{Failure, VERSION, drawing, export, picture};
 use crate::study::error_bar::reference;
-use crate::study::plan::{Plan, promise};
+use crate::study::plan::{Plan, predicted_error, promise, stated_error};
 
 /// A walk with what it took.
 pub(super) struct Timed {
     pub(super) run: LoopRun,
     pub(super) wall_seconds: f64,
     pub(super) processor_seconds: f64,
-}
-
-/// The word of the summary for an outcome.
-pub(super) fn stop_word(outcome: &Outcome) -> &'static str {
-    match outcome {
-        Outcome::Completed => "completed",
-        Outcome::NotConverged { .. } => "not converged",
-        Outcome::Cancelled => "cancelled",
-    }
 }
 
 /// What stands in `summary.json` until all is computed and written, and so beside whatever a killed
@@ -81,7 +71,7 @@ pub(super) fn summary(
         tackscope: VERSION,
         scene: SceneSummary::new(given, scene),
         plan: plan_summary(scene, model, plan, run.deviation.as_deref()),
-        predicted_error: Number(run.error_bar.unwrap_or(plan.predicted_error)),
+        predicted_error: Number(predicted_error(plan, run)),
         measured_error: Number(f64::NAN),
         method,
         end: end(run, ledger.as_ref()),
@@ -115,8 +105,7 @@ fn in_si(units: &Units, model: &Model, run: &LoopRun, ledger: Option<&Ledger>) -
     let word = |of| units.word(of);
     let loss = ledger.and_then(Ledger::dissipated_energy);
     let loss = loss.map(|loss| loss * model.law.surface_energy);
-    let stresses = run.record.states.iter().map(|state| state.stress);
-    let pull = stresses.reduce(nan_max);
+    let pull = run.pull_off();
     let si = |of, value: Option<f64>| Number::from(value.map(|value| value * units.si(of)));
     let of_cell = |value: Option<f64>| model.of_cell(value?);
     UnitsSummary {
@@ -137,8 +126,8 @@ fn end(run: &LoopRun, ledger: Option<&Ledger>) -> EndSummary {
     let open = ledger.and_then(|ledger| ledger.open.as_ref());
     EndSummary {
         completed: run.outcome == Outcome::Completed,
-        stop: stop_word(&run.outcome),
-        stop_reason: stop_reason(run),
+        stop: run.outcome.word(),
+        stop_reason: run.stop_reason(),
         closed: ledger.is_some_and(|ledger| ledger.open.is_none()),
         open_reason: open.map(|open| open.reason.clone()),
         open_remedy: open.map(|open| open.remedy.clone()),
@@ -200,29 +189,10 @@ fn contested(rival: &RivalLoop) -> Contested {
     }
 }
 
-/// The relative error to be stated of the loss: what a finer mesh tells, or else what the plan
-/// expects; `None` where nothing is promised.
-fn stated_error(model: &Model, plan: &Plan, run: &LoopRun) -> Option<f64> {
-    let expected = || {
-        run.ledger(model.law.surface_energy)?
-            .stated_error(plan.predicted_error)
-    };
-    run.error_bar
-        .map_or_else(expected, |error| Some(error).filter(|error| *error < 1.0))
-}
-
-/// The larger one; NaN wins, so that it is not swallowed.
-fn nan_max(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
 fn plan_summary(scene: &Scene, model: &Model, plan: &Plan, deviation: Option<&str>) -> PlanSummary {
     let given = scene.number_given(Dimension::SurfaceEnergy, model.law.surface_energy);
     PlanSummary {
-        strategy: deviation
-            .as_ref()
-            .map_or(plan.strategy, |_| Strategy::WHOLE)
-            .word(),
+        strategy: plan.carried_out(deviation).word(),
         words: deviation.map_or_else(
             || plan.words.clone(),
             |why| format!("{}; {why}", plan.words),
@@ -258,33 +228,13 @@ fn counts(run: &LoopRun) -> CountSummary {
     }
 }
 
-fn stop_reason(run: &LoopRun) -> Option<String> {
-    match &run.outcome {
-        Outcome::Completed => None,
-        Outcome::NotConverged {
-            mean_displacement,
-            reason,
-        } => Some(format!("u0 = {mean_displacement}: {reason}")),
-        Outcome::Cancelled => {
-            let at = run
-                .record
-                .states
-                .last()
-                .map_or("before the first state".to_owned(), |s| {
-                    format!("u0 = {}", s.mean_displacement)
-                });
-            Some(format!("{at}: interrupted"))
-        }
-    }
-}
-
 /// The yardstick's numbers beside those of the main run.
 pub(super) fn yardstick(model: &Model, main: &Timed, other: &Timed) -> Yardstick {
     let both = main.run.outcome == Outcome::Completed && other.run.outcome == Outcome::Completed;
     Yardstick {
         method: "gfmd",
         completed: other.run.outcome == Outcome::Completed,
-        stop: stop_word(&other.run.outcome),
+        stop: other.run.outcome.word(),
         dissipated_energy: other
             .run
             .ledger(model.law.surface_energy)

@@ -10,7 +10,7 @@ use std::fmt;
 
 /// How closely, in ranges, the u0 of the end of a branch is found: ten times more closely than two
 /// runs of any step or seed may differ.
-pub(super) const LOCATED: f64 = 1e-5;
+pub const LOCATED: f64 = 1e-5;
 
 /// Direction of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -59,6 +59,38 @@ impl LoopRun {
     pub fn ledger(&self, surface_energy: f64) -> Option<Ledger> {
         (self.outcome == Outcome::Completed).then(|| self.record.ledger(surface_energy))
     }
+
+    /// Where and why it stopped; `None` if it was completed.
+    pub fn stop_reason(&self) -> Option<String> {
+        match &self.outcome {
+            Outcome::Completed => None,
+            Outcome::NotConverged {
+                mean_displacement,
+                reason,
+            } => Some(format!("u0 = {mean_displacement}: {reason}")),
+            Outcome::Cancelled => {
+                let at = self
+                    .record
+                    .states
+                    .last()
+                    .map_or("before the first state".to_owned(), |s| {
+                        format!("u0 = {}", s.mean_displacement)
+                    });
+                Some(format!("{at}: interrupted"))
+            }
+        }
+    }
+
+    /// The largest mean stress, in tension (E*); NaN if one is.
+    pub fn pull_off(&self) -> Option<f64> {
+        let stresses = self.record.states.iter().map(|state| state.stress);
+        stresses.reduce(nan_max)
+    }
+}
+
+/// The larger one; NaN wins, so that it is not swallowed.
+pub fn nan_max(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// How a loop ended.
@@ -75,6 +107,17 @@ pub enum Outcome {
     },
     /// Somebody asked to stop; everything before stands.
     Cancelled,
+}
+
+impl Outcome {
+    /// Its word in files.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Outcome::Completed => "completed",
+            Outcome::NotConverged { .. } => "not converged",
+            Outcome::Cancelled => "cancelled",
+        }
+    }
 }
 
 /// The surface just after a jump (or at the start).

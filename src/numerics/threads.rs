@@ -6,6 +6,9 @@
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// What is said of a computation that panicked.
+pub const FAULT: &str = "the computation stopped with a fault of its own";
+
 /// Fewest points of a field whose work is shared.
 pub const POINTS_MIN: usize = 256 * 256;
 /// Points of one piece of a shared field. Fixed, so that a sum over pieces does not depend on how

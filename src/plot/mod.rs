@@ -18,5 +18,6 @@ pub mod map_panel;
 pub mod panel;
 pub mod scale;
 pub mod style;
+pub mod sweep_panel;
 pub mod ticks;
 pub mod typeset;

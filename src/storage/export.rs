@@ -6,11 +6,13 @@
 //! written `NaN` or `inf`.
 
 mod barriers;
+mod convergence;
 mod diagram;
 mod ground;
 mod map;
 
 pub use barriers::{BARRIER_COLUMNS, write_barriers_csv};
+pub use convergence::write_convergence_csv;
 pub use diagram::{write_branches_csv, write_points_csv};
 pub use ground::{write_ground_json, write_heights_csv, write_spectrum_csv};
 pub use map::{MAP_COLUMNS, write_map_csv};
@@ -418,18 +420,18 @@ fn table(first: &str, rows: impl Iterator<Item = Vec<String>>) -> String {
     text
 }
 
-fn push_row(text: &mut String, cells: &[String]) {
+pub(super) fn push_row(text: &mut String, cells: &[String]) {
     text.push_str(&cells.join(","));
     text.push('\n');
 }
 
 /// The shortest text that reads back as the same number.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
 /// A cell in quotes if it needs them.
-fn quoted(cell: &str) -> String {
+pub(super) fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", cell.replace('"', "\"\""))
     } else {

@@ -10,7 +10,7 @@ const QUOTE_MAX: usize = 60;
 /// A file that cannot be used, said in one sentence with its remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Failure {
-    /// A value of a scene file is not allowed.
+    /// A value of a file is not allowed.
     #[error("{file}: {key} = {value}: {allowed}")]
     Value {
         /// The scene file.
@@ -22,7 +22,7 @@ pub enum Failure {
         /// What is allowed, and so how to mend it.
         allowed: String,
     },
-    /// A scene file lacks something.
+    /// A file lacks something.
     #[error("{file}: {key} is missing: {allowed}")]
     Missing {
         /// The scene file.
@@ -32,8 +32,8 @@ pub enum Failure {
         /// What to write.
         allowed: String,
     },
-    /// A scene file has a key or table that means nothing.
-    #[error("{file}: {key} is not a key of the scene file{near}: allowed in {place}: {allowed}")]
+    /// A file has a key or table that means nothing.
+    #[error("{file}: {key} is not a key of this file{near}: allowed in {place}: {allowed}")]
     UnknownKey {
         /// The scene file.
         file: String,
@@ -46,7 +46,7 @@ pub enum Failure {
         /// The keys that are allowed there.
         allowed: String,
     },
-    /// A scene file is not TOML.
+    /// A file is not TOML.
     #[error(
         "{file}, line {line}, column {column}: not TOML ({message}): mend this line, as in length \
          = 256.0"

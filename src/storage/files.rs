@@ -19,6 +19,41 @@ pub fn at_rest() -> Option<RwLockWriteGuard<'static, ()>> {
     WRITING.try_write().ok()
 }
 
+/// A file that grows by whole lines, each of which is on the disk before the next is begun.
+#[derive(Debug)]
+pub(super) struct Growing {
+    file: fs::File,
+    path: PathBuf,
+}
+
+impl Growing {
+    /// Opens a file that is there, and cuts off what is beyond its first `keep` bytes.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or is read-only.
+    pub(super) fn open(path: &Path, keep: u64) -> Result<Self, Failure> {
+        let _writing = WRITING.read();
+        let opened = fs::OpenOptions::new().append(true).open(path);
+        let cut = opened.and_then(|file| file.set_len(keep).map(|()| file));
+        Ok(Self {
+            file: cut.map_err(|error| Failure::write(path, error))?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// Appends a line, which ends with a line break.
+    ///
+    /// # Errors
+    /// A disk that is full, or gone.
+    pub(super) fn append(&mut self, line: &str) -> Result<(), Failure> {
+        let _writing = WRITING.read();
+        let written = self.file.write_all(line.as_bytes());
+        written
+            .and_then(|()| self.file.sync_data())
+            .map_err(|error| Failure::write(&self.path, error))
+    }
+}
+
 /// The path that somebody typed: a `~` at its beginning is the home folder, where no shell has put
 /// that in its place.
 ///
@@ -182,6 +217,8 @@ fn replace(
     }
     file.as_file().sync_all()?;
     file.persist(target).map_err(|error| error.error)?;
+    // Its name too is on the disk then; not every system can be asked for that.
+    let _ = fs::File::open(&folder).and_then(|folder| folder.sync_all());
     Ok(())
 }
 

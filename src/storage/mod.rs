@@ -14,11 +14,14 @@ pub mod fields;
 pub mod files;
 pub mod folder;
 pub mod heights;
+pub mod journal;
 pub mod picture;
 pub mod presets;
 pub mod report;
 pub mod scene_file;
+mod section;
 pub mod session;
+pub mod study_file;
 pub mod summary;
 
 /// The version of the program, in a release with the commit it was built from.

@@ -68,12 +68,17 @@ pub fn resolve(word: &str) -> Result<Scene, Failure> {
     if path.exists() {
         return picture::scene_in(&path, files::read_bytes(&path, session::BYTES_MAX)?);
     }
+    Err(unknown(word))
+}
+
+/// The refusal of a word that is neither a preset nor a file.
+pub(super) fn unknown(word: &str) -> Failure {
     let names: Vec<_> = ALL.iter().map(|preset| preset.name).collect();
-    Err(Failure::NoScene {
+    Failure::NoScene {
         name: word.to_owned(),
         near: near(word, names.iter().copied()),
         presets: names.join(", "),
-    })
+    }
 }
 
 impl Preset {

@@ -5,6 +5,7 @@
 //! to value: a loop that is little different from the last is read off in milliseconds. Where there
 //! is no atlas the loop is walked.
 
+use super::axis::{Spacing, Span};
 use super::live_loop::{Fineness, LiveLoop, LiveLoops};
 use super::plan::plan;
 use crate::follow::flat_branch::FlatBranch;
@@ -55,13 +56,13 @@ impl Vary {
 
     /// So many values from end to end.
     pub fn values(&self, count: usize) -> Vec<f64> {
-        let last = count.max(2) - 1;
-        let value = |i: usize| match i as f64 / last as f64 {
-            _ if i == last => self.to,
-            t if self.is_geometric() => self.from * (self.to / self.from).powf(t),
-            t => self.from + t * (self.to - self.from),
+        let spacing = if self.is_geometric() {
+            Spacing::Logarithmic
+        } else {
+            Spacing::Linear
         };
-        (0..=last).map(value).collect()
+        let (from, to) = (self.from, self.to);
+        Span { from, to, spacing }.values(count)
     }
 }
 
@@ -314,7 +315,7 @@ fn found(
 ) -> Result<Found, String> {
     let mut wider = scene.clone();
     if model.indenter == Indenter::Flat {
-        widen(&mut wider, model);
+        enclose(&mut wider, model);
     }
     if let Ok(live) = loops.next(&wider, model, Fineness::Coarse) {
         return Ok(read(&live));
@@ -339,8 +340,8 @@ fn found(
     walked(&run, model, scene.drive.turn)
 }
 
-/// Makes the drive of a `scene` on flat ground go beyond the limits of the flat state.
-fn widen(scene: &mut Scene, model: &Model) {
+/// Makes the drive of a `scene` on flat ground go beyond every jump, if it does not.
+pub(super) fn enclose(scene: &mut Scene, model: &Model) {
     let (law, control) = (&model.law, scene.control());
     let flat = FlatBranch::new(*law, model.equivalent_length, control);
     let (Turn::At(turn), Some(limits), Some((gap, _))) =

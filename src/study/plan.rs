@@ -32,6 +32,13 @@ pub struct Plan {
     pub predicted_seconds: f64,
 }
 
+impl Plan {
+    /// What was done in the end, where a run had to deviate from it.
+    pub fn carried_out(&self, deviation: Option<&str>) -> Strategy {
+        deviation.map_or(self.strategy, |_| Strategy::WHOLE)
+    }
+}
+
 /// Why a drive has no atlas.
 const NO_TURN: &str = "the atlas holds drives to a fixed turning point";
 
@@ -134,6 +141,23 @@ pub fn promise(error: Option<f64>) -> String {
     let percent = 100.0 * error;
     let digits = (-percent.log10().floor()).max(0.0) as usize;
     format!("expected error {percent:.digits$} %")
+}
+
+/// The relative error to be expected of loss and jumps: as a finer mesh tells it, or else as the plan
+/// expects it; NaN where nothing is known.
+pub fn predicted_error(plan: &Plan, run: &LoopRun) -> f64 {
+    run.error_bar.unwrap_or(plan.predicted_error)
+}
+
+/// The relative error to be stated of the loss: what a finer mesh tells, or else what the plan
+/// expects; `None` where nothing is promised.
+pub fn stated_error(model: &Model, plan: &Plan, run: &LoopRun) -> Option<f64> {
+    let expected = || {
+        run.ledger(model.law.surface_energy)?
+            .stated_error(plan.predicted_error)
+    };
+    run.error_bar
+        .map_or_else(expected, |error| Some(error).filter(|error| *error < 1.0))
 }
 
 /// Why the strategy that is asked for cannot hold the scene; `None` if it can.

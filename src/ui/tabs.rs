@@ -12,6 +12,7 @@ mod landscape;
 mod map;
 mod paper;
 mod stability;
+mod study;
 mod why;
 
 use super::action::{Action, ViewOptions};
@@ -102,6 +103,7 @@ impl Default for Tabs {
             Box::<map::Map>::default(),
             Box::<ground::GroundTab>::default(),
             Box::<accuracy::Accuracy>::default(),
+            Box::<study::StudyTab>::default(),
             Box::new(equations::Equations),
             Box::<paper::Paper>::default(),
         ])

@@ -3,10 +3,11 @@
 //! and a page of the paper; for the command line the paper's figures, several at once, one on each
 //! core.
 
-use super::job::{FAULT, Pace, Reporter};
+use super::job::{Pace, Reporter};
 use super::system::{self, Instant};
 use crate::follow::diagram::Diagram;
 use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::FAULT;
 use crate::paper::errata::{Erratum, errata};
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};

@@ -2,6 +2,7 @@
 
 use super::system::{self, Instant};
 use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::FAULT;
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,8 +11,6 @@ use std::time::Duration;
 
 /// Shortest time between two reports that are not urgent.
 const PACE: Duration = Duration::from_millis(80);
-/// Why a job ended that panicked.
-pub(super) const FAULT: &str = "the computation stopped with a fault of its own";
 
 /// Called, from whatever thread, when there is something new to hear.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

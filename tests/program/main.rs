@@ -13,4 +13,5 @@ mod kills;
 mod lessons;
 mod scene_files;
 mod signals;
+mod sweep;
 mod units;

@@ -12,5 +12,6 @@ mod loops;
 mod map;
 mod plan;
 mod reality;
+mod sweep;
 mod time_step_map;
 mod why;

@@ -19,6 +19,7 @@ mod select;
 mod session;
 mod stepped;
 mod stored;
+mod study;
 mod tabs;
 mod units;
 mod why;

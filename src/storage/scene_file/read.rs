@@ -9,11 +9,10 @@ use crate::physics::parameter::{Parameter, Value as Own};
 use crate::scene::parameter;
 use crate::scene::units::{LENGTHS, MODULI, SURFACE_ENERGIES, Units, Word};
 use crate::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
-use crate::storage::failure::{near, quote};
+use crate::storage::section::{self, Section, finite};
 use crate::storage::{Failure, files, heights};
 use std::path::Path;
-use std::sync::LazyLock;
-use toml::{Table, Value};
+use toml::Value;
 
 /// Reads a scene from the text of a scene file; `file_name` is used in messages, and a height file is
 /// looked for from its folder.
@@ -22,11 +21,9 @@ use toml::{Table, Value};
 /// Anything that is not an allowed scene: syntax, unknown or missing keys, wrong types, values out
 /// of range.
 pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
-    let table: Table = text
-        .parse()
-        .map_err(|error| syntax(text, file_name, &error))?;
+    let table = section::table(text, file_name)?;
     let root = Section::root(file_name, &table);
-    format_version(&root)?;
+    root.format_version(FORMAT, "a scene file")?;
     root.only(&[
         "format", "title", "source", "cell", "body", "law", "indenter", "drive", "accuracy",
         "noise", "units",
@@ -51,34 +48,6 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, Failure> {
         .validate()
         .map_err(|error| refused(file_name, error))?;
     Ok(scene)
-}
-
-fn syntax(text: &str, file_name: &str, error: &toml::de::Error) -> Failure {
-    let at = error.span().map_or(0, |span| span.start).min(text.len());
-    let before = String::from_utf8_lossy(&text.as_bytes()[..at]);
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    Failure::Syntax {
-        file: file_name.to_owned(),
-        line: before.matches('\n').count() + 1,
-        column: before[line_start..].chars().count() + 1,
-        message: error
-            .message()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" "),
-    }
-}
-
-fn format_version(root: &Section<'_>) -> Result<(), Failure> {
-    let value = root.value("format", "format = 1 as the first line of a scene file")?;
-    if value.as_integer() == Some(FORMAT) {
-        return Ok(());
-    }
-    Err(root.refuse(
-        "format",
-        value,
-        "allowed is 1, the only version that this program reads",
-    ))
 }
 
 fn cell(section: &Section<'_>) -> Result<Cell, Failure> {
@@ -326,205 +295,4 @@ fn whole(value: &Value) -> Option<usize> {
 
 fn wholes(values: &[Value]) -> Option<Vec<usize>> {
     values.iter().map(whole).collect()
-}
-
-/// One table, with what an error needs to name its place.
-struct Section<'a> {
-    file: &'a str,
-    name: &'static str,
-    table: &'a Table,
-}
-
-impl<'a> Section<'a> {
-    /// The file's own, outermost table.
-    fn root(file: &'a str, table: &'a Table) -> Self {
-        Self {
-            file,
-            name: "",
-            table,
-        }
-    }
-
-    /// The table `[name]` inside this one, or `None` if it is not there.
-    fn inside(&self, name: &'static str) -> Result<Option<Section<'a>>, Failure> {
-        match self.table.get(name) {
-            None => Ok(None),
-            Some(Value::Table(table)) => Ok(Some(Section {
-                file: self.file,
-                name,
-                table,
-            })),
-            Some(other) => Err(self.refuse(name, other, &format!("allowed is a table, [{name}]"))),
-        }
-    }
-
-    /// The table `[name]`; where it is not there everything in it has its default.
-    fn optional(&self, name: &'static str) -> Result<Section<'a>, Failure> {
-        static NOTHING: LazyLock<Table> = LazyLock::new(Table::new);
-        Ok(self.inside(name)?.unwrap_or(Section {
-            file: self.file,
-            name,
-            table: &NOTHING,
-        }))
-    }
-
-    /// The table `[name]`, which must be there.
-    fn required(&self, name: &'static str, keys: &str) -> Result<Section<'a>, Failure> {
-        self.inside(name)?.ok_or_else(|| Failure::Missing {
-            file: self.file.to_owned(),
-            key: format!("[{name}]"),
-            allowed: format!("add this table with {keys}"),
-        })
-    }
-
-    /// Refuses every key that is not in `allowed`.
-    fn only(&self, allowed: &[&str]) -> Result<(), Failure> {
-        match self
-            .table
-            .keys()
-            .find(|key| !allowed.contains(&key.as_str()))
-        {
-            None => Ok(()),
-            Some(key) => Err(Failure::UnknownKey {
-                file: self.file.to_owned(),
-                key: self.dotted(&quote(key)),
-                near: near(key, allowed.iter().copied()),
-                place: if self.name.is_empty() {
-                    "its top level".to_owned()
-                } else {
-                    format!("[{}]", self.name)
-                },
-                allowed: allowed.join(", "),
-            }),
-        }
-    }
-
-    /// True if the key is there.
-    fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
-    }
-
-    /// The raw value, which must be there.
-    fn value(&self, key: &str, allowed: &str) -> Result<&'a Value, Failure> {
-        self.table
-            .get(key)
-            .ok_or_else(|| self.missing(key, allowed))
-    }
-
-    /// The number of a parameter (an integer will do), or its default if it has one and is not
-    /// there; the scene checks its range.
-    fn number(&self, parameter: &Parameter) -> Result<f64, Failure> {
-        let key = parameter.name();
-        match (self.table.get(key), parameter.default) {
-            (None, Some(default)) => Ok(default.number()),
-            (None, None) => Err(self.missing(key, &parameter.allowed())),
-            (Some(value), _) => finite(value).ok_or_else(|| self.refuse_number(parameter, value)),
-        }
-    }
-
-    /// The raw value of a parameter, which must be there.
-    fn given(&self, parameter: &Parameter) -> Result<&'a Value, Failure> {
-        self.value(parameter.name(), &parameter.allowed())
-    }
-
-    /// The refusal of what a parameter cannot be.
-    fn refuse_number(&self, parameter: &Parameter, value: &Value) -> Failure {
-        self.refuse(
-            parameter.name(),
-            value,
-            &format!("allowed is {}", parameter.allowed()),
-        )
-    }
-
-    /// A text.
-    fn text(&self, key: &str, allowed: &str) -> Result<&'a str, Failure> {
-        let value = self.value(key, allowed)?;
-        value
-            .as_str()
-            .ok_or_else(|| self.refuse(key, value, &format!("allowed is {allowed}")))
-    }
-
-    /// A text, or `default` if it is not there.
-    fn text_or(&self, key: &str, default: &str) -> Result<String, Failure> {
-        if self.has(key) {
-            self.text(key, "a text in quotes").map(str::to_owned)
-        } else {
-            Ok(default.to_owned())
-        }
-    }
-
-    /// The flag of a parameter, or its default if it has one and is not there.
-    fn flag(&self, parameter: &Parameter) -> Result<bool, Failure> {
-        match (self.table.get(parameter.name()), parameter.default) {
-            (None, Some(default)) => Ok(default.flag()),
-            (None, None) => Err(self.missing(parameter.name(), &parameter.allowed())),
-            (Some(value), _) => value
-                .as_bool()
-                .ok_or_else(|| self.refuse_number(parameter, value)),
-        }
-    }
-
-    /// Which of the words of a parameter, or its default if it has one and is not there.
-    fn choice(
-        &self,
-        parameter: &Parameter,
-        words: &'static [&'static str],
-    ) -> Result<Own, Failure> {
-        let key = parameter.name();
-        if let (false, Some(default)) = (self.has(key), parameter.default) {
-            return Ok(default);
-        }
-        let word = self.text(key, &parameter.allowed())?;
-        let chosen = words.iter().position(|known| *known == word);
-        let chosen = chosen.ok_or_else(|| {
-            let near = near(word, words.iter().copied());
-            let allowed = format!("allowed is {}{near}", parameter.allowed());
-            self.refuse(key, &Value::String(word.to_owned()), &allowed)
-        })?;
-        Ok(Own::Choice { chosen, words })
-    }
-
-    /// The refusal of a value; `allowed` is a clause.
-    fn refuse(&self, key: &str, value: &Value, allowed: &str) -> Failure {
-        let value = quote(&value.to_string());
-        Failure::value(self.file, &self.dotted(key), &value, allowed)
-    }
-
-    /// The refusal of a word that is none of `words`.
-    fn refuse_word(&self, key: &str, word: &str, words: &[&str]) -> Failure {
-        let listed: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-        let allowed = format!(
-            "allowed are {}{}",
-            listed.join(", "),
-            near(word, words.iter().copied())
-        );
-        self.refuse(key, &Value::String(word.to_owned()), &allowed)
-    }
-
-    /// The complaint that a key is not there.
-    fn missing(&self, key: &str, allowed: &str) -> Failure {
-        Failure::Missing {
-            file: self.file.to_owned(),
-            key: self.dotted(key),
-            allowed: format!("allowed is {allowed}"),
-        }
-    }
-
-    fn dotted(&self, key: &str) -> String {
-        if self.name.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.name)
-        }
-    }
-}
-
-/// A value as a finite number.
-fn finite(value: &Value) -> Option<f64> {
-    let number = match value {
-        Value::Float(number) => *number,
-        Value::Integer(number) => *number as f64,
-        _ => return None,
-    };
-    number.is_finite().then_some(number)
 }

@@ -70,7 +70,7 @@ impl Default for Map {
 }
 
 /// Around what a map is made.
-struct Around {
+pub(super) struct Around {
     numbers: Vec<(&'static Parameter, f64)>,
     kinds: [&'static str; 4],
     key: &'static str,
@@ -81,7 +81,7 @@ impl Map {
     fn shown(&self, state: &ViewState) -> Option<&PatternMap> {
         let (around, job) = self.job.as_ref()?;
         let map = job.so_far.as_ref()?;
-        around.holds(state, self.key).then_some(map)
+        around.holds(state, self.key, REACH).then_some(map)
     }
 
     /// What goes, with its present value.
@@ -92,11 +92,21 @@ impl Map {
 }
 
 impl Around {
-    /// True if the scene differs in no more than what goes, and what follows it.
-    fn holds(&self, state: &ViewState, key: &str) -> bool {
+    /// What is made around the present scene, of which the number of this key goes.
+    pub(super) fn of(state: &ViewState, key: &'static str) -> Self {
+        Self {
+            numbers: numbers(state),
+            kinds: kinds(state),
+            key,
+        }
+    }
+
+    /// True if the scene differs in no more than what goes, by a factor up to `reach`, and what
+    /// follows it.
+    pub(super) fn holds(&self, state: &ViewState, key: &str, reach: f64) -> bool {
         let now = numbers(state);
         let same = |((own, a), (other, b)): (&(&Parameter, f64), &(&Parameter, f64))| {
-            let goes = own.key == key && (1.0 / REACH..=REACH).contains(&(b / a));
+            let goes = own.key == key && (1.0 / reach..=reach).contains(&(b / a));
             own.key == other.key && (a == b || goes)
         };
         key == self.key
@@ -221,15 +231,11 @@ impl Tab for Map {
         if self.goes(state).is_none() {
             self.key = parameter::RANGE.key;
         }
-        let holds = |(around, _): &(Around, _)| around.holds(state, self.key);
+        let holds = |(around, _): &(Around, _)| around.holds(state, self.key, REACH);
         if !self.job.as_ref().is_some_and(holds) {
             (self.job, self.missing) = (None, None);
             if seen {
-                let around = Around {
-                    numbers: numbers(state),
-                    kinds: kinds(state),
-                    key: self.key,
-                };
+                let around = Around::of(state, self.key);
                 let vary = self.goes(state).map(|(_, value)| Vary {
                     key: self.key.to_owned(),
                     from: value / REACH,

@@ -1,0 +1,298 @@
+//! A study: one scene at many values of its numbers, each a closed loop computed as `run` computes
+//! it, and what is recorded of each.
+//!
+//! Nothing here knows files: rows are told one by one as they are found, cheapest first, and
+//! whoever keeps them decides which are still to be computed.
+
+mod columns;
+
+pub use columns::{COLUMNS, Cell, Column, DEFAULT, Measured, column, table};
+
+use super::map::enclose;
+use super::plan::{plan, run_planned};
+use crate::follow::run::Outcome;
+use crate::numerics::cancel::Cancel;
+use crate::numerics::threads::{FAULT, side_by_side};
+use crate::physics::control::Control;
+use crate::physics::indenter::Indenter;
+use crate::physics::parameter::{Refusal, Value};
+use crate::physics::theory::units::Units;
+use crate::physics::theory::{flat, ridge};
+use crate::scene::{Model, Points, Scene, edit, parameter};
+use crate::solver::methods::MethodKind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Most points of a study.
+pub const POINTS_MAX: usize = 1_000_000;
+/// Most axes of a study.
+pub const AXES_MAX: usize = 16;
+/// What is computed, and what is recorded of it.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// One line that names it.
+    pub title: String,
+    /// The scene whose numbers go.
+    pub scene: Scene,
+    /// The keys of the numbers that go, as in `law.range`.
+    pub keys: Vec<String>,
+    /// The values of each loop, one a key, as the scene's file has them.
+    pub places: Vec<Vec<f64>>,
+    /// What is recorded.
+    pub record: Vec<&'static Column>,
+    /// What is drawn against what: two of the keys and recorded columns.
+    pub plot: [String; 2],
+}
+
+/// A loop of a study.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Its place in the study.
+    pub index: usize,
+    /// The values that go, as the scene has them: whole numbers are rounded.
+    pub values: Vec<f64>,
+    /// The scene, or why there is none.
+    pub scene: Result<Scene, String>,
+    /// Seconds that it is expected to take, to a factor of two or three.
+    pub cost: f64,
+}
+
+/// What is known of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its place in the study.
+    pub index: usize,
+    /// The values that go.
+    pub values: Vec<f64>,
+    /// What is recorded, in the order of the study.
+    pub cells: Vec<Cell>,
+    /// "completed", "not converged", or "refused" of values that are not allowed.
+    pub stop: String,
+    /// Where and why it stopped, or why its loop is not closed; else empty.
+    pub reason: String,
+}
+
+/// Room beyond the last jump, in ranges.
+const SPARE: f64 = 0.25;
+
+/// Of values that are not allowed.
+const REFUSED: &str = "refused";
+
+impl Row {
+    /// True if the drive went all the way.
+    pub fn is_complete(&self) -> bool {
+        self.stop == Outcome::Completed.word()
+    }
+}
+
+impl Study {
+    /// Checks that its keys are numbers of its scene.
+    ///
+    /// # Errors
+    /// A key that is none.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let decided = edit::decided(&self.scene, &self.scene.model()?);
+        let mut keys = self.keys.iter();
+        keys.try_for_each(|key| edit::check_key(&decided, key))
+    }
+
+    /// Checks that this is one of its keys or of the columns that it records.
+    ///
+    /// # Errors
+    /// All of them.
+    pub fn check_name(&self, name: &str) -> Result<(), Vec<String>> {
+        let columns = self.record.iter().map(|column| column.name.to_owned());
+        let all: Vec<String> = self.keys.iter().cloned().chain(columns).collect();
+        if all.iter().any(|known| known == name) {
+            return Ok(());
+        }
+        Err(all)
+    }
+
+    /// Its loops in order. Values that are not allowed are points that say so.
+    pub fn points(&self) -> Vec<Point> {
+        let points = self.places.iter().enumerate();
+        points
+            .map(|(index, place)| self.point(index, place))
+            .collect()
+    }
+
+    fn point(&self, index: usize, place: &[f64]) -> Point {
+        let scene = self
+            .scene_at(place)
+            .and_then(|scene| Ok((scene.model()?, scene)));
+        let (values, cost) = match &scene {
+            Ok((model, scene)) => {
+                let value = |(key, asked): (&String, f64)| whole(scene, key).unwrap_or(asked);
+                let asked = self.keys.iter().zip(place.iter().copied());
+                let cost = plan(scene, model, None).predicted_seconds;
+                (asked.map(value).collect(), cost)
+            }
+            Err(_) => (place.to_vec(), 0.0),
+        };
+        Point {
+            index,
+            values,
+            scene: scene.map(|(_, scene)| scene).map_err(|why| why.to_string()),
+            cost,
+        }
+    }
+
+    /// The scene with these values. As in a map of patterns its other numbers stay what they are, a
+    /// range that was given by mu_rho among them, and on flat ground the drive goes beyond every jump
+    /// unless its own ends go; a mesh that is "auto" is decided anew.
+    ///
+    /// # Errors
+    /// A value that is not allowed.
+    pub fn scene_at(&self, place: &[f64]) -> Result<Scene, Refusal> {
+        let points = |key: &String| key == parameter::POINTS.key;
+        let auto = self.scene.cell.points == Points::Auto && !self.keys.iter().any(points);
+        let mut scene = self.scene.clone();
+        if !auto {
+            scene = edit::decided(&scene, &scene.model()?);
+        }
+        // Law and cell move the drive, and the machine makes it anew.
+        let rank = |key: &str| match key {
+            key if !key.starts_with("drive.") => 0,
+            key if key == parameter::STIFFNESS.key => 1,
+            _ => 2,
+        };
+        let mut values: Vec<_> = self.keys.iter().zip(place).collect();
+        values.sort_by_key(|(key, _)| rank(key));
+        for (key, value) in values {
+            scene = edit::with_parameter(&scene, &scene.model()?, key, *value)?;
+            if auto {
+                scene.cell.points = Points::Auto;
+            }
+        }
+        let driven = |key: &String| [parameter::START.key, parameter::TURN.key].contains(&&**key);
+        if !self.keys.iter().any(driven) {
+            let model = scene.model()?;
+            if model.indenter == Indenter::Flat {
+                let start = scene.drive.start;
+                enclose(&mut scene, &model);
+                if scene.control() == Control::Displacement {
+                    let far = beyond_ridges(&model).max(start);
+                    scene.drive.start = scene.drive.start.min(far);
+                }
+            }
+        }
+        Ok(scene)
+    }
+
+    /// Computes a loop; `None` if it was cancelled on the way.
+    pub fn row(&self, point: &Point, cancel: &Cancel) -> Option<Row> {
+        let none = |stop: &str, reason: String| Row {
+            index: point.index,
+            values: point.values.clone(),
+            cells: vec![Cell::Word(String::new()); self.record.len()],
+            stop: stop.to_owned(),
+            reason,
+        };
+        let scene = match &point.scene {
+            Ok(scene) => scene,
+            Err(why) => return Some(none(REFUSED, why.clone())),
+        };
+        let found = catch_unwind(AssertUnwindSafe(|| self.measured(scene, cancel)));
+        if cancel.requested() {
+            return None;
+        }
+        Some(match found {
+            Ok(Ok((cells, stop, reason))) => Row {
+                cells,
+                ..none(stop, reason)
+            },
+            Ok(Err(refusal)) => none(REFUSED, refusal.to_string()),
+            Err(_) => none("failed", FAULT.to_owned()),
+        })
+    }
+
+    fn measured(
+        &self,
+        scene: &Scene,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Cell>, &'static str, String), Refusal> {
+        let began = Instant::now();
+        let model = scene.model()?;
+        let plan = plan(scene, &model, None);
+        let run = run_planned(scene, MethodKind::NewtonKrylov, &plan, cancel, &mut |_| {})?;
+        let measured = Measured {
+            scene,
+            model: &model,
+            plan: &plan,
+            run: &run,
+            ledger: run.ledger(model.law.surface_energy),
+            seconds: began.elapsed().as_secs_f64(),
+        };
+        let open = measured
+            .ledger
+            .as_ref()
+            .and_then(|ledger| ledger.open.as_ref());
+        let open = open.map(|open| format!("{}; {}", open.reason, open.remedy));
+        let reason = run.stop_reason().or(open).unwrap_or_default();
+        let cells = self.record.iter().map(|column| column.of(&measured));
+        Ok((cells.collect(), run.outcome.word(), reason))
+    }
+
+    /// Computes loops, cheapest first and as many at a time as there are threads; `observe` is told
+    /// of each row, and of the expected share of all that is done, 0 to 1.
+    pub fn compute(
+        &self,
+        points: &[&Point],
+        cancel: &Cancel,
+        observe: &mut (dyn FnMut(Row, f64) + Send),
+    ) {
+        let mut order = points.to_vec();
+        order.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let whole: f64 = order.iter().map(|point| point.cost).sum();
+        let told = Mutex::new((0.0, observe));
+        side_by_side(order.len(), |i| {
+            if cancel.requested() {
+                return;
+            }
+            let Some(row) = self.row(order[i], cancel) else {
+                return;
+            };
+            let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+            let (done, observe) = &mut *told;
+            *done += order[i].cost;
+            observe(row, if whole > 0.0 { *done / whole } else { 1.0 });
+        });
+    }
+
+    /// The numbers of a key or of a recorded column in a row: none where there are none, several
+    /// of jumps.
+    pub fn numbers(&self, row: &Row, name: &str) -> Vec<f64> {
+        if let Some(i) = self.keys.iter().position(|key| key == name) {
+            return vec![row.values[i]];
+        }
+        let i = self.record.iter().position(|column| column.name == name);
+        i.and_then(|i| row.cells.get(i))
+            .map_or_else(Vec::new, Cell::numbers)
+    }
+}
+
+/// u0 beyond which no pattern holds on flat ground (length): the end of a ridge of zero range, which
+/// is farther than those of any range, or the limit of the flat state, with room to spare.
+fn beyond_ridges(model: &Model) -> f64 {
+    let (law, length) = (&model.law, model.equivalent_length);
+    let units = Units {
+        length,
+        surface_energy: law.surface_energy,
+    };
+    let ridge = units.restore(ridge::critical().displacement);
+    let upper = flat::limits(law, length).map_or(0.0, |(_, upper)| upper);
+    ridge.max(upper) + SPARE * law.range
+}
+
+/// The whole number of this key that the scene has; `None` of other numbers.
+fn whole(scene: &Scene, key: &str) -> Option<f64> {
+    let known = scene.numbers().into_iter();
+    known
+        .filter(|(parameter, _)| parameter.key == key)
+        .find_map(|(_, value)| match value {
+            Value::Whole(n) => Some(n as f64),
+            _ => None,
+        })
+}
