@@ -74,14 +74,17 @@ pub enum Action {
     OpenTab(&'static str),
     /// Lay theory over the live plot, or take it away.
     OverlayTheory(bool),
-    /// Look at the recorded state nearest to a place of the plot.
+    /// Look at the walked or foreseen state nearest to a place of the plot.
     SelectState {
         /// u0/rho and stress/sigma_max.
         at: [f64; 2],
-        /// How far away it may be, along each.
+        /// How far a click may miss it, along each.
         reach: [f64; 2],
+        /// By what gesture.
+        pick: Pick,
     },
-    /// Look at the newest state of this direction whose control is nearest to a value.
+    /// Look at the newest state of this direction whose control is nearest to a value, or at the
+    /// one foreseen there.
     SelectOn(Direction, f64),
     /// Look at the state so many further on along the path, or back.
     StepState(isize),
@@ -122,6 +125,17 @@ impl Action {
     pub fn edit(scene: Scene) -> Self {
         Self::EditScene(Box::new(scene))
     }
+}
+
+/// How a state is picked from the plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pick {
+    /// By a click at it.
+    Click,
+    /// By a drag that begins: the nearest.
+    Drag,
+    /// By a drag that goes on, along the same curve.
+    Along,
 }
 
 /// What a learner does in the lesson's panel.

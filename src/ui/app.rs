@@ -122,6 +122,7 @@ impl App {
         self.listen();
         self.state.observe_lesson();
         self.open();
+        self.state.update_foresight(&*self.solver);
         self.tabs.update(&mut self.state, &*self.solver);
         self.map.update(&ctx, &self.state);
         let mut actions = Vec::new();
@@ -315,7 +316,7 @@ impl App {
                 state.view.tab = self.tabs.index(name).unwrap_or(state.view.tab);
             }
             Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
-            Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectState { at, reach, pick } => state.select_near(at, reach, pick),
             Action::SelectOn(direction, control) => state.select_on(direction, control),
             Action::StepState(by) => state.step_state(by),
             Action::GoOn => state.go_on(),

@@ -329,27 +329,31 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
 
-/// The border of map and profile: that of a replay or of a stored state stands out.
+/// The border of map and profile: that of a replay, or of a stored or foreseen state, stands out.
 pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
     if state.run.replayed.is_some() {
         Stroke::new(2.5, theme::palette(ui).jump)
     } else if state.run.shown.is_some() {
-        Stroke::new(2.5, theme::palette(ui).now)
+        let palette = theme::palette(ui);
+        let is_foreseen = state.shown_word() == Some("foreseen");
+        Stroke::new(
+            2.5,
+            if is_foreseen {
+                palette.live
+            } else {
+                palette.now
+            },
+        )
     } else {
         ui.visuals().widgets.noninteractive.bg_stroke
     }
 }
 
-/// The word "jumping" while the surface is no equilibrium, and "replay" or "stored" while it is an
-/// old one.
+/// The word "jumping" while the surface is no equilibrium, and "replay", "stored" or "foreseen"
+/// while another one than the present is shown.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
-    let word = if state.run.replayed.is_some() {
-        "replay"
-    } else if state.run.shown.is_some() {
-        "stored"
-    } else if state.jumping().is_some() {
-        "jumping … (no equilibrium)"
-    } else {
+    let jumping = state.jumping().map(|_| "jumping … (no equilibrium)");
+    let Some(word) = state.shown_word().or(jumping) else {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
@@ -479,9 +483,11 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
     let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else {
         return format!("Gap map: {WAITING}");
     };
-    let (kind, shown) = match &state.run.shown {
-        Some(frame) if state.run.replayed.is_none() => ("stored ", frame.state.as_ref()),
-        _ => ("", state.run.state.as_ref()),
+    let (kind, shown) = match (&state.run.shown, state.shown_word()) {
+        (Some(frame), Some(word)) if state.run.replayed.is_none() => {
+            (format!("{word} "), frame.state.as_ref())
+        }
+        _ => (String::new(), state.run.state.as_ref()),
     };
     let pattern = shown.map_or("at rest", |s| s.pattern.word());
     let unit = state.model.unit(Dimension::Length);

@@ -1,7 +1,7 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::{Action, LessonAct};
+use super::action::{Action, LessonAct, Pick};
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
@@ -22,8 +22,6 @@ use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
-/// A drag as near as that goes along the path.
-const SCRUB: f64 = 1e3;
 
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
@@ -73,13 +71,17 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     {
         let at = transform.value_from_position(pointer);
         let scale = transform.dpos_dvalue();
-        let points = if scrubs { SCRUB } else { CLICK };
-        let reach = [points / scale[0].abs(), points / scale[1].abs()];
+        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
+        let pick = match (response.drag_started(), scrubs) {
+            (true, _) => Pick::Drag,
+            (false, true) => Pick::Along,
+            (false, false) => Pick::Click,
+        };
         let at = [at.x, at.y];
         actions.push(match state.asked() {
             Some((Question::Guess { .. }, _)) => Action::Lesson(LessonAct::Choose(at[0])),
             _ if state.view.lecture && state.run.record.jumps.is_empty() => Action::Guess(at[0]),
-            _ => Action::SelectState { at, reach },
+            _ => Action::SelectState { at, reach, pick },
         });
     }
     card(ui, state, actions, response.rect);
@@ -259,11 +261,18 @@ pub fn panel(state: &ViewState) -> Panel {
     panel.series.extend(machine::line(state, [left, right]));
     guesses(state, &mut panel);
     let rho = state.rho();
-    if let Some(selection) = &state.run.selection {
-        let at = [
-            selection.state.mean_displacement / rho,
-            selection.state.stress_over_max,
-        ];
+    let wish = state.run.foresight.wish().and_then(|wanted| {
+        let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);
+        Some([
+            sample.mean_displacement / rho,
+            sample.stress / law.traction_max(),
+        ])
+    });
+    let selected = state.run.selection.as_ref().map(|selection| {
+        let s = &selection.state;
+        [s.mean_displacement / rho, s.stress_over_max]
+    });
+    if let Some(at) = wish.or(selected) {
         panel
             .series
             .push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
@@ -513,7 +522,9 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                 ui.set_width(WIDTH - 14.0);
                 ui.spacing_mut().item_spacing.y = 1.0;
                 ui.horizontal(|ui| {
-                    ui.label(RichText::new(format!("{} on {}", s.pattern, s.direction)).strong());
+                    let foreseen = selection.index.map_or(", foreseen", |_| "");
+                    let words = format!("{} on {}{foreseen}", s.pattern, s.direction);
+                    ui.label(RichText::new(words).strong());
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         if named(ui.small_button("✖"), "Close the card").clicked() {
                             actions.push(Action::ClearSelection);
@@ -544,7 +555,7 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                         actions.push(Action::GoOn);
                     }
                     if ui.small_button("Walk to this u₀").clicked() {
-                        actions.push(Action::SetTarget(s.mean_displacement));
+                        actions.push(Action::SetTarget(s.control));
                     }
                     let copy = named(ui.small_button("Copy"), "Copy these numbers");
                     if copy.clicked() {

@@ -1,6 +1,7 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod films;
+mod foresight;
 mod hint;
 mod lesson;
 mod plots;
@@ -8,6 +9,7 @@ mod run;
 mod stored;
 
 pub use films::Films;
+pub use foresight::Foresight;
 pub use hint::Hint;
 pub use lesson::Begin;
 pub use plots::{Kept, LiveView, Plots};
@@ -252,10 +254,12 @@ impl ViewState {
 
     /// What an undo brings back. The start of the drive is come to by itself.
     fn past(&self) -> Past {
+        let start = self.scene.drive.start;
+        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && s.record.control == start;
         let stored = self.run.store.newest();
         Past {
             scene: self.scene.clone(),
-            surface: stored.filter(|s| s.before != [0, 0]).cloned(),
+            surface: stored.filter(|s| !is_start(s)).cloned(),
         }
     }
 
@@ -366,6 +370,7 @@ impl ViewState {
                 self.moved_to(frame.control);
                 self.frame = Some(frame);
                 (self.run.replayed, self.run.shown) = (None, None);
+                self.run.foresight = Foresight::default();
             }
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
@@ -418,7 +423,7 @@ impl ViewState {
         );
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
-            self.run.forgotten += STATES_MAX / 4;
+            self.run.store.forgotten += STATES_MAX / 4;
             self.select_nothing();
         }
         self.run.record.states.push(state.clone());

@@ -3,6 +3,8 @@
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
+use crate::follow::walk::Walk;
+use crate::physics::system::Fields;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::equilibrium::Equilibrium;
@@ -184,7 +186,7 @@ impl Frame {
 pub struct Stored {
     /// Its record.
     pub record: StateRecord,
-    /// How many states and jumps of the path came before it.
+    /// How many states and jumps of the path came before it; none of one that was not walked to.
     pub before: [usize; 2],
     /// The part of the cell that was walked.
     pub part: Part,
@@ -195,6 +197,28 @@ pub struct Stored {
 }
 
 impl Stored {
+    /// Where a walk on this part of the cell stands, so many states and jumps `before` it.
+    pub fn of(walk: &Walk, part: Part, before: [usize; 2]) -> Self {
+        let here = walk.here();
+        let none = || Array2::zeros((0, 0));
+        Self {
+            record: walk.record().clone(),
+            before,
+            part,
+            surface: Equilibrium {
+                fields: Fields {
+                    gap: none(),
+                    traction: none(),
+                    stiffness: none(),
+                },
+                soft_mode: here.soft_mode.clone(),
+                state: here.state.clone(),
+                ..*here
+            },
+            gap: walk.gap_here().mapv(|gap| gap as f32),
+        }
+    }
+
     /// Its picture.
     pub fn frame(&self) -> Frame {
         let StateRecord {
@@ -291,7 +315,7 @@ pub struct LoopSummary {
 }
 
 /// The newest live loop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LiveState {
     /// The loop, or why there is none.
     pub found: Result<LiveLoop, String>,

@@ -13,10 +13,7 @@ use crate::follow::run::Itinerary;
 use crate::follow::walk::{Observed, Progress, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::physics::system::Fields;
 use crate::scene::part::Part;
-use crate::solver::equilibrium::Equilibrium;
-use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -213,24 +210,8 @@ impl Session {
 
     /// Where a walk stands, to be kept.
     fn stored(&self, walk: &Walk, before: [usize; 2]) -> Arc<Stored> {
-        let here = walk.here();
-        let none = || Array2::zeros((0, 0));
-        Arc::new(Stored {
-            record: walk.record().clone(),
-            before,
-            part: self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part),
-            surface: Equilibrium {
-                fields: Fields {
-                    gap: none(),
-                    traction: none(),
-                    stiffness: none(),
-                },
-                soft_mode: here.soft_mode.clone(),
-                state: here.state.clone(),
-                ..*here
-            },
-            gap: walk.gap_here().mapv(|gap| gap as f32),
-        })
+        let part = self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part);
+        Arc::new(Stored::of(walk, part, before))
     }
 
     /// Takes a stored state as the present one.

@@ -7,6 +7,7 @@ mod bench;
 mod branches;
 mod commands;
 mod dialogs;
+mod foreseen;
 mod ground;
 mod landscape;
 mod lessons;

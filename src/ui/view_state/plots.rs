@@ -95,7 +95,7 @@ pub struct Kept {
 }
 
 /// What is drawn of the live loop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LiveView {
     /// The run it was computed for.
     pub run: RunId,

@@ -1,17 +1,20 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
-use super::{Films, Store, ViewState};
+use super::{Films, Foresight, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Scene;
+use crate::ui::action::Pick;
 use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Stored, Sweep};
 use std::sync::Arc;
 
 /// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a
 /// ten-thousandth.
 const AT_JUMP: f64 = 2e-4;
+/// How much nearer than a walked state a foreseen one must be to be meant, in shares of the reach.
+const UPON: f64 = 0.4;
 
 /// One run; another scene, model or method begins another one.
 #[derive(Debug)]
@@ -50,8 +53,8 @@ pub struct RunView {
     pub store: Store,
     /// The picture of the stored state somebody looks at, until the surface moves.
     pub shown: Option<Arc<Frame>>,
-    /// How many of the oldest states `record` no longer has.
-    pub(super) forgotten: usize,
+    /// The search for states that nobody walked to.
+    pub foresight: Foresight,
     /// The stored state that is to be the present one; the solver is told at the end of the frame.
     pub(super) from: Option<Arc<Stored>>,
 }
@@ -68,8 +71,8 @@ pub struct ClosedLoop {
 /// A stored state that somebody looks at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Its index in the record.
-    pub index: usize,
+    /// Its index in the record; `None` of one that the live loop foresees.
+    pub index: Option<usize>,
     /// The stored state.
     pub state: StateRecord,
     /// Index of the jump that led to it or away from it.
@@ -98,7 +101,7 @@ impl RunView {
             replayed: None,
             store: Store::default(),
             shown: None,
-            forgotten: 0,
+            foresight: Foresight::default(),
             from: None,
         };
         if target != start {
@@ -210,25 +213,33 @@ impl ViewState {
 
 /// Which stored state is looked at.
 impl ViewState {
-    /// Selects the recorded state nearest to (u0/rho, stress/sigma_max), if one is within `reach`
-    /// along each axis; else none.
-    pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2]) {
+    /// Looks at the state that is drawn nearest to (u0/rho, stress/sigma_max), walked or foreseen:
+    /// `reach` along each axis is as far as a click may miss it.
+    pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2], pick: Pick) {
         let rho = self.rho();
         let distance = |s: &StateRecord| {
             ((s.mean_displacement / rho - at[0]) / reach[0])
                 .hypot((s.stress_over_max - at[1]) / reach[1])
         };
-        let nearest = self
-            .run
-            .record
-            .states
-            .iter()
-            .enumerate()
+        let states = self.run.record.states.iter().enumerate();
+        let walked = states
             .map(|(index, s)| (distance(s), index))
-            .filter(|(d, _)| *d <= 1.0);
-        match nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, index)) => self.select(index),
-            None => self.select_nothing(),
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let foreseen = self.nearest_foreseen(at, reach);
+        let present = self.run.selection.as_ref().map(|selection| selection.index);
+        let is_ahead = match (walked, foreseen) {
+            (Some((off, _)), Some((nearer, _))) => match (pick, present) {
+                (Pick::Along, Some(index)) => index.is_none(),
+                // What was walked lies upon what is foreseen.
+                _ => nearer + UPON < off,
+            },
+            (walked, _) => walked.is_none(),
+        };
+        let near = |off: f64| pick != Pick::Click || off <= 1.0;
+        match (walked, foreseen) {
+            (_, Some((off, spot))) if is_ahead && near(off) => self.foresee(spot),
+            (Some((off, index)), _) if !is_ahead && near(off) => self.select(index),
+            _ => self.select_nothing(),
         }
     }
 
@@ -238,13 +249,19 @@ impl ViewState {
             return;
         };
         let jump = self.jump_at(&state);
-        self.run.selection = Some(Selection { index, state, jump });
+        self.run.foresight = Foresight::default();
+        self.run.selection = Some(Selection {
+            index: Some(index),
+            state,
+            jump,
+        });
         self.run.shown = self.looked_at().map(|stored| Arc::new(stored.frame()));
     }
 
     /// Looks at the present state.
     pub fn select_nothing(&mut self) {
         (self.run.selection, self.run.shown) = (None, None);
+        self.run.foresight = Foresight::default();
     }
 
     /// Selects the state after a jump.

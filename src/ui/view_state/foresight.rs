@@ -1,0 +1,119 @@
+//! States that a live loop foresees: asked for where it is clicked, found beside the walk, looked
+//! at like stored ones.
+
+use super::{Selection, ViewState};
+use crate::follow::record::Direction;
+use crate::lessons::Hidden;
+use crate::scene::part::Part;
+use crate::study::live_loop::{LiveLoop, Spot};
+use crate::worker::SolverHandle;
+use crate::worker::foreseen::{Wanted, foreseen};
+use crate::worker::job::Job;
+use crate::worker::protocol::{LiveState, Stored};
+use std::sync::Arc;
+
+/// The search for states of live loops, one at a time: the newest wish waits for the one before, so
+/// that a hand that drags sees something on its way.
+#[derive(Debug, Default)]
+pub struct Foresight {
+    wish: Option<Wanted>,
+    job: Option<Job<Arc<Stored>>>,
+    /// The newest state that was found.
+    pub found: Option<Arc<Stored>>,
+}
+
+impl Foresight {
+    /// Asks for a state; a wish that still waits is dropped.
+    pub fn ask(&mut self, wanted: Wanted) {
+        self.wish = Some(wanted);
+    }
+
+    /// The place that is asked for.
+    pub fn wish(&self) -> Option<&Wanted> {
+        self.wish.as_ref()
+    }
+
+    /// Takes in what was found, and begins the next search. Tells what is new: a state, or why there
+    /// is none.
+    pub fn update(&mut self, solver: &dyn SolverHandle) -> Option<Result<Arc<Stored>, String>> {
+        let mut news = None;
+        if let Some(job) = &mut self.job
+            && let Some(end) = job.poll()
+        {
+            news = job.so_far.take().map(Ok).or(end.err().map(Err));
+            self.job = None;
+            self.found = news.clone().and_then(Result::ok);
+        }
+        if self.job.is_none() {
+            self.job = self.wish.take().map(|wish| solver.job(wish, foreseen));
+        }
+        news
+    }
+}
+
+impl ViewState {
+    /// The live loop of this very scene, if it may be seen.
+    pub fn live(&self) -> Option<&LiveLoop> {
+        self.live_state()?.found.as_ref().ok()
+    }
+
+    fn live_state(&self) -> Option<&Arc<LiveState>> {
+        let live = self.plots.live.as_ref();
+        // That of an edited scene comes a moment later.
+        let live = live.filter(|live| live.run == self.run.id && !self.hides(Hidden::Forecast));
+        live.map(|live| &live.state)
+    }
+
+    /// The live loop, where it is drawn nearest to (u0/rho, stress/sigma_max), and how far away in
+    /// units of `reach`.
+    pub(super) fn nearest_foreseen(&self, at: [f64; 2], reach: [f64; 2]) -> Option<(f64, Spot)> {
+        let live = self.live()?;
+        let own = [live.law.range, live.law.traction_max()];
+        let scaled = |p: [f64; 2]| [p[0] * own[0], p[1] * own[1]];
+        live.nearest(scaled(at), scaled(reach))
+    }
+
+    /// Asks for the state that the live loop foresees at a place.
+    pub(super) fn foresee(&mut self, spot: Spot) {
+        let Some(live) = self.live_state().cloned() else {
+            return;
+        };
+        let ready = self.run.ready.as_ref();
+        self.run.foresight.ask(Wanted {
+            scene: self.scene.clone(),
+            part: ready.map_or(Part::Whole, |ready| ready.choice.part),
+            live,
+            spot,
+        });
+    }
+
+    /// The place of the live loop that is foreseen in a direction of the drive, where nothing was
+    /// walked.
+    pub(super) fn spot_ahead(&self, direction: Direction, control: f64) -> Option<Spot> {
+        let states = &self.run.record.states;
+        let walked = |pair: &[crate::follow::record::StateRecord]| {
+            let [a, b] = [pair[0].control, pair[1].control];
+            pair[1].direction == direction && (a.min(b)..=a.max(b)).contains(&control)
+        };
+        if states.windows(2).any(walked) {
+            return None;
+        }
+        self.live()?.spot(direction, control)
+    }
+
+    /// Once a frame: looks at a foreseen state that was found.
+    pub fn update_foresight(&mut self, solver: &dyn SolverHandle) {
+        match self.run.foresight.update(solver) {
+            Some(Ok(stored)) => {
+                self.run.selection = Some(Selection {
+                    index: None,
+                    state: stored.record.clone(),
+                    jump: None,
+                });
+                self.run.shown = Some(Arc::new(stored.frame()));
+            }
+            Some(Err(why)) => self.messages.notice = Some(format!("nothing to show here: {why}")),
+            None => {}
+        }
+    }
+}
