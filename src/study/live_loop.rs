@@ -335,6 +335,24 @@ impl LiveLoop {
         Some(Spot { leg, control })
     }
 
+    /// The place that is passed first in this direction where the mean displacement is `u0`
+    /// (length), if the loop goes there.
+    pub fn spot_of(&self, direction: Direction, u0: f64) -> Option<Spot> {
+        let legs = self.legs.iter().enumerate();
+        let mut gone = legs.filter(|(_, leg)| leg.direction == direction);
+        gone.find_map(|(leg, piece)| {
+            let samples = self.samples_of(piece);
+            let pairs = samples.windows(2);
+            let mut around = pairs.map(|pair| {
+                let [a, b] = [pair[0].mean_displacement, pair[1].mean_displacement];
+                let t = (u0 - a) / (b - a);
+                let control = pair[0].control + t * (pair[1].control - pair[0].control);
+                (0.0..=1.0).contains(&t).then_some(Spot { leg, control })
+            });
+            around.find_map(|spot| spot)
+        })
+    }
+
     /// The place that is drawn nearest to (u0, stress), where one unit along each axis is so much
     /// in `reach`; and how many such units it is away.
     pub fn nearest(&self, at: [f64; 2], reach: [f64; 2]) -> Option<(f64, Spot)> {

@@ -94,8 +94,14 @@ pub enum Action {
     SelectJump(usize),
     /// Look at the jump so many further on, or back.
     StepJump(isize),
-    /// Keep the loop on the plot, or let go of it.
-    ToggleKept,
+    /// Keep a loop on the plot.
+    Keep(KeepFrom),
+    /// Do something with the kept loop of this number.
+    OnKept(usize, KeptAct),
+    /// Bring the loop back that was deleted last.
+    BringKeptBack,
+    /// Put the scene before the last edit beside this one.
+    CompareWithBefore,
     /// Look at nothing.
     ClearSelection,
     /// The scene as text on the clipboard.
@@ -136,6 +142,42 @@ pub enum Pick {
     Drag,
     /// By a drag that goes on, along the same curve.
     Along,
+}
+
+/// Of what a loop is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepFrom {
+    /// A closed loop that was walked, else the live loop, else what was walked so far.
+    Best,
+    /// What was walked.
+    Walked,
+    /// The live loop.
+    Live,
+}
+
+/// What is done with a kept loop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum KeptAct {
+    /// Give it another name.
+    Rename(String),
+    /// Take it off the plot, or draw it again.
+    Hide,
+    /// Open its scene.
+    Restore,
+    /// Delete it.
+    Delete,
+    /// Put its scene beside the present one, or take it away.
+    Beside,
+}
+
+/// In what kept loops are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scales {
+    /// The range and the largest traction of each one's own law.
+    #[default]
+    Own,
+    /// The same lengths and stresses for all.
+    Absolute,
 }
 
 /// What a learner does in the lesson's panel.
@@ -254,6 +296,8 @@ pub struct ViewOptions {
     pub tab: usize,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
+    /// In what kept loops are drawn.
+    pub scales: Scales,
     /// Lecture mode.
     pub lecture: bool,
 }
@@ -267,6 +311,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             tab: 0,
             speed: Speed::default(),
+            scales: Scales::default(),
             lecture: false,
         }
     }

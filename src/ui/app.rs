@@ -2,7 +2,7 @@
 
 use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
-use super::gap_map::MapCache;
+use super::gap_map::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, ViewState};
 use super::{
@@ -31,7 +31,7 @@ const ANNOUNCE_EVERY: f64 = 2.0;
 pub struct App {
     state: ViewState,
     solver: Box<dyn SolverHandle>,
-    map: MapCache,
+    maps: Maps,
     tabs: Tabs,
     dialogs: Dialogs,
     /// When a jump was last announced (seconds).
@@ -85,7 +85,7 @@ impl App {
         Self {
             state,
             solver: Box::new(solver),
-            map: MapCache::default(),
+            maps: Maps::default(),
             tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
@@ -123,8 +123,9 @@ impl App {
         self.state.observe_lesson();
         self.open();
         self.state.update_foresight(&*self.solver);
+        self.state.update_beside(&*self.solver);
         self.tabs.update(&mut self.state, &*self.solver);
-        self.map.update(&ctx, &self.state);
+        self.maps.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
@@ -230,7 +231,7 @@ impl App {
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let state = &self.state;
         if state.view.lecture {
-            return lecture::show(ui, state, actions, &self.map);
+            return lecture::show(ui, state, actions, &self.maps);
         }
         let width = ui.available_width();
         Panel::top("toolbar").show(ui, |ui| {
@@ -266,8 +267,8 @@ impl App {
             self.tabs.show(ui, state, actions);
         });
         CentralPanel::default().show(ui, |ui| {
-            gap_map::show(ui, state, actions, &self.map);
-            profile::show(ui, state, self.map.picture.as_ref(), actions);
+            gap_map::show(ui, state, actions, &self.maps);
+            profile::show(ui, state, self.maps.a.picture.as_ref(), actions);
             strip::show(ui, state, actions);
         });
     }
@@ -322,7 +323,10 @@ impl App {
             Action::GoOn => state.go_on(),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(by) => state.step_jump(by),
-            Action::ToggleKept => state.toggle_kept(),
+            Action::Keep(from) => state.keep(from),
+            Action::OnKept(id, act) => state.act_on_kept(id, act),
+            Action::BringKeptBack => state.bring_kept_back(),
+            Action::CompareWithBefore => state.compare_with_before(),
             Action::ClearSelection => state.select_nothing(),
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));

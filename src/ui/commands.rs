@@ -1,7 +1,7 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, LessonAct, ViewOptions};
+use super::action::{Action, FileTask, KeepFrom, LessonAct, ViewOptions};
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
@@ -98,13 +98,25 @@ fn motions(state: &ViewState) -> Vec<Command> {
         one("Look at the stored state after", "]", Action::StepState(1)),
         one("Go on from the stored state", "G", Action::GoOn),
         one(
-            if state.plots.kept.is_some() {
-                "Let go of the kept loop"
-            } else {
-                "Keep this loop on the plot"
-            },
+            "Keep this loop on the plot",
             "L",
-            Action::ToggleKept,
+            Action::Keep(KeepFrom::Best),
+        ),
+        one(
+            "Keep what was walked on the plot",
+            "",
+            Action::Keep(KeepFrom::Walked),
+        ),
+        one(
+            "Keep the live loop on the plot",
+            "",
+            Action::Keep(KeepFrom::Live),
+        ),
+        one("Bring the deleted loop back", "", Action::BringKeptBack),
+        one(
+            "A | B: compare with the scene before the last edit",
+            "",
+            Action::CompareWithBefore,
         ),
     ]
 }

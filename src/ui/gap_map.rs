@@ -1,6 +1,7 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
+use super::beside;
 use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
 use super::grip;
 use super::theme;
@@ -10,6 +11,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
+use crate::scene::Model;
 use crate::worker::protocol::Frame;
 use egui::{
     Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
@@ -19,6 +21,8 @@ use std::sync::Arc;
 
 /// Width of the colour bar with its numbers.
 const BAR: f32 = 64.0;
+/// Between two maps.
+const BESIDE: f32 = 10.0;
 /// Radius of the grip of the profile line.
 const GRIP: f32 = 7.0;
 /// Seconds in which a picture that is no longer true fades out.
@@ -30,7 +34,7 @@ const WAITING: &str = "waiting for the solver …";
 #[derive(Default)]
 pub struct MapCache {
     made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
-    texture: Option<TextureHandle>,
+    pub(super) texture: Option<TextureHandle>,
     /// The field as drawn.
     pub picture: Option<GapPicture>,
     /// The soft mode's contours, if they are wanted and there is one.
@@ -40,22 +44,46 @@ pub struct MapCache {
 impl MapCache {
     /// Brings texture and picture up to date with the newest frame.
     pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
-        let Some(frame) = state.pictured() else {
+        let top = scale::gap_scale(&state.scene, &state.model);
+        self.picture_of(ctx, state.pictured(), (&state.model, top), state.view);
+    }
+
+    /// The same with the surface of the scene beside, in the same colours.
+    pub fn update_beside(&mut self, ctx: &egui::Context, state: &ViewState) {
+        let Some((beside, kept)) = state.beside() else {
+            return;
+        };
+        let top = scale::gap_scale(&state.scene, &state.model);
+        let top = top / state.rho() * state.units_of(kept)[0];
+        self.picture_of(
+            ctx,
+            beside.shown.as_ref().ok(),
+            (&kept.model, top),
+            state.view,
+        );
+    }
+
+    fn picture_of(
+        &mut self,
+        ctx: &egui::Context,
+        frame: Option<&Arc<Frame>>,
+        (model, top): (&Model, f64),
+        view: ViewOptions,
+    ) {
+        let Some(frame) = frame else {
             self.picture = None;
             self.mode = None;
             self.made_from = None;
             return;
         };
-        let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let top = scale::gap_scale(&state.scene, &state.model);
-        let view = state.view;
+        let centred = view.centred && model.indenter == Indenter::Flat;
         let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
             Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
         });
         if fresh {
             return;
         }
-        let contact = state.model.law.contact_gap();
+        let contact = model.law.contact_gap();
         let before = self.picture.as_ref().map(|picture| picture.island);
         let island = gap_picture::island(frame, contact, before);
         let picture = if centred {
@@ -79,18 +107,40 @@ impl MapCache {
     }
 }
 
+/// The maps of the present scene and of the one beside it.
+#[derive(Default)]
+pub struct Maps {
+    /// That of the present scene.
+    pub a: MapCache,
+    /// That of the scene beside it.
+    pub b: MapCache,
+}
+
+impl Maps {
+    /// Brings both up to date.
+    pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
+        self.a.update(ctx, state);
+        self.b.update_beside(ctx, state);
+    }
+}
+
 /// The map, with its options above and its reading below; what is left of the column is the
 /// profile's.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &MapCache) {
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Maps) {
+    let cache = &maps.a;
     let height = (ui.available_height() * 0.76)
         .min(ui.available_width())
         .max(150.0);
     options(ui, state, actions);
     let width = ui.available_width();
-    let side = (height - 58.0).min(width - BAR).max(80.0);
+    let beside = state.beside().map(|_| BESIDE);
+    let count = if beside.is_some() { 2.0 } else { 1.0 };
+    let across = width - BAR - beside.unwrap_or(0.0);
+    let side = (height - 58.0).min(across / count).max(80.0);
     let (_, area) = ui.allocate_space(vec2(width, side));
-    let left = area.left() + ((width - side - BAR) / 2.0).max(0.0);
+    let left = area.left() + ((across - count * side) / 2.0).max(0.0);
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
+    let last = beside.map_or(map, |gap| map.translate(vec2(side + gap, 0.0)));
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
     described(&response, &sentence);
@@ -115,7 +165,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
     waiting(ui, state, map);
     ui.painter()
         .rect_stroke(map, 0.0, frame_stroke(ui, state), StrokeKind::Outside);
-    colour_bar(ui, state, cache, map);
+    colour_bar(ui, state, cache, last);
+    if beside.is_some() {
+        beside::letter(ui, map, "A", Align2::LEFT_TOP);
+        beside::show(ui, state, &maps.b, last, actions);
+    }
     overlays(ui, state, map);
     let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
     grip::drag(ui, state, &response, per_point, actions);
@@ -129,6 +183,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
         "Point at the map to read it; drag it up and down to move the body, and the profile line \
          by its grip."
             .to_owned();
+    let reading = reading.or_else(|| state.losses_in_words());
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -169,7 +224,8 @@ fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
     )
 }
 
-fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
+/// The contact line.
+pub(super) fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
     let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
     for line in &picture.contour {
         let line = line.iter().map(|at| to_screen(picture, band, *at));

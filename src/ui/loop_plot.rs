@@ -1,15 +1,16 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::{Action, LessonAct, Pick};
+use super::action::{Action, LessonAct, Pick, Scales};
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
-use super::view_state::ViewState;
+use super::view_state::{Beside, ViewState};
 use super::widgets::{described, named};
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
+use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
@@ -22,6 +23,10 @@ use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
+
+/// Letters of a kept loop's name in the plot, and most loops that have theirs at their curves.
+const NAME_MAX: usize = 26;
+const NAMED_MAX: usize = 3;
 
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
@@ -57,7 +62,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         }
     });
     let height = (height - (ui.cursor().top() - top) - 36.0).max(120.0);
-    let [length, stress] = units(&state.model);
+    let [length, stress] = told(state);
     let hover = |x: f64, y: f64| {
         let (u0, stress) = (length.say(x, 3, "ρ"), stress.say(y, 3, "σₘₐₓ"));
         Some(format!("u₀ {u0}\nstress {stress}"))
@@ -117,6 +122,20 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 /// In what u0 and the stress are told.
 fn units(model: &Model) -> [Unit; 2] {
     [Dimension::Length, Dimension::Stress].map(|of| model.unit(of))
+}
+
+/// In what the plot tells them: with absolute scales in the lengths of the scene's file, and E*.
+fn told(state: &ViewState) -> [Unit; 2] {
+    let (model, law) = (&state.model, &state.model.law);
+    match (state.view.scales, model.units) {
+        (Scales::Absolute, None) => {
+            [("length", law.range), ("E*", law.traction_max())].map(|(word, scale)| Unit {
+                word: Some(word.to_owned()),
+                scale,
+            })
+        }
+        _ => units(model),
+    }
 }
 
 /// The axes of stress against u0 with short names.
@@ -234,7 +253,9 @@ pub fn panel(state: &ViewState) -> Panel {
         .as_ref()
         .filter(|closed| closed.summary.ledger.open.is_none());
     let theory = theory(state, [[left, right], [bottom, top]]);
-    let [x, y] = axes(&state.model);
+    let [length, stress] = told(state);
+    let x = Axis::of(&length, "u₀ / ρ", "u₀");
+    let y = Axis::of(&stress, "stress / σ_max", "stress");
     let mut panel = Panel {
         x: x.from_to(left, right),
         y: y.from_to(bottom, top),
@@ -257,7 +278,8 @@ pub fn panel(state: &ViewState) -> Panel {
     panel
         .labels
         .extend(theory.into_iter().filter_map(|(_, label)| label));
-    panel.series.extend(others(state));
+    panel.series.extend(earlier(state));
+    kept(state, &mut panel);
     panel.series.extend(machine::line(state, [left, right]));
     guesses(state, &mut panel);
     let rho = state.rho();
@@ -331,25 +353,60 @@ fn joined<'a>(pieces: impl IntoIterator<Item = &'a [[f64; 2]]>) -> Vec<[f64; 2]>
         .collect()
 }
 
-/// The loop that is kept, broad and grey, and earlier ones, thin and grey.
-fn others(state: &ViewState) -> Vec<Series> {
-    let kept = state.plots.kept.iter().map(|kept| {
-        (
-            "kept",
-            Role::Simulation,
-            joined(kept.lines.iter().map(Vec::as_slice)),
-        )
-    });
-    let earlier = state.plots.ghosts.iter().map(|ghost| {
-        (
-            "earlier",
-            Role::Guide,
-            joined(ghost.pieces.iter().map(|piece| piece.points.as_slice())),
-        )
-    });
-    kept.chain(earlier)
-        .map(|(name, role, points)| Series::line(name, role, Colour::Grey, points))
-        .collect()
+/// Earlier paths, thin and grey.
+fn earlier(state: &ViewState) -> Vec<Series> {
+    let line = |ghost: &Curve| {
+        let pieces = ghost.pieces.iter().map(|piece| piece.points.as_slice());
+        Series::line("earlier", Role::Guide, Colour::Grey, joined(pieces))
+    };
+    state.plots.ghosts.iter().map(line).collect()
+}
+
+/// The loops that are kept, each with its name at a height of its own where it reaches highest.
+fn kept(state: &ViewState, panel: &mut Panel) {
+    let (beside, count) = (state.beside(), state.plots.kept.drawn().count());
+    let [left, right] = panel.x.range.unwrap_or_default();
+    for (k, kept) in state.plots.kept.drawn().enumerate() {
+        let ((colour, dash), lines) = (kept.look(), state.lines_of(kept));
+        let is_b = beside.is_some_and(|(_, b)| b.id == kept.id);
+        let name = if is_b {
+            format!("B: {}", kept.name)
+        } else {
+            kept.name.clone()
+        };
+        let name: String = name.chars().take(NAME_MAX).collect();
+        // A share of the axis each, so that names do not lie on each other.
+        let x = left + (right - left) * (k as f64 + 0.5) / count as f64;
+        let inside = lines
+            .iter()
+            .flatten()
+            .filter(|p| (left..right).contains(&p[0]));
+        let near = inside.min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()));
+        panel
+            .labels
+            .extend(near.filter(|_| count <= NAMED_MAX).map(|at| Label {
+                at: *at,
+                text: name.clone(),
+                colour,
+                side: [0, 1],
+            }));
+        let points = joined(lines.iter().map(Vec::as_slice));
+        panel
+            .series
+            .push(Series::line(&name, Role::Kept(dash), colour, points));
+    }
+    if let Some((
+        Beside {
+            shown: Ok(frame), ..
+        },
+        kept,
+    )) = beside
+    {
+        let [u0, stress] = state.units_of(kept);
+        let at = vec![[frame.mean_displacement / u0, frame.stress / stress]];
+        let symbol = Series::symbols("", Symbol::Diamond, kept.look().0, at);
+        panel.series.push(symbol.filled());
+    }
 }
 
 /// The live loop, thin, with its jumps dashed.

@@ -15,6 +15,7 @@ pub mod app;
 pub mod theme;
 pub mod view_state;
 
+mod beside;
 mod commands;
 mod controls;
 mod diagram;

@@ -1,18 +1,22 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
+mod beside;
 mod films;
 mod foresight;
 mod hint;
+mod kept;
 mod lesson;
 mod plots;
 mod run;
 mod stored;
 
+pub use beside::Beside;
 pub use films::Films;
 pub use foresight::Foresight;
 pub use hint::Hint;
+pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
-pub use plots::{Kept, LiveView, Plots};
+pub use plots::{LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
 pub use stored::{Store, Stretch, foreseen, stretches};
 
@@ -66,6 +70,8 @@ pub struct ViewState {
     pub frame: Option<Arc<Frame>>,
     /// What the diagrams show beside the run.
     pub plots: Plots,
+    /// The scene beside this one.
+    pub beside: Option<Beside>,
     /// Somebody looks at what is made of the branches.
     pub wants_branches: bool,
     /// What is said in words.
@@ -139,6 +145,7 @@ impl ViewState {
             last_sweep: Sweep::Loop,
             run,
             frame: None,
+            beside: None,
             wants_branches: false,
             messages: Messages {
                 failure: None,
@@ -511,6 +518,11 @@ impl History {
         let past = self.redo.pop()?;
         self.undo.push(present);
         Some(past)
+    }
+
+    /// The scene that an undo brings back.
+    pub fn before(&self) -> Option<&Arc<Scene>> {
+        self.undo.last().map(|past| &past.scene)
     }
 
     /// True if there is something to take back.

@@ -3,11 +3,12 @@
 
 use super::job::Reporter;
 use super::protocol::{LiveState, Stored};
+use super::system::Instant;
 use crate::follow::walk::{Walk, WalkOptions};
 use crate::scene::Scene;
 use crate::scene::part::Part;
 use crate::solver::Lost;
-use crate::study::live_loop::Spot;
+use crate::study::live_loop::{Fineness, LiveLoops, Spot};
 use std::sync::Arc;
 
 /// How far before the end of a branch (units of the control) its state is looked for, where nearer
@@ -67,4 +68,20 @@ pub fn foreseen(wanted: &Wanted, report: &Reporter<Arc<Stored>>) -> Result<(), S
             live.points
         ),
     })
+}
+
+/// The live loop of a scene, as fine as it gets.
+///
+/// # Errors
+/// The first value of the scene that is not allowed.
+pub fn live_loop(scene: &Arc<Scene>, report: &Reporter<Arc<LiveState>>) -> Result<(), String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    let (began, fineness) = (Instant::now(), Fineness::Fine);
+    let found = LiveLoops::obeying(&report.cancel).next(scene, &model, fineness);
+    report.result(Arc::new(LiveState {
+        found: found.map_err(|why| why.to_string()),
+        fineness,
+        milliseconds: began.elapsed().as_secs_f64() * 1e3,
+    }));
+    Ok(())
 }

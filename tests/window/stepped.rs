@@ -83,7 +83,10 @@ impl SolverHandle for Stepped {
 
     /// Only what is found of live loops.
     fn begin(&self, work: Box<dyn Work>) {
-        if (&*work as &dyn Any).is::<Computation<Wanted, Arc<Stored>>>() {
+        let any = &*work as &dyn Any;
+        if any.is::<Computation<Wanted, Arc<Stored>>>()
+            || any.is::<Computation<Arc<Scene>, Arc<LiveState>>>()
+        {
             work.run();
         }
     }

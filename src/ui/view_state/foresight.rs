@@ -1,7 +1,7 @@
 //! States that a live loop foresees: asked for where it is clicked, found beside the walk, looked
 //! at like stored ones.
 
-use super::{Selection, ViewState};
+use super::{Kept, Selection, ViewState};
 use crate::follow::record::Direction;
 use crate::lessons::Hidden;
 use crate::scene::part::Part;
@@ -11,6 +11,20 @@ use crate::worker::foreseen::{Wanted, foreseen};
 use crate::worker::job::Job;
 use crate::worker::protocol::{LiveState, Stored};
 use std::sync::Arc;
+
+/// How much nearer than what lies upon it a curve must be to be meant, in shares of the reach.
+pub(super) const UPON: f64 = 0.4;
+
+/// A place on a live loop or a kept one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead {
+    /// How far away it is, in units of the reach.
+    pub off: f64,
+    /// Of which kept loop; `None` of the live one.
+    pub kept: Option<usize>,
+    /// Where on it.
+    pub spot: Spot,
+}
 
 /// The search for states of live loops, one at a time: the newest wish waits for the one before, so
 /// that a hand that drags sees something on its way.
@@ -64,18 +78,44 @@ impl ViewState {
         live.map(|live| &live.state)
     }
 
-    /// The live loop, where it is drawn nearest to (u0/rho, stress/sigma_max), and how far away in
-    /// units of `reach`.
-    pub(super) fn nearest_foreseen(&self, at: [f64; 2], reach: [f64; 2]) -> Option<(f64, Spot)> {
-        let live = self.live()?;
-        let own = [live.law.range, live.law.traction_max()];
-        let scaled = |p: [f64; 2]| [p[0] * own[0], p[1] * own[1]];
-        live.nearest(scaled(at), scaled(reach))
+    /// What is drawn nearest to (u0/rho, stress/sigma_max) of the live loop, and of the kept ones
+    /// where they do not lie beneath it.
+    pub(super) fn nearest_ahead(&self, at: [f64; 2], reach: [f64; 2]) -> Option<Ahead> {
+        let place = |found: &LiveLoop, units: [f64; 2], kept: Option<usize>| {
+            let own = |p: [f64; 2]| [p[0] * units[0], p[1] * units[1]];
+            let (off, spot) = found.nearest(own(at), own(reach))?;
+            Some(Ahead { off, kept, spot })
+        };
+        let natural = [self.rho(), self.model.law.traction_max()];
+        let live = self.live().and_then(|live| place(live, natural, None));
+        let of_kept = |kept: &Kept| {
+            let live = kept.live.as_ref()?.found.as_ref().ok()?;
+            place(live, self.units_of(kept), Some(kept.id))
+        };
+        let kept = self.plots.kept.drawn().filter_map(of_kept);
+        let kept = kept.min_by(|a, b| a.off.total_cmp(&b.off));
+        match (live, kept) {
+            (Some(live), Some(kept)) if kept.off + UPON >= live.off => Some(live),
+            (live, kept) => kept.or(live),
+        }
     }
 
-    /// Asks for the state that the live loop foresees at a place.
-    pub(super) fn foresee(&mut self, spot: Spot) {
-        let Some(live) = self.live_state().cloned() else {
+    /// Asks for the state that is foreseen at a place; of a kept loop, where that is of this scene.
+    pub(super) fn foresee(&mut self, kept: Option<usize>, spot: Spot) {
+        let live = match kept.and_then(|id| self.plots.kept.get(id)) {
+            None => self.live_state().cloned(),
+            Some(kept) if kept.model != self.model || kept.scene.drive != self.scene.drive => {
+                let words = format!(
+                    "“{}” is of another scene: Open in the tab Loops goes there, A | B shows it \
+                     beside this one",
+                    kept.name
+                );
+                self.messages.notice = Some(words);
+                None
+            }
+            Some(kept) => kept.live.clone(),
+        };
+        let Some(live) = live else {
             return;
         };
         let ready = self.run.ready.as_ref();

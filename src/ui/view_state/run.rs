@@ -1,6 +1,7 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
+use super::foresight::UPON;
 use super::{Films, Foresight, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
@@ -13,8 +14,6 @@ use std::sync::Arc;
 /// A state this close to a jump (ranges) belongs to it: the walk brackets a jump to a
 /// ten-thousandth.
 const AT_JUMP: f64 = 2e-4;
-/// How much nearer than a walked state a foreseen one must be to be meant, in shares of the reach.
-const UPON: f64 = 0.4;
 
 /// One run; another scene, model or method begins another one.
 #[derive(Debug)]
@@ -225,19 +224,19 @@ impl ViewState {
         let walked = states
             .map(|(index, s)| (distance(s), index))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let foreseen = self.nearest_foreseen(at, reach);
+        let foreseen = self.nearest_ahead(at, reach);
         let present = self.run.selection.as_ref().map(|selection| selection.index);
         let is_ahead = match (walked, foreseen) {
-            (Some((off, _)), Some((nearer, _))) => match (pick, present) {
+            (Some((off, _)), Some(ahead)) => match (pick, present) {
                 (Pick::Along, Some(index)) => index.is_none(),
                 // What was walked lies upon what is foreseen.
-                _ => nearer + UPON < off,
+                _ => ahead.off + UPON < off,
             },
             (walked, _) => walked.is_none(),
         };
         let near = |off: f64| pick != Pick::Click || off <= 1.0;
         match (walked, foreseen) {
-            (_, Some((off, spot))) if is_ahead && near(off) => self.foresee(spot),
+            (_, Some(ahead)) if is_ahead && near(ahead.off) => self.foresee(ahead.kept, ahead.spot),
             (Some((off, index)), _) if !is_ahead && near(off) => self.select(index),
             _ => self.select_nothing(),
         }

@@ -123,7 +123,7 @@ impl ViewState {
     /// was walked, at the one that is foreseen there.
     pub fn select_on(&mut self, direction: Direction, control: f64) {
         if let Some(spot) = self.spot_ahead(direction, control) {
-            return self.foresee(spot);
+            return self.foresee(None, spot);
         }
         let states = self.run.record.states.iter().enumerate().rev();
         let off = |state: &StateRecord| (state.control - control).abs();
