@@ -10,11 +10,13 @@ pub(super) mod apart;
 mod landing;
 mod mesh_jumps;
 mod progress;
+mod push;
 mod record;
 pub(super) mod symmetry;
 mod views;
 
 pub use progress::{Counts, Observed, Progress, Stuck};
+pub use push::Push;
 pub use symmetry::Widened;
 
 use super::contest::Share;

@@ -1,6 +1,7 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
 use crate::follow::record::Direction;
+use crate::follow::walk::Push;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
@@ -27,6 +28,10 @@ pub enum Action {
     Pause(bool),
     /// Drop target and sweep.
     Stop,
+    /// Press the surface, and hold it.
+    Press(Push),
+    /// Let it go.
+    LetGo,
     /// Back to rest at the start, everything recorded forgotten.
     Reset,
     /// Replace the scene by an edited one.
@@ -292,6 +297,8 @@ pub struct ViewOptions {
     pub profile: ProfileLine,
     /// Draw the soft mode over the map.
     pub soft_mode: bool,
+    /// How wide a push is, as a share of the cell.
+    pub push_width: f64,
     /// What is shown below the plot: the tab of this index.
     pub tab: usize,
     /// How fast sweeps and jumps are shown.
@@ -309,6 +316,7 @@ impl Default for ViewOptions {
             smooth: true,
             profile: ProfileLine::Auto,
             soft_mode: false,
+            push_width: 0.12,
             tab: 0,
             speed: Speed::default(),
             scales: Scales::default(),

@@ -284,6 +284,8 @@ impl App {
             Action::TogglePlay => state.toggle_play(),
             Action::Pause(paused) => state.run.paused = paused,
             Action::Stop => state.stop(),
+            Action::Press(push) => state.press(push),
+            Action::LetGo => state.let_go(),
             Action::Reset => state.reset(),
             Action::EditScene(scene) => state.edit_scene(*scene),
             Action::SetMethod(method) => state.set_method(method),

@@ -2,6 +2,7 @@
 //! keyboard.
 
 use super::action::{Action, FileTask, KeepFrom, LessonAct, ViewOptions};
+use super::flick;
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
@@ -43,6 +44,7 @@ impl Command {
 fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
     let one = Command::new;
     let mut list = motions(state);
+    list.extend(pushes(state));
     list.extend(files());
     list.extend([
         one("Undo", "Ctrl+Z", Action::Undo),
@@ -119,6 +121,15 @@ fn motions(state: &ViewState) -> Vec<Command> {
             Action::CompareWithBefore,
         ),
     ]
+}
+
+/// Pushes into the middle of the cell.
+fn pushes(state: &ViewState) -> [Command; 2] {
+    [("bump", 1.0), ("dimple", -1.0)].map(|(what, sign)| Command {
+        name: format!("Push: press a {what} into the middle and let go"),
+        keys: "",
+        actions: flick::command(state, sign),
+    })
 }
 
 /// What reads and writes scenes and results.

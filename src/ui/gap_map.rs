@@ -2,17 +2,19 @@
 
 use super::action::{Action, ProfileLine, ViewOptions};
 use super::beside;
+use super::flick;
 use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
 use super::grip;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{described, named};
+use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use crate::scene::Model;
-use crate::worker::protocol::Frame;
+use crate::worker::protocol::{Frame, Play};
 use egui::{
     Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
     pos2, vec2,
@@ -45,7 +47,15 @@ impl MapCache {
     /// Brings texture and picture up to date with the newest frame.
     pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
         let top = scale::gap_scale(&state.scene, &state.model);
-        self.picture_of(ctx, state.pictured(), (&state.model, top), state.view);
+        // What is pressed keeps its place under the hand.
+        let held = matches!(state.run.play, Play::Pressed(_) | Play::LetGo(_));
+        let roll = self.picture.as_ref().filter(|_| held).map(|p| p.roll);
+        self.picture_of(
+            ctx,
+            state.pictured(),
+            (&state.model, top),
+            (state.view, roll),
+        );
     }
 
     /// The same with the surface of the scene beside, in the same colours.
@@ -59,7 +69,7 @@ impl MapCache {
             ctx,
             beside.shown.as_ref().ok(),
             (&kept.model, top),
-            state.view,
+            (state.view, None),
         );
     }
 
@@ -68,7 +78,7 @@ impl MapCache {
         ctx: &egui::Context,
         frame: Option<&Arc<Frame>>,
         (model, top): (&Model, f64),
-        view: ViewOptions,
+        (view, roll): (ViewOptions, Option<(usize, usize)>),
     ) {
         let Some(frame) = frame else {
             self.picture = None;
@@ -86,7 +96,9 @@ impl MapCache {
         let contact = model.law.contact_gap();
         let before = self.picture.as_ref().map(|picture| picture.island);
         let island = gap_picture::island(frame, contact, before);
-        let picture = if centred {
+        let picture = if let Some(roll) = roll {
+            GapPicture::rolled(&frame.gap, contact, island, roll)
+        } else if centred {
             GapPicture::centred(&frame.gap, contact, island)
         } else {
             GapPicture::new(&frame.gap, contact, island)
@@ -172,9 +184,16 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     }
     overlays(ui, state, map);
     let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
-    grip::drag(ui, state, &response, per_point, actions);
-    if let Some(picture) = &cache.picture {
-        line_grip(ui, state, picture, band, actions);
+    if flick::is_on(ui, state) {
+        if let Some(picture) = &cache.picture {
+            let on = (&response, band);
+            flick::drag(ui, state, on, picture, per_point, actions);
+        }
+    } else {
+        grip::drag(ui, state, &response, per_point, actions);
+        if let Some(picture) = &cache.picture {
+            line_grip(ui, state, picture, band, actions);
+        }
     }
     let reading = response
         .hover_pos()
@@ -183,7 +202,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
         "Point at the map to read it; drag it up and down to move the body, and the profile line \
          by its grip."
             .to_owned();
-    let reading = reading.or_else(|| state.losses_in_words());
+    let pushed = state.push_in_words();
+    let reading = pushed.or(reading).or_else(|| state.losses_in_words());
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -195,6 +215,9 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.label(egui::RichText::new("Gap map").heading().strong());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if flick::is_on(ui, state) {
+                return flick::options(ui, state, actions);
+            }
             ui.checkbox(&mut view.smooth, "Smooth");
             if state.model.indenter == Indenter::Flat {
                 ui.checkbox(&mut view.centred, "Centre the pattern");
@@ -216,12 +239,26 @@ fn band(map: Rect, state: &ViewState) -> Rect {
     }
 }
 
-fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
+pub(super) fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
     let (ny, nx) = picture.gap.dim();
     pos2(
         band.left() + at[0] / nx as f32 * band.width(),
         band.bottom() - at[1] / ny as f32 * band.height(),
     )
+}
+
+/// The place of the cell (length) under a place of the screen.
+pub(super) fn place_of(picture: &GapPicture, band: Rect, at: Pos2, grid: &Grid) -> [f64; 2] {
+    let (ny, nx) = picture.gap.dim();
+    let share = [
+        f64::from((at.x - band.left()) / band.width()),
+        f64::from((band.bottom() - at.y) / band.height()),
+    ];
+    let (dy, dx) = picture.roll;
+    let one = |share: f64, n: usize, roll: usize| {
+        (share * n as f64 - 0.5 - roll as f64).rem_euclid(n as f64) * grid.spacing()
+    };
+    [one(share[0], nx, dx), one(share[1], ny, dy)]
 }
 
 /// The contact line.
@@ -408,8 +445,7 @@ pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
 /// The word "jumping" while the surface is no equilibrium, and "replay", "stored" or "foreseen"
 /// while another one than the present is shown.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
-    let jumping = state.jumping().map(|_| "jumping … (no equilibrium)");
-    let Some(word) = state.shown_word().or(jumping) else {
+    let Some(word) = state.shown_word().or(flick::word(state)) else {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };

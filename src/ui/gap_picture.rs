@@ -24,7 +24,7 @@ pub struct GapPicture {
     /// square.
     pub contour: Vec<Vec<[f32; 2]>>,
     /// Rows and columns by which it was rolled.
-    roll: (usize, usize),
+    pub roll: (usize, usize),
 }
 
 /// What stands in the middle of a picture of the surface. A pattern keeps its place along its whole
@@ -74,7 +74,13 @@ impl GapPicture {
         Self::rolled(gap, contact_gap, island, shift_to_middle(gap, island))
     }
 
-    fn rolled(gap: &Array2<f64>, contact_gap: f64, island: Island, roll: (usize, usize)) -> Self {
+    /// The same rolled by so many rows and columns.
+    pub fn rolled(
+        gap: &Array2<f64>,
+        contact_gap: f64,
+        island: Island,
+        roll: (usize, usize),
+    ) -> Self {
         let (dy, dx) = roll;
         let gap = rolled(gap, dy, dx);
         let (min, max) = ends(gap.iter().copied());

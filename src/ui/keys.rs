@@ -9,7 +9,7 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 24] = [
+pub const SHEET: [(&str, &str); 25] = [
     (
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
@@ -41,6 +41,10 @@ pub const SHEET: [(&str, &str); 24] = [
     ("F11", "lecture mode"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
+    (
+        "Alt while dragging on the map",
+        "press a bump (down) or a dimple (up); wheel: width",
+    ),
     ("Shift while dragging", "fine u₀; an upright profile line"),
     ("?", "this sheet"),
 ];

@@ -579,8 +579,7 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                 ui.set_width(WIDTH - 14.0);
                 ui.spacing_mut().item_spacing.y = 1.0;
                 ui.horizontal(|ui| {
-                    let foreseen = selection.index.map_or(", foreseen", |_| "");
-                    let words = format!("{} on {}{foreseen}", s.pattern, s.direction);
+                    let words = format!("{} on {}", s.pattern, s.direction);
                     ui.label(RichText::new(words).strong());
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         if named(ui.small_button("✖"), "Close the card").clicked() {
@@ -588,6 +587,13 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                         }
                     });
                 });
+                if selection.index.is_none() {
+                    ui.label(
+                        RichText::new("foreseen, solved on this mesh")
+                            .small()
+                            .color(palette.live),
+                    );
+                }
                 for line in numbers(state, s) {
                     ui.label(RichText::new(line).small());
                 }

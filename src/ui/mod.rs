@@ -21,6 +21,7 @@ mod controls;
 mod diagram;
 mod dialogs;
 mod display;
+mod flick;
 mod gap_map;
 mod gap_picture;
 mod grip;

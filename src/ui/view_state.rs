@@ -7,6 +7,7 @@ mod hint;
 mod kept;
 mod lesson;
 mod plots;
+mod push;
 mod run;
 mod stored;
 
@@ -17,6 +18,7 @@ pub use hint::Hint;
 pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
 pub use plots::{LiveView, Plots};
+pub use push::Pushed;
 pub use run::{ClosedLoop, RunView, Selection};
 pub use stored::{Store, Stretch, foreseen, stretches};
 
@@ -274,6 +276,13 @@ impl ViewState {
         let Some(Past { scene, surface }) = past else {
             return;
         };
+        if let Some(surface) = surface
+            .as_ref()
+            .filter(|_| Arc::ptr_eq(&scene, &self.scene))
+        {
+            // Nothing but the surface has changed.
+            return self.resume(surface.clone());
+        }
         if self.set_scene((*scene).clone())
             && let Some(surface) = surface
         {
@@ -346,6 +355,8 @@ impl ViewState {
                     control: self.target,
                 },
                 Play::Sweep(sweep) => Command::Sweep { motion, sweep },
+                Play::Pressed(push) => Command::Press { motion, push },
+                Play::LetGo(push) => Command::LetGo { motion, push },
             });
         }
         if std::mem::replace(&mut told.paused, run.paused) != run.paused {
@@ -379,6 +390,7 @@ impl ViewState {
                 (self.run.replayed, self.run.shown) = (None, None);
                 self.run.foresight = Foresight::default();
             }
+            Event::Pressed { energy } => self.take_pressed(energy),
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
                 self.hint_after_jump(&jump);

@@ -3,7 +3,7 @@
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, StateRecord};
-use crate::follow::walk::Walk;
+use crate::follow::walk::{Push, Walk};
 use crate::physics::system::Fields;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
@@ -34,7 +34,7 @@ pub enum Sweep {
 }
 
 /// What the surface is doing, or is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Play {
     /// Nothing.
     #[default]
@@ -43,6 +43,10 @@ pub enum Play {
     ToTarget,
     /// It walks by itself.
     Sweep(Sweep),
+    /// It is held pressed.
+    Pressed(Push),
+    /// It was let go, and comes to rest at the same control.
+    LetGo(Push),
 }
 
 /// How fast sweeps and jumps are shown.
@@ -121,6 +125,20 @@ pub enum Command {
         motion: Motion,
         /// The state.
         from: Arc<Stored>,
+    },
+    /// Hold the resting surface pressed; [`Event::Pressed`] says with how much energy.
+    Press {
+        /// Its number.
+        motion: Motion,
+        /// How.
+        push: Push,
+    },
+    /// Let the surface go that is, or were, pressed so.
+    LetGo {
+        /// Its number.
+        motion: Motion,
+        /// How.
+        push: Push,
     },
     /// Hold or go on.
     Pause {
@@ -336,6 +354,11 @@ pub enum Event {
     Stored(Arc<Stored>),
     /// The newest picture; one that nobody took yet is replaced.
     Frame(Arc<Frame>),
+    /// The surface is held pressed.
+    Pressed {
+        /// Its energy per area less that of the state it stands on (E* times length).
+        energy: f64,
+    },
     /// A jump was completed.
     Jump(JumpRecord),
     /// How the jump before was seen, once the surface stands on the state after it.

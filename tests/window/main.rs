@@ -17,6 +17,7 @@ mod live;
 mod machine;
 mod model;
 mod paper;
+mod push;
 mod select;
 mod stepped;
 mod stored;

@@ -12,6 +12,7 @@ use crate::plot::panel::Series;
 use crate::plot::scale;
 use crate::scene::Model;
 use crate::scene::window;
+use crate::study::landscape::Standing;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
@@ -41,6 +42,8 @@ pub struct Plots {
     pub preview: Option<Series>,
     /// The branches of this very scene.
     pub branches: Option<Arc<Diagram>>,
+    /// The lowest barrier that is known, per area (E* times length), and of which state.
+    pub barrier: Option<(Standing, f64)>,
     /// Where the next jump is guessed to be (ranges), in a lecture.
     pub guesses: Vec<f64>,
     /// Theory is laid over the live plot, once it is known.
@@ -61,6 +64,7 @@ impl Plots {
             beneath: Vec::new(),
             preview: None,
             branches: None,
+            barrier: None,
             guesses: Vec::new(),
             overlay: false,
             theory: None,

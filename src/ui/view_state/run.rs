@@ -2,7 +2,7 @@
 //! which of its states is looked at.
 
 use super::foresight::UPON;
-use super::{Films, Foresight, Store, ViewState};
+use super::{Films, Foresight, Pushed, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
@@ -52,6 +52,8 @@ pub struct RunView {
     pub store: Store,
     /// The picture of the stored state somebody looks at, until the surface moves.
     pub shown: Option<Arc<Frame>>,
+    /// The last push, until the surface is driven on.
+    pub push: Option<Pushed>,
     /// The search for states that nobody walked to.
     pub foresight: Foresight,
     /// The stored state that is to be the present one; the solver is told at the end of the frame.
@@ -100,6 +102,7 @@ impl RunView {
             replayed: None,
             store: Store::default(),
             shown: None,
+            push: None,
             foresight: Foresight::default(),
             from: None,
         };
@@ -124,7 +127,10 @@ impl RunView {
     }
 
     /// Asks for another motion; the solver is told at the end of the frame.
-    fn set(&mut self, play: Play) {
+    pub(super) fn set(&mut self, play: Play) {
+        if matches!(play, Play::ToTarget | Play::Sweep(_)) {
+            self.push = None;
+        }
         self.play = play;
         self.paused = false;
         self.motion += 1;
