@@ -50,11 +50,14 @@ pub fn drag(
         && response.is_pointer_button_down_on()
         && (began || state.is_pressed())
     {
-        actions.push(Action::Press(Push {
+        let push = Push {
             at: place_of(picture, band, origin, &state.model.grid),
             width,
             depth: f64::from(at.y - origin.y) * per_point,
-        }));
+        };
+        if state.run.play != Play::Pressed(push) {
+            actions.push(Action::Press(push));
+        }
     }
     if state.is_pressed() && !held {
         actions.push(Action::LetGo);

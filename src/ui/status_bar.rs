@@ -74,8 +74,13 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         Some(frame) => {
             let u0 = frame.mean_displacement / state.rho();
             let unit = state.model.unit(Dimension::Length);
+            let what = if state.is_pressed() {
+                "pressed"
+            } else {
+                "jumping"
+            };
             (
-                format!("jumping at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
+                format!("{what} at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
                 palette.jump,
             )
         }

@@ -417,8 +417,11 @@ impl ViewState {
             }
             Event::Live(live) => self.take_live(run, live),
             Event::Remodelled(choice) => {
-                let why = choice.because.as_deref().unwrap_or("asked for");
-                self.messages.notice = Some(format!("now on the whole cell: {why}"));
+                // Under a hand that presses nothing may move; the bar says it all the same.
+                if !self.is_pressed() {
+                    let why = choice.because.as_deref().unwrap_or("asked for");
+                    self.messages.notice = Some(format!("now on the whole cell: {why}"));
+                }
                 if let Some(ready) = &mut self.run.ready {
                     Arc::make_mut(ready).choice = choice;
                 }
