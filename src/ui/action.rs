@@ -6,6 +6,7 @@ use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::film::FilmKind;
 use crate::worker::protocol::{Speed, Sweep};
 use std::path::PathBuf;
 
@@ -221,6 +222,8 @@ pub enum FileTask {
     ExportLoopPng,
     /// Write the gap map as a picture.
     ExportGapPng,
+    /// Write the stored states of the path as a film.
+    ExportFilm(FilmKind),
 }
 
 impl FileTask {
@@ -234,6 +237,7 @@ impl FileTask {
                 "Export CSV"
             }
             FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
+            FileTask::ExportFilm(_) => "Export film",
         }
     }
 
@@ -252,6 +256,8 @@ impl FileTask {
             FileTask::ExportCurvesCsv => "curves.csv",
             FileTask::ExportLoopPng => "loop.png",
             FileTask::ExportGapPng => "gap.png",
+            FileTask::ExportFilm(FilmKind::Gif) => "film.gif",
+            FileTask::ExportFilm(FilmKind::Apng) => "film.png",
         }
     }
 
@@ -265,9 +271,11 @@ impl FileTask {
                 (FileTask::ExportEventsCsv, "jumps (events.csv)"),
                 (FileTask::ExportCurvesCsv, "curves of the plot"),
             ],
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => &[
+            FileTask::ExportLoopPng | FileTask::ExportGapPng | FileTask::ExportFilm(_) => &[
                 (FileTask::ExportLoopPng, "stress curve"),
                 (FileTask::ExportGapPng, "gap map"),
+                (FileTask::ExportFilm(FilmKind::Gif), "film, GIF"),
+                (FileTask::ExportFilm(FilmKind::Apng), "film, PNG"),
             ],
         }
     }

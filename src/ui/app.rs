@@ -2,7 +2,8 @@
 
 use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
-use super::gap_map::Maps;
+use super::film::FilmExport;
+use super::map_cache::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, ViewState};
 use super::{
@@ -38,6 +39,8 @@ pub struct App {
     announced: f64,
     /// The file that is being opened.
     opening: Option<(PathBuf, Opening)>,
+    /// The film that is being written.
+    film: Option<FilmExport>,
     /// How the window looked before lecture mode.
     before_lecture: Option<lecture::Before>,
 }
@@ -90,6 +93,7 @@ impl App {
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
             opening: None,
+            film: None,
             before_lecture: None,
         }
     }
@@ -136,6 +140,8 @@ impl App {
         self.tabs.float(&ctx, &self.state, &mut actions);
         self.dialogs
             .show(&ctx, &self.state, &self.tabs, &mut actions);
+        let state = &mut self.state;
+        self.film.take_if(|film| !film.show(&ctx, state));
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
             ctx.request_repaint();
@@ -428,6 +434,10 @@ impl App {
         let state = &self.state;
         let done = match task {
             FileTask::OpenScene | FileTask::OpenHeights => return self.begin_to_open(ctx, path),
+            FileTask::ExportFilm(kind) => {
+                self.film = FilmExport::begin(ctx, state, path, kind);
+                return self.dialogs.close();
+            }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => {
                 export::write_loop_csv(path, &state.scene, &state.run.record.states)

@@ -1,12 +1,12 @@
 //! The map of the scene that stands beside the present one.
 
 use super::action::Action;
-use super::gap_map::{MapCache, contour};
 use super::grip;
+use super::map_cache::MapCache;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::described;
-use egui::{Align2, Color32, Galley, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{Align2, Color32, Galley, Rect, Sense, Stroke, StrokeKind, Ui, vec2};
 use std::sync::Arc;
 
 /// Draws it in its place; dragged it drives both.
@@ -27,11 +27,7 @@ pub fn show(
         Ok(frame) => {
             let pattern = frame.state.as_ref().map_or("at rest", |s| s.pattern.word());
             let u0 = frame.mean_displacement / kept.model.law.range;
-            if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
-                let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                ui.painter().image(texture.id(), map, all, Color32::WHITE);
-                contour(ui, picture, map);
-            }
+            cache.draw(ui, map);
             format!("{pattern}, u₀ {u0:.3} ρ")
         }
         Err(why) => why.clone(),

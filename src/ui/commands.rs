@@ -13,6 +13,7 @@ use crate::physics::law::Shape;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::film::FilmKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::{
@@ -181,6 +182,16 @@ fn files() -> Vec<Command> {
             "Export the gap map as PNG",
             "",
             Action::AskFile(FileTask::ExportGapPng),
+        ),
+        one(
+            "Export the path as a film (GIF)",
+            "",
+            Action::AskFile(FileTask::ExportFilm(FilmKind::Gif)),
+        ),
+        one(
+            "Export the path as a film (animated PNG)",
+            "",
+            Action::AskFile(FileTask::ExportFilm(FilmKind::Apng)),
         ),
     ]
 }

@@ -2,7 +2,6 @@
 //! the wheel changes how wide. Let go, it relaxes, back or into another state.
 
 use super::action::{Action, ViewOptions};
-use super::gap_map::{place_of, to_screen};
 use super::gap_picture::GapPicture;
 use super::theme;
 use super::view_state::ViewState;
@@ -51,7 +50,7 @@ pub fn drag(
         && (began || state.is_pressed())
     {
         let push = Push {
-            at: place_of(picture, band, origin, &state.model.grid),
+            at: picture.place_of(band, origin, &state.model.grid),
             width,
             depth: f64::from(at.y - origin.y) * per_point,
         };
@@ -93,7 +92,7 @@ fn ring(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect, at: Option
     let Some(at) = at else { return };
     let columns = picture.gap.ncols() as f32;
     let [left, right] =
-        [0.0, state.view.push_width as f32 * columns].map(|x| to_screen(picture, band, [x, 0.0]).x);
+        [0.0, state.view.push_width as f32 * columns].map(|x| picture.to_screen(band, [x, 0.0]).x);
     let painter = ui.painter().with_clip_rect(band);
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
     for (width, ink) in [(4.0, Color32::from_black_alpha(120)), (2.0, colour)] {

@@ -3,23 +3,19 @@
 use super::action::{Action, ProfileLine, ViewOptions};
 use super::beside;
 use super::flick;
-use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
+use super::gap_picture::{GapPicture, Segment, colour};
 use super::grip;
+use super::map_cache::{MapCache, Maps};
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
-use crate::scene::Model;
-use crate::worker::protocol::{Frame, Play};
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
-    pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use std::sync::Arc;
 
 /// Width of the colour bar with its numbers.
 const BAR: f32 = 64.0;
@@ -31,110 +27,6 @@ const GRIP: f32 = 7.0;
 const FADE: f32 = 0.2;
 /// What stands in its place.
 const WAITING: &str = "waiting for the solver …";
-
-/// The texture and what it was made from, so that nothing is made twice.
-#[derive(Default)]
-pub struct MapCache {
-    made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
-    pub(super) texture: Option<TextureHandle>,
-    /// The field as drawn.
-    pub picture: Option<GapPicture>,
-    /// The soft mode's contours, if they are wanted and there is one.
-    mode: Option<ModeLines>,
-}
-
-impl MapCache {
-    /// Brings texture and picture up to date with the newest frame.
-    pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
-        let top = scale::gap_scale(&state.scene, &state.model);
-        // What is pressed keeps its place under the hand.
-        let held = matches!(state.run.play, Play::Pressed(_) | Play::LetGo(_));
-        let roll = self.picture.as_ref().filter(|_| held).map(|p| p.roll);
-        self.picture_of(
-            ctx,
-            state.pictured(),
-            (&state.model, top),
-            (state.view, roll),
-        );
-    }
-
-    /// The same with the surface of the scene beside, in the same colours.
-    pub fn update_beside(&mut self, ctx: &egui::Context, state: &ViewState) {
-        let Some((beside, kept)) = state.beside() else {
-            return;
-        };
-        let top = scale::gap_scale(&state.scene, &state.model);
-        let top = top / state.rho() * state.units_of(kept)[0];
-        self.picture_of(
-            ctx,
-            beside.shown.as_ref().ok(),
-            (&kept.model, top),
-            (state.view, None),
-        );
-    }
-
-    fn picture_of(
-        &mut self,
-        ctx: &egui::Context,
-        frame: Option<&Arc<Frame>>,
-        (model, top): (&Model, f64),
-        (view, roll): (ViewOptions, Option<(usize, usize)>),
-    ) {
-        let Some(frame) = frame else {
-            self.picture = None;
-            self.mode = None;
-            self.made_from = None;
-            return;
-        };
-        let centred = view.centred && model.indenter == Indenter::Flat;
-        let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
-            Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
-        });
-        if fresh {
-            return;
-        }
-        let contact = model.law.contact_gap();
-        let before = self.picture.as_ref().map(|picture| picture.island);
-        let island = gap_picture::island(frame, contact, before);
-        let picture = if let Some(roll) = roll {
-            GapPicture::rolled(&frame.gap, contact, island, roll)
-        } else if centred {
-            GapPicture::centred(&frame.gap, contact, island)
-        } else {
-            GapPicture::new(&frame.gap, contact, island)
-        };
-        let options = gap_picture::texture_options(&view);
-        let image = picture.image(top);
-        match &mut self.texture {
-            Some(texture) => texture.set(image, options),
-            None => self.texture = Some(ctx.load_texture("gap", image, options)),
-        }
-        self.mode = frame
-            .soft_mode
-            .as_ref()
-            .filter(|_| view.soft_mode || frame.is_of_a_branch())
-            .map(|mode| picture.mode_lines(mode));
-        self.picture = Some(picture);
-        self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
-    }
-}
-
-/// The maps of the present scene and of the one beside it.
-#[derive(Default)]
-pub struct Maps {
-    /// That of the present scene.
-    pub a: MapCache,
-    /// That of the scene beside it.
-    pub b: MapCache,
-}
-
-impl Maps {
-    /// Brings both up to date.
-    pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
-        self.a.update(ctx, state);
-        self.b.update_beside(ctx, state);
-    }
-}
 
 /// The map, with its options above and its reading below; what is left of the column is the
 /// profile's.
@@ -158,21 +50,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     described(&response, &sentence);
 
     let band = band(map, state);
-    if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
-        ui.painter()
-            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
-        ui.painter().image(
-            texture.id(),
-            band,
-            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
-            Color32::WHITE,
-        );
-        contour(ui, picture, band);
+    ui.painter()
+        .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+    if cache.draw(ui, band)
+        && let Some(picture) = &cache.picture
+    {
         soft_mode(ui, state, cache, picture, band);
         profile_line(ui, state, picture, band);
-    } else {
-        ui.painter()
-            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
     }
     waiting(ui, state, map);
     ui.painter()
@@ -239,40 +123,6 @@ fn band(map: Rect, state: &ViewState) -> Rect {
     }
 }
 
-pub(super) fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
-    let (ny, nx) = picture.gap.dim();
-    pos2(
-        band.left() + at[0] / nx as f32 * band.width(),
-        band.bottom() - at[1] / ny as f32 * band.height(),
-    )
-}
-
-/// The place of the cell (length) under a place of the screen.
-pub(super) fn place_of(picture: &GapPicture, band: Rect, at: Pos2, grid: &Grid) -> [f64; 2] {
-    let (ny, nx) = picture.gap.dim();
-    let share = [
-        f64::from((at.x - band.left()) / band.width()),
-        f64::from((band.bottom() - at.y) / band.height()),
-    ];
-    let (dy, dx) = picture.roll;
-    let one = |share: f64, n: usize, roll: usize| {
-        (share * n as f64 - 0.5 - roll as f64).rem_euclid(n as f64) * grid.spacing()
-    };
-    [one(share[0], nx, dx), one(share[1], ny, dy)]
-}
-
-/// The contact line.
-pub(super) fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
-    let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    for line in &picture.contour {
-        let line = line.iter().map(|at| to_screen(picture, band, *at));
-        painter.add(Shape::line(
-            line.collect(),
-            Stroke::new(1.6, Color32::WHITE),
-        ));
-    }
-}
-
 /// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
 /// they mean in the corner.
 fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
@@ -284,7 +134,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(
-            s.map(|p| to_screen(picture, band, p)),
+            s.map(|p| picture.to_screen(band, p)),
             Stroke::new(width, colour),
         );
     };
@@ -349,7 +199,7 @@ fn line_ends(state: &ViewState, picture: &GapPicture, band: Rect) -> Option<[Pos
     } else {
         [[at, 0.0], [at, ny as f32]]
     };
-    (ny > 1).then(|| ends.map(|p| to_screen(picture, band, p)))
+    (ny > 1).then(|| ends.map(|p| picture.to_screen(band, p)))
 }
 
 fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {

@@ -1,10 +1,10 @@
 //! Lecture mode: map, curve and one line of words, large and on white, for a room.
 
 use super::action::Action;
-use super::gap_map::{self, Maps};
+use super::map_cache::Maps;
 use super::view_state::ViewState;
 use super::widgets::described;
-use super::{loop_plot, profile, strip};
+use super::{gap_map, loop_plot, profile, strip};
 use crate::scene::units::fixed;
 use crate::solver::Stop;
 use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};

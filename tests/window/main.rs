@@ -7,6 +7,7 @@ mod bench;
 mod branches;
 mod commands;
 mod dialogs;
+mod film;
 mod foreseen;
 mod ground;
 mod kept;

@@ -31,7 +31,7 @@ pub(super) struct Ahead {
 #[derive(Debug, Default)]
 pub struct Foresight {
     wish: Option<Wanted>,
-    job: Option<Job<Arc<Stored>>>,
+    job: Option<(Wanted, Job<Arc<Stored>>)>,
     /// The newest state that was found.
     pub found: Option<Arc<Stored>>,
 }
@@ -44,14 +44,15 @@ impl Foresight {
 
     /// The place that is asked for.
     pub fn wish(&self) -> Option<&Wanted> {
-        self.wish.as_ref()
+        let searched = self.job.as_ref().map(|(wanted, _)| wanted);
+        self.wish.as_ref().or(searched)
     }
 
     /// Takes in what was found, and begins the next search. Tells what is new: a state, or why there
     /// is none.
     pub fn update(&mut self, solver: &dyn SolverHandle) -> Option<Result<Arc<Stored>, String>> {
         let mut news = None;
-        if let Some(job) = &mut self.job
+        if let Some((_, job)) = &mut self.job
             && let Some(end) = job.poll()
         {
             news = job.so_far.take().map(Ok).or(end.err().map(Err));
@@ -59,7 +60,8 @@ impl Foresight {
             self.found = news.clone().and_then(Result::ok);
         }
         if self.job.is_none() {
-            self.job = self.wish.take().map(|wish| solver.job(wish, foreseen));
+            let begin = |wish: Wanted| (wish.clone(), solver.job(wish, foreseen));
+            self.job = self.wish.take().map(begin);
         }
         news
     }

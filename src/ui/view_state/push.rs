@@ -22,7 +22,7 @@ impl ViewState {
     /// True while the surface can be pressed: it rests, or is pressed already.
     pub fn can_press(&self) -> bool {
         let rests = matches!(self.run.play, Play::Rest | Play::Pressed(_));
-        rests && self.run.state.is_some() && self.jumping().is_none() | self.is_pressed()
+        rests && self.run.state.is_some() && (self.jumping().is_none() || self.is_pressed())
     }
 
     /// True while it is held pressed.

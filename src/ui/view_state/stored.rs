@@ -35,6 +35,11 @@ impl Store {
         self.kept.back().map(|(_, stored)| stored)
     }
 
+    /// All of them, in order.
+    pub fn all(&self) -> impl Iterator<Item = &Arc<Stored>> {
+        self.kept.iter().map(|(_, stored)| stored)
+    }
+
     /// Keeps one more.
     pub(super) fn keep(&mut self, stored: Arc<Stored>) {
         self.bytes += stored.bytes();
