@@ -2,12 +2,13 @@
 //! area, where we are now, and the numbers of the state that is looked at.
 
 use super::action::{Action, LessonAct, Pick, Scales};
+use super::card;
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::{Beside, ViewState};
-use super::widgets::{described, named};
-use crate::follow::record::{JumpRecord, StateRecord};
+use super::widgets::described;
+use crate::follow::record::JumpRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
 use crate::plot::curve::Curve;
@@ -18,7 +19,7 @@ use crate::scene::units::Unit;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::plan::promise;
 use crate::worker::protocol::Frame as Picture;
-use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
+use egui::{RichText, Ui};
 use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
@@ -89,7 +90,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
             _ => Action::SelectState { at, reach, pick },
         });
     }
-    card(ui, state, actions, response.rect);
+    card::show(ui, state, actions, response.rect);
     let sentence = sentence(state);
     described(&response, &sentence);
 }
@@ -377,11 +378,11 @@ fn kept(state: &ViewState, panel: &mut Panel) {
         let name: String = name.chars().take(NAME_MAX).collect();
         // A share of the axis each, so that names do not lie on each other.
         let x = left + (right - left) * (k as f64 + 0.5) / count as f64;
-        let inside = lines
-            .iter()
-            .flatten()
-            .filter(|p| (left..right).contains(&p[0]));
-        let near = inside.min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()));
+        // Above the upper of the two curves there.
+        let close = 0.02 * (right - left);
+        let there = lines.iter().flatten();
+        let there = there.filter(|p| (p[0] - x).abs() < close);
+        let near = there.max_by(|a, b| a[1].total_cmp(&b[1]));
         panel
             .labels
             .extend(near.filter(|_| count <= NAMED_MAX).map(|at| Label {
@@ -546,113 +547,4 @@ fn sentence(state: &ViewState) -> String {
         });
     }
     words
-}
-
-/// Width of the card.
-const WIDTH: f32 = 216.0;
-
-/// The numbers of a stored state, on a card in an upper corner of `plot`.
-fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
-    let Some(selection) = &state.run.selection else {
-        return;
-    };
-    let s = &selection.state;
-    let palette = theme::palette(ui);
-    // In the corner that the curve of a loop leaves free, unless the state itself is there.
-    let ([left, bottom], [right, top]) = state.axes();
-    let there = s.mean_displacement / state.rho() > 0.5 * (left + right)
-        && s.stress_over_max > 0.45 * (bottom + top);
-    let x = if there {
-        plot.left() + 46.0
-    } else {
-        plot.right() - WIDTH - 6.0
-    };
-    let area = Area::new(Id::unique("inspected"))
-        .order(Order::Middle)
-        .fixed_pos(pos2(x, plot.top() + 6.0));
-    area.constrain(false).show(ui.ctx(), |ui| {
-        let fill = ui.visuals().window_fill.gamma_multiply(0.94);
-        Frame::popup(ui.style())
-            .fill(fill)
-            .inner_margin(6.0)
-            .show(ui, |ui| {
-                ui.set_width(WIDTH - 14.0);
-                ui.spacing_mut().item_spacing.y = 1.0;
-                ui.horizontal(|ui| {
-                    let words = format!("{} on {}", s.pattern, s.direction);
-                    ui.label(RichText::new(words).strong());
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if named(ui.small_button("✖"), "Close the card").clicked() {
-                            actions.push(Action::ClearSelection);
-                        }
-                    });
-                });
-                if selection.index.is_none() {
-                    ui.label(
-                        RichText::new("foreseen, solved on this mesh")
-                            .small()
-                            .color(palette.live),
-                    );
-                }
-                for line in numbers(state, s) {
-                    ui.label(RichText::new(line).small());
-                }
-                if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
-                    let words = format!(
-                        "{} → {} released {}",
-                        jump.from,
-                        jump.to,
-                        energy(state, jump.released_energy)
-                    );
-                    ui.label(RichText::new(words).small().color(palette.jump));
-                }
-                ui.vertical(|ui| {
-                    let kept = state.looked_at().is_some();
-                    let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
-                    let button = button.on_hover_text(
-                        "G: the surface is put back into this state; what came after it becomes \
-                         a grey line",
-                    );
-                    let gone = "its picture is no longer kept: memory is bounded";
-                    if button.on_disabled_hover_text(gone).clicked() {
-                        actions.push(Action::GoOn);
-                    }
-                    if ui.small_button("Walk to this u₀").clicked() {
-                        actions.push(Action::SetTarget(s.control));
-                    }
-                    let copy = named(ui.small_button("Copy"), "Copy these numbers");
-                    if copy.clicked() {
-                        actions.push(Action::CopyText(numbers(state, s).join("\n")));
-                    }
-                });
-            });
-    });
-}
-
-/// The numbers, one a line.
-fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
-    let [length, stress] = units(&state.model);
-    let unit = state.model.unit(Dimension::SurfaceEnergy);
-    let gamma = state.model.law.surface_energy;
-    [
-        format!(
-            "u₀ {}",
-            length.say(s.mean_displacement / state.rho(), 5, "ρ")
-        ),
-        format!("stress {}", stress.say(s.stress_over_max, 5, "σₘₐₓ")),
-        format!(
-            "eigenvalue {:.3} ± {:.3} E*/L",
-            s.stiffness_min, s.stiffness_error
-        ),
-        format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
-        format!(
-            "contact {:.1} %, residual {:.0e}",
-            100.0 * s.contact_area,
-            s.residual
-        ),
-        format!(
-            "{}, {} iterations, {:.0} ms",
-            s.part, s.iterations, s.milliseconds
-        ),
-    ]
 }

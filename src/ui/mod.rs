@@ -16,6 +16,7 @@ pub mod theme;
 pub mod view_state;
 
 mod beside;
+mod card;
 mod commands;
 mod controls;
 mod diagram;
