@@ -464,6 +464,31 @@ impl Atlas {
         }
     }
 
+    /// Amplitudes of `place` where the control has this `value`, on another mesh of the same cell: a
+    /// guess from which Newton's method finds the state.
+    pub fn guess(&self, place: Place, value: f64, onto: &System) -> Vec<f64> {
+        let State {
+            mean_displacement: u0,
+            stress,
+            ..
+        } = self.at(place, value);
+        let mut z = match place {
+            Place::Flat(_) => vec![0.0; onto.dimension()],
+            Place::On(i) if onto.is_even() => {
+                carried(&self.branches[i].guess(u0), self.system_of(i), onto)
+            }
+            Place::On(i) => {
+                let own = self.system_of(i);
+                let whole = System::whole(own);
+                let field = own.unfolded(&own.gap_field(&self.branches[i].guess(u0), 0.0));
+                let z = whole.amplitudes(&field, &mut whole.workspace());
+                carried(&z, &whole, onto)
+            }
+        };
+        [_, z[0]] = self.meshes.control.balanced(u0, stress);
+        z
+    }
+
     /// The mechanics of branch `i`.
     pub(super) fn system_of(&self, i: usize) -> &System {
         self.sector_of(&self.branches[i]).system()

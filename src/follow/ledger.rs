@@ -132,7 +132,10 @@ impl LoopRecord {
             self.jumps.first()?,
             self.states.last()?,
         );
-        if self.jumps.last()?.direction == first.direction || now.direction == first.direction {
+        if self.is_pushed()
+            || self.jumps.last()?.direction == first.direction
+            || now.direction == first.direction
+        {
             return None;
         }
         // So far before the first jump, and what was there.
@@ -160,6 +163,11 @@ impl LoopRecord {
         })
     }
 
+    /// True if a push led into another state, whose work nobody counts.
+    fn is_pushed(&self) -> bool {
+        self.jumps.iter().any(|jump| jump.cause == Cause::Push)
+    }
+
     /// Sum of the released energies, in units of gamma.
     pub fn released_energy_sum(&self) -> f64 {
         self.jumps.iter().map(|jump| jump.released_energy).sum()
@@ -174,6 +182,12 @@ impl LoopRecord {
     /// Why the last state is not the first one; `None` if it is.
     fn open(&self) -> Option<Open> {
         let (first, last) = (self.states.first()?, self.states.last()?);
+        if self.is_pushed() {
+            return Some(Open {
+                reason: "the surface was pushed by hand on the way".to_owned(),
+                remedy: "play the loop anew".to_owned(),
+            });
+        }
         let scale = first.stress_over_max.abs().max(1.0);
         // Of a state that was read off there is no residual.
         let residual = |s: &StateRecord| s.residual.max(0.0);

@@ -128,6 +128,8 @@ pub enum Cause {
     Transition,
     /// Seen as a change of pattern between two increments of a method that locates nothing.
     PatternChange,
+    /// Nothing: the surface was pressed by hand and let go.
+    Push,
 }
 
 impl fmt::Display for Cause {
@@ -139,6 +141,7 @@ impl fmt::Display for Cause {
             Cause::Mesh => "mesh",
             Cause::Transition => "transition",
             Cause::PatternChange => "pattern change",
+            Cause::Push => "push",
         })
     }
 }

@@ -10,11 +10,13 @@ pub(super) mod apart;
 mod landing;
 mod mesh_jumps;
 mod progress;
+mod push;
 mod record;
 pub(super) mod symmetry;
 mod views;
 
 pub use progress::{Counts, Observed, Progress, Stuck};
+pub use push::Push;
 pub use symmetry::Widened;
 pub use views::soft_mode;
 
@@ -28,15 +30,15 @@ use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
-use crate::solver::Stop;
 use crate::solver::branch::History;
 use crate::solver::equilibrium::{Cost, Equilibrium};
 use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::method::Method;
 use crate::solver::methods::MethodKind;
-use crate::solver::newton::{NewtonEnd, NewtonLimits, solve};
+use crate::solver::newton::{NewtonEnd, NewtonLimits, centred, solve};
 use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
+use crate::solver::{Lost, Stop};
 use apart::apart;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -287,6 +289,47 @@ impl Walk {
         self.behind.history = History::starting(&state.state);
         (self.here, self.record) = (state, record);
         self
+    }
+
+    /// The same walk on the equilibrium at `control` to which Newton's method comes from the
+    /// amplitudes `z`, as on a drive in this direction; measured and recorded.
+    ///
+    /// # Errors
+    /// There is none nearby, or it is not stable over all modes of the cell.
+    pub fn standing_near(
+        mut self,
+        z: Vec<f64>,
+        control: f64,
+        direction: Direction,
+    ) -> Result<Self, Lost> {
+        (self.direction, self.target) = (direction, control);
+        let system = &self.mechanics.system;
+        let limits = NewtonLimits::of(system);
+        // Where the mesh does not pull at a pattern.
+        let z = match self.mechanics.slides {
+            Slides::Never => z,
+            _ => centred(system, &z, [false; 2]),
+        };
+        let found = solve(&mut self.mechanics, z, control, limits).converged()?;
+        let uniform = found.at.state.amplitudes[1..].iter().all(|z| *z == 0.0);
+        self.here = match self.flat.filter(|_| uniform) {
+            Some(flat) => {
+                let u0 = found.at.state.mean_displacement;
+                let mut state = flat.state(&self.mechanics.system, u0);
+                state.state.control = control;
+                state
+            }
+            None => self.measure(found, 0).map_err(|stuck| match stuck {
+                Progress::Cancelled => Lost::Cancelled,
+                _ => Lost::Unstable,
+            })?,
+        };
+        if self.here.stop != Stop::Stable {
+            return Err(Lost::Unstable);
+        }
+        self.behind.history = History::starting(&self.here.state);
+        self.accept(&mut |_| {});
+        Ok(self)
     }
 
     /// The decided model.

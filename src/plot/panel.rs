@@ -154,6 +154,19 @@ pub enum Role {
     Printed,
     /// A help for the eye: thin and grey.
     Guide,
+    /// Another loop, kept to compare with.
+    Kept(Dash),
+}
+
+/// How the lines of several loops that are compared differ without colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dash {
+    /// Not at all.
+    Solid,
+    /// Long dashes.
+    Long,
+    /// Dots.
+    Dotted,
 }
 
 /// How much of a symbol is drawn.
@@ -188,9 +201,12 @@ pub struct Series {
 impl Role {
     /// In the order in which lines are drawn: what is thin lies on what is broad, helps and
     /// forecasts beneath everything.
-    pub const ORDER: [Self; 6] = [
+    pub const ORDER: [Self; 9] = [
         Self::Guide,
         Self::Forecast,
+        Self::Kept(Dash::Solid),
+        Self::Kept(Dash::Long),
+        Self::Kept(Dash::Dotted),
         Self::Simulation,
         Self::Unstable,
         Self::Theory,

@@ -5,7 +5,7 @@
 //! and unstable in dashes, methods in symbols. Contrasts are those of WCAG 2: at least 3 for every
 //! mark on its ground, 1.5 for the shaded loss, which has an outline too.
 
-use super::panel::{Colour, Role, Symbol};
+use super::panel::{Colour, Dash, Role, Symbol};
 use crate::follow::record::Direction;
 use std::f64::consts::TAU;
 
@@ -105,6 +105,15 @@ pub fn stroke(role: Role, colour: Colour, ground: Ground) -> Stroke {
         Role::Printed => (mixed(plain, ink, 0.35), 1.7, Some([8.0, 4.0])),
         Role::Forecast => (plain, 1.2, None),
         Role::Guide => (Colour::Grey.on(ground), 0.9, None),
+        Role::Kept(dash) => (
+            plain,
+            2.0,
+            match dash {
+                Dash::Solid => None,
+                Dash::Long => Some([11.0, 5.0]),
+                Dash::Dotted => Some([2.0, 4.0]),
+            },
+        ),
     };
     Stroke {
         colour,

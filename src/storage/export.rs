@@ -342,6 +342,7 @@ fn rows(text: &mut String, name: &str, panel: &Panel) {
             Role::Printed => "printed",
             Role::Forecast => "forecast",
             Role::Guide => "guide",
+            Role::Kept(_) => "kept",
         };
         for point in &series.points {
             row(&series.name, role, *point, [None, None]);

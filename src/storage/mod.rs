@@ -12,6 +12,7 @@ pub mod export;
 mod failure;
 pub mod fields;
 pub mod files;
+pub mod film;
 pub mod folder;
 pub mod heights;
 pub mod journal;

@@ -29,7 +29,7 @@ pub(super) fn encode_png(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
 }
 
 /// Least width and height of the image, in pixels.
-const SIDE_MIN: usize = 256;
+pub(super) const SIDE_MIN: usize = 256;
 
 /// Contrast below this share of the largest gap is not shown: it is the tolerance of the solver,
 /// not a pattern.
@@ -90,9 +90,15 @@ pub(in crate::storage) fn gap_pixels(gap: &Array2<f64>, (low, high): Scale) -> R
         if !g.is_finite() {
             return Rgb([255, 0, 0]);
         }
-        let colour = colorous::VIRIDIS.eval_continuous(((g - low) / span).clamp(0.0, 1.0));
-        Rgb([colour.r, colour.g, colour.b])
+        Rgb(viridis((g - low) / span))
     })
+}
+
+/// The colour at a share of the scale.
+pub(super) fn viridis(share: f64) -> [u8; 3] {
+    colorous::VIRIDIS
+        .eval_continuous(share.clamp(0.0, 1.0))
+        .as_array()
 }
 
 /// Keyword of the chunk.

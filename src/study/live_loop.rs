@@ -16,6 +16,7 @@ use crate::scene::mesh;
 use crate::scene::{Model, Scene};
 use crate::solver::sector::Side;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// States sampled along one branch.
 const SAMPLES: usize = 64;
@@ -65,6 +66,8 @@ pub struct Sample {
 /// A branch of stable states between its two ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
+    /// Where it is in the atlas.
+    pub place: Place,
     /// Its pattern.
     pub pattern: Pattern,
     /// By growing values of the control.
@@ -87,9 +90,21 @@ pub struct Leg {
     pub to: f64,
 }
 
-/// A closed loop with everything that is needed to draw it and to read it.
-#[derive(Clone, Debug, PartialEq)]
+/// A place on the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Index of its piece.
+    pub leg: usize,
+    /// The control there.
+    pub control: f64,
+}
+
+/// A closed loop with everything that is needed to draw it and to read it, and the atlas that holds
+/// its states.
+#[derive(Clone, Debug)]
 pub struct LiveLoop {
+    /// Of what it was read off.
+    pub atlas: Arc<Atlas>,
     /// The law it belongs to, for the scales.
     pub law: Law,
     /// What is driven.
@@ -122,7 +137,7 @@ pub struct LiveLoops {
 /// An atlas and the order of places in its loop.
 #[derive(Clone, Debug)]
 struct Last {
-    atlas: Atlas,
+    atlas: Arc<Atlas>,
     order: Vec<Place>,
 }
 
@@ -154,7 +169,7 @@ impl LiveLoops {
             .filter(|last| fineness == Fineness::Coarse && is_near(last.atlas.meshes(), &meshes));
         let adapted = last.and_then(|Last { atlas, order }| {
             let mut atlas = if *atlas.meshes() == meshes {
-                atlas
+                Arc::unwrap_or_clone(atlas)
             } else {
                 atlas.adapted(meshes).ok()?
             };
@@ -170,10 +185,13 @@ impl LiveLoops {
                 (atlas, cycle)
             }
         };
+        let rivals = match fineness {
+            Fineness::Fine => rivals(&mut atlas, &cycle.jumps, start, turn),
+            Fineness::Coarse => Vec::new(),
+        };
+        let atlas = Arc::new(atlas);
         let mut found = LiveLoop::read(&atlas, &cycle, start, turn);
-        if fineness == Fineness::Fine {
-            found.rivals = rivals(&mut atlas, &found.jumps, start, turn);
-        }
+        found.rivals = rivals;
         self.last = Some(Last {
             atlas,
             order: places(&cycle),
@@ -229,7 +247,7 @@ impl LiveLoop {
         LiveLoops::default().next(scene, model, fineness)
     }
 
-    fn read(atlas: &Atlas, cycle: &Cycle, start: f64, turn: f64) -> Self {
+    fn read(atlas: &Arc<Atlas>, cycle: &Cycle, start: f64, turn: f64) -> Self {
         let Meshes {
             law,
             length,
@@ -239,6 +257,7 @@ impl LiveLoop {
         } = *atlas.meshes();
         let mu_rho = mesh_rule::mu_rho(&law, length / square as f64);
         let mut this = Self {
+            atlas: atlas.clone(),
             law,
             control,
             segments: Vec::new(),
@@ -279,8 +298,8 @@ impl LiveLoop {
         }
     }
 
-    /// The points (u0, stress) of a piece, in the order they are passed.
-    pub fn points_of(&self, leg: &Leg) -> Vec<[f64; 2]> {
+    /// The states of a piece, in the order they are passed.
+    pub fn samples_of(&self, leg: &Leg) -> Vec<Sample> {
         let segment = &self.segments[leg.segment];
         let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
         let inner = segment
@@ -289,12 +308,88 @@ impl LiveLoop {
             .copied()
             .filter(|s| s.control > low && s.control < high);
         let ends = [low, high].map(|end| segment.at(end));
-        let all = std::iter::once(ends[0]).chain(inner).chain([ends[1]]);
-        let mut points: Vec<[f64; 2]> = all.map(|s| [s.mean_displacement, s.stress]).collect();
+        let mut samples: Vec<Sample> = std::iter::once(ends[0])
+            .chain(inner)
+            .chain([ends[1]])
+            .collect();
         if leg.direction == Direction::Approach {
-            points.reverse();
+            samples.reverse();
         }
-        points
+        samples
+    }
+
+    /// The points (u0, stress) of a piece, in the order they are passed.
+    pub fn points_of(&self, leg: &Leg) -> Vec<[f64; 2]> {
+        let samples = self.samples_of(leg).into_iter();
+        samples.map(|s| [s.mean_displacement, s.stress]).collect()
+    }
+
+    /// The place that is passed in this direction where the control has this value, if the loop
+    /// goes there.
+    pub fn spot(&self, direction: Direction, control: f64) -> Option<Spot> {
+        let passes = |leg: &Leg| {
+            leg.direction == direction
+                && (leg.from.min(leg.to)..=leg.from.max(leg.to)).contains(&control)
+        };
+        let leg = self.legs.iter().position(passes)?;
+        Some(Spot { leg, control })
+    }
+
+    /// The place that is passed first in this direction where the mean displacement is `u0`
+    /// (length), if the loop goes there.
+    pub fn spot_of(&self, direction: Direction, u0: f64) -> Option<Spot> {
+        let legs = self.legs.iter().enumerate();
+        let mut gone = legs.filter(|(_, leg)| leg.direction == direction);
+        gone.find_map(|(leg, piece)| {
+            let samples = self.samples_of(piece);
+            let pairs = samples.windows(2);
+            let mut around = pairs.map(|pair| {
+                let [a, b] = [pair[0].mean_displacement, pair[1].mean_displacement];
+                let t = (u0 - a) / (b - a);
+                let control = pair[0].control + t * (pair[1].control - pair[0].control);
+                (0.0..=1.0).contains(&t).then_some(Spot { leg, control })
+            });
+            around.find_map(|spot| spot)
+        })
+    }
+
+    /// The place that is drawn nearest to (u0, stress), where one unit along each axis is so much
+    /// in `reach`; and how many such units it is away.
+    pub fn nearest(&self, at: [f64; 2], reach: [f64; 2]) -> Option<(f64, Spot)> {
+        let of_leg = |(leg, piece): (usize, &Leg)| {
+            let samples = self.samples_of(piece);
+            let near = samples.windows(2).map(|pair| {
+                let [a, b] = [0, 1].map(|k| {
+                    let Sample {
+                        mean_displacement,
+                        stress,
+                        ..
+                    } = pair[k];
+                    [
+                        (mean_displacement - at[0]) / reach[0],
+                        (stress - at[1]) / reach[1],
+                    ]
+                });
+                let way = [b[0] - a[0], b[1] - a[1]];
+                let long = way[0] * way[0] + way[1] * way[1];
+                let t = -(a[0] * way[0] + a[1] * way[1]) / long.max(f64::MIN_POSITIVE);
+                let t = t.clamp(0.0, 1.0);
+                let off = (a[0] + t * way[0]).hypot(a[1] + t * way[1]);
+                let control = pair[0].control + t * (pair[1].control - pair[0].control);
+                (off, Spot { leg, control })
+            });
+            near.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let legs = self.legs.iter().enumerate().filter_map(of_leg);
+        legs.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// What the loop says of a place: the direction of the drive, the pattern, and the state
+    /// interpolated on its branch.
+    pub fn at(&self, spot: Spot) -> (Direction, Pattern, Sample) {
+        let leg = &self.legs[spot.leg];
+        let segment = &self.segments[leg.segment];
+        (leg.direction, segment.pattern, segment.at(spot.control))
     }
 
     /// Where the surface will stand where the control is `target` if it goes there from `now`,
@@ -409,6 +504,7 @@ fn segment_of(atlas: &Atlas, place: Place, turn: f64, start: f64) -> Segment {
         })
         .collect();
     Segment {
+        place,
         pattern,
         samples,
         next: [None; 2],

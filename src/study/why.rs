@@ -59,6 +59,8 @@ pub enum Criterion {
     Continuous,
     /// Not known: the method does not locate it.
     Unlocated,
+    /// None: the surface was pressed by hand.
+    Pushed,
 }
 
 /// Why a surface snapped.
@@ -97,6 +99,7 @@ pub fn explain(scene: &Scene, model: &Model, of: Evidence<'_>) -> Explanation {
         Cause::Mesh => Criterion::Mesh,
         Cause::Transition => Criterion::Continuous,
         Cause::PatternChange => Criterion::Unlocated,
+        Cause::Push => Criterion::Pushed,
     };
     let control = scene.control();
     let balance = of
@@ -115,6 +118,7 @@ pub fn explain(scene: &Scene, model: &Model, of: Evidence<'_>) -> Explanation {
         Criterion::Mesh => words.mesh(),
         Criterion::Continuous => words.continuous(),
         Criterion::Unlocated => words.unlocated(),
+        Criterion::Pushed => words.pushed(),
     };
     if let Some(contested) = of.jump.contested_words() {
         sentence += &format!(
@@ -319,6 +323,16 @@ impl Words<'_> {
         format!(
             "Before {} it was {}, now it is {}. This method does not look for the place where a \
              state gives way, nor why; Newton-Krylov does.",
+            self.place(),
+            self.of.jump.from,
+            self.of.jump.to
+        )
+    }
+
+    fn pushed(&self) -> String {
+        format!(
+            "At {} nothing gave way by itself: the {} was pressed by hand over the barrier, and came \
+             to rest as {}.",
             self.place(),
             self.of.jump.from,
             self.of.jump.to

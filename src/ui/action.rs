@@ -1,10 +1,12 @@
 //! What a panel wants to happen. Panels only push these; `app` acts.
 
 use crate::follow::record::Direction;
+use crate::follow::walk::Push;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::film::FilmKind;
 use crate::worker::protocol::{Speed, Sweep};
 use std::path::PathBuf;
 
@@ -27,6 +29,10 @@ pub enum Action {
     Pause(bool),
     /// Drop target and sweep.
     Stop,
+    /// Press the surface, and hold it.
+    Press(Push),
+    /// Let it go.
+    LetGo,
     /// Back to rest at the start, everything recorded forgotten.
     Reset,
     /// Replace the scene by an edited one.
@@ -76,14 +82,17 @@ pub enum Action {
     OpenTab(&'static str),
     /// Lay theory over the live plot, or take it away.
     OverlayTheory(bool),
-    /// Look at the recorded state nearest to a place of the plot.
+    /// Look at the walked or foreseen state nearest to a place of the plot.
     SelectState {
         /// u0/rho and stress/sigma_max.
         at: [f64; 2],
-        /// How far away it may be, along each.
+        /// How far a click may miss it, along each.
         reach: [f64; 2],
+        /// By what gesture.
+        pick: Pick,
     },
-    /// Look at the newest state of this direction whose control is nearest to a value.
+    /// Look at the newest state of this direction whose control is nearest to a value, or at the
+    /// one foreseen there.
     SelectOn(Direction, f64),
     /// Look at the state so many further on along the path, or back.
     StepState(isize),
@@ -93,8 +102,14 @@ pub enum Action {
     SelectJump(usize),
     /// Look at the jump so many further on, or back.
     StepJump(isize),
-    /// Keep the loop on the plot, or let go of it.
-    ToggleKept,
+    /// Keep a loop on the plot.
+    Keep(KeepFrom),
+    /// Do something with the kept loop of this number.
+    OnKept(usize, KeptAct),
+    /// Bring the loop back that was deleted last.
+    BringKeptBack,
+    /// Put the scene before the last edit beside this one.
+    CompareWithBefore,
     /// Look at nothing.
     ClearSelection,
     /// The scene as text on the clipboard.
@@ -124,6 +139,53 @@ impl Action {
     pub fn edit(scene: Scene) -> Self {
         Self::EditScene(Box::new(scene))
     }
+}
+
+/// How a state is picked from the plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pick {
+    /// By a click at it.
+    Click,
+    /// By a drag that begins: the nearest.
+    Drag,
+    /// By a drag that goes on, along the same curve.
+    Along,
+}
+
+/// Of what a loop is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepFrom {
+    /// A closed loop that was walked, else the live loop, else what was walked so far.
+    Best,
+    /// What was walked.
+    Walked,
+    /// The live loop.
+    Live,
+}
+
+/// What is done with a kept loop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum KeptAct {
+    /// Give it another name.
+    Rename(String),
+    /// Take it off the plot, or draw it again.
+    Hide,
+    /// Open its scene.
+    Restore,
+    /// Delete it.
+    Delete,
+    /// Put its scene beside the present one, or take it away.
+    Beside,
+}
+
+/// In what kept loops are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scales {
+    /// The range and the largest traction of each one's own law.
+    #[default]
+    Own,
+    /// The same lengths and stresses for all.
+    Absolute,
 }
 
 /// What a learner does in the lesson's panel.
@@ -166,6 +228,8 @@ pub enum FileTask {
     ExportLoopPng,
     /// Write the gap map as a picture.
     ExportGapPng,
+    /// Write the stored states of the path as a film.
+    ExportFilm(FilmKind),
 }
 
 impl FileTask {
@@ -180,6 +244,7 @@ impl FileTask {
             | FileTask::ExportCurvesCsv
             | FileTask::ExportTabCsv => "Export CSV",
             FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
+            FileTask::ExportFilm(_) => "Export film",
         }
     }
 
@@ -200,6 +265,8 @@ impl FileTask {
             FileTask::ExportTabCsv => "tab.csv",
             FileTask::ExportLoopPng => "loop.png",
             FileTask::ExportGapPng => "gap.png",
+            FileTask::ExportFilm(FilmKind::Gif) => "film.gif",
+            FileTask::ExportFilm(FilmKind::Apng) => "film.png",
         }
     }
 
@@ -221,9 +288,11 @@ impl FileTask {
                 (FileTask::ExportCurvesCsv, "curves of the plot"),
                 (FileTask::ExportTabCsv, "of the tab"),
             ],
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => &[
+            FileTask::ExportLoopPng | FileTask::ExportGapPng | FileTask::ExportFilm(_) => &[
                 (FileTask::ExportLoopPng, "stress curve"),
                 (FileTask::ExportGapPng, "gap map"),
+                (FileTask::ExportFilm(FilmKind::Gif), "film, GIF"),
+                (FileTask::ExportFilm(FilmKind::Apng), "film, PNG"),
             ],
         }
     }
@@ -253,10 +322,14 @@ pub struct ViewOptions {
     pub profile: ProfileLine,
     /// Draw the soft mode over the map.
     pub soft_mode: bool,
+    /// How wide a push is, as a share of the cell.
+    pub push_width: f64,
     /// What is shown below the plot: the tab of this index.
     pub tab: usize,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
+    /// In what kept loops are drawn.
+    pub scales: Scales,
     /// Lecture mode.
     pub lecture: bool,
 }
@@ -268,8 +341,10 @@ impl Default for ViewOptions {
             smooth: true,
             profile: ProfileLine::Auto,
             soft_mode: false,
+            push_width: 0.12,
             tab: 0,
             speed: Speed::default(),
+            scales: Scales::default(),
             lecture: false,
         }
     }

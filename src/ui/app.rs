@@ -2,7 +2,8 @@
 
 use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
-use super::gap_map::MapCache;
+use super::film::FilmExport;
+use super::map_cache::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, Extent, Saved, ViewState};
 use super::{
@@ -32,13 +33,15 @@ const ANNOUNCE_EVERY: f64 = 2.0;
 pub struct App {
     state: ViewState,
     solver: Box<dyn SolverHandle>,
-    map: MapCache,
+    maps: Maps,
     tabs: Tabs,
     dialogs: Dialogs,
     /// When a jump was last announced (seconds).
     announced: f64,
     /// The file that is being read or written.
     file: Option<(PathBuf, FileJob)>,
+    /// The film that is being written.
+    film: Option<FilmExport>,
     /// How the window looked before lecture mode.
     before_lecture: Option<lecture::Before>,
 }
@@ -90,11 +93,12 @@ impl App {
         Self {
             state,
             solver: Box::new(solver),
-            map: MapCache::default(),
+            maps: Maps::default(),
             tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
             announced: f64::NEG_INFINITY,
             file: None,
+            film: None,
             before_lecture: None,
         }
     }
@@ -127,8 +131,10 @@ impl App {
         self.listen();
         self.state.observe_lesson();
         self.take_file();
+        self.state.update_foresight(&*self.solver);
+        self.state.update_beside(&*self.solver);
         self.tabs.update(&mut self.state, &*self.solver);
-        self.map.update(&ctx, &self.state);
+        self.maps.update(&ctx, &self.state);
         let mut actions = Vec::new();
         keys::collect(&ctx, &self.state, self.dialogs.is_open(), &mut actions);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
@@ -139,6 +145,8 @@ impl App {
         self.tabs.float(&ctx, &self.state, &mut actions);
         self.dialogs
             .show(&ctx, &self.state, &self.tabs, &mut actions);
+        let state = &mut self.state;
+        self.film.take_if(|film| !film.show(&ctx, state));
         // The panels above were drawn before this; draw them once more with what follows.
         if !actions.is_empty() {
             ctx.request_repaint();
@@ -248,7 +256,7 @@ impl App {
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         let state = &self.state;
         if state.view.lecture {
-            return lecture::show(ui, state, actions, &self.map);
+            return lecture::show(ui, state, actions, &self.maps);
         }
         let width = ui.available_width();
         Panel::top("toolbar").show(ui, |ui| {
@@ -284,8 +292,8 @@ impl App {
             self.tabs.show(ui, state, actions);
         });
         CentralPanel::default().show(ui, |ui| {
-            gap_map::show(ui, state, actions, &self.map);
-            profile::show(ui, state, self.map.picture.as_ref(), actions);
+            gap_map::show(ui, state, actions, &self.maps);
+            profile::show(ui, state, self.maps.a.picture.as_ref(), actions);
             strip::show(ui, state, actions);
         });
     }
@@ -301,6 +309,8 @@ impl App {
             Action::TogglePlay => state.toggle_play(),
             Action::Pause(paused) => state.run.paused = paused,
             Action::Stop => state.stop(),
+            Action::Press(push) => state.press(push),
+            Action::LetGo => state.let_go(),
             Action::Reset => state.reset(),
             Action::EditScene(scene) => state.edit_scene(*scene),
             Action::SetMethod(method) => state.set_method(method),
@@ -335,13 +345,16 @@ impl App {
                 state.view.tab = self.tabs.index(name).unwrap_or(state.view.tab);
             }
             Action::OverlayTheory(overlay) => state.plots.overlay = overlay,
-            Action::SelectState { at, reach } => state.select_near(at, reach),
+            Action::SelectState { at, reach, pick } => state.select_near(at, reach, pick),
             Action::SelectOn(direction, control) => state.select_on(direction, control),
             Action::StepState(by) => state.step_state(by),
             Action::GoOn => state.go_on(),
             Action::SelectJump(index) => state.select_jump(index),
             Action::StepJump(by) => state.step_jump(by),
-            Action::ToggleKept => state.toggle_kept(),
+            Action::Keep(from) => state.keep(from),
+            Action::OnKept(id, act) => state.act_on_kept(id, act),
+            Action::BringKeptBack => state.bring_kept_back(),
+            Action::CompareWithBefore => state.compare_with_before(),
             Action::ClearSelection => state.select_nothing(),
             Action::CopyScene => {
                 ctx.copy_text(scene_file::to_text(&state.scene));
@@ -465,6 +478,10 @@ impl App {
         let done = match task {
             FileTask::OpenScene | FileTask::OpenHeights => return self.begin_to_open(ctx, path),
             FileTask::SaveSession => return self.begin_to_save(ctx, path),
+            FileTask::ExportFilm(kind) => {
+                self.film = FilmExport::begin(ctx, state, path, kind);
+                return self.dialogs.close();
+            }
             FileTask::SaveScene => scene_file::save(path, &state.scene),
             FileTask::ExportLoopCsv => {
                 export::write_loop_csv(path, &state.scene, &state.run.record.states)

@@ -1,7 +1,8 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, LessonAct, ViewOptions};
+use super::action::{Action, FileTask, KeepFrom, LessonAct, ViewOptions};
+use super::flick;
 use super::machine::{self, Told};
 use super::tabs::Tabs;
 use super::toolbar::SPEEDS;
@@ -12,6 +13,7 @@ use crate::physics::law::Shape;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
+use crate::storage::film::FilmKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::{
@@ -43,6 +45,7 @@ impl Command {
 fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
     let one = Command::new;
     let mut list = motions(state);
+    list.extend(pushes(state));
     list.extend(files());
     list.extend([
         one("Undo", "Ctrl+Z", Action::Undo),
@@ -98,15 +101,36 @@ fn motions(state: &ViewState) -> Vec<Command> {
         one("Look at the stored state after", "]", Action::StepState(1)),
         one("Go on from the stored state", "G", Action::GoOn),
         one(
-            if state.plots.kept.is_some() {
-                "Let go of the kept loop"
-            } else {
-                "Keep this loop on the plot"
-            },
+            "Keep this loop on the plot",
             "L",
-            Action::ToggleKept,
+            Action::Keep(KeepFrom::Best),
+        ),
+        one(
+            "Keep what was walked on the plot",
+            "",
+            Action::Keep(KeepFrom::Walked),
+        ),
+        one(
+            "Keep the live loop on the plot",
+            "",
+            Action::Keep(KeepFrom::Live),
+        ),
+        one("Bring the deleted loop back", "", Action::BringKeptBack),
+        one(
+            "A | B: compare with the scene before the last edit",
+            "",
+            Action::CompareWithBefore,
         ),
     ]
+}
+
+/// Pushes into the middle of the cell.
+fn pushes(state: &ViewState) -> [Command; 2] {
+    [("bump", 1.0), ("dimple", -1.0)].map(|(what, sign)| Command {
+        name: format!("Push: press a {what} into the middle and let go"),
+        keys: "",
+        actions: flick::command(state, sign),
+    })
 }
 
 /// What reads and writes scenes and results.
@@ -168,6 +192,16 @@ fn files() -> Vec<Command> {
             "Export the gap map as PNG",
             "",
             Action::AskFile(FileTask::ExportGapPng),
+        ),
+        one(
+            "Export the path as a film (GIF)",
+            "",
+            Action::AskFile(FileTask::ExportFilm(FilmKind::Gif)),
+        ),
+        one(
+            "Export the path as a film (animated PNG)",
+            "",
+            Action::AskFile(FileTask::ExportFilm(FilmKind::Apng)),
         ),
     ]
 }

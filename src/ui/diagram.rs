@@ -2,7 +2,9 @@
 //! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
-use crate::plot::panel::{Along, Axis, Colour, Fill, Look, Panel, Role, Series, Symbol, entries};
+use crate::plot::panel::{
+    Along, Axis, Colour, Dash, Fill, Look, Panel, Role, Series, Symbol, entries,
+};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
@@ -359,6 +361,7 @@ pub fn legend(ui: &mut Ui, panel: &Panel) {
                 Look::Line(role, colour, direction) => {
                     let plain = match role {
                         Role::Simulation => "▬",
+                        Role::Kept(dash) => self::dash(dash),
                         Role::Printed | Role::Unstable => "┅",
                         Role::Theory | Role::Forecast | Role::Guide => "—",
                     };
@@ -390,6 +393,15 @@ fn rows(ui: &mut Ui, entries: &[(&str, Color32, String)]) {
             ui.add_space(6.0);
         }
     });
+}
+
+/// A letter that looks like the line of a kept loop.
+pub fn dash(dash: Dash) -> &'static str {
+    match dash {
+        Dash::Solid => "▬",
+        Dash::Long => "┅",
+        Dash::Dotted => "┈",
+    }
 }
 
 /// A letter that looks like a symbol.

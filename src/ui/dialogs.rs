@@ -7,6 +7,7 @@ use super::keys;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
 use crate::storage::files::{self, Effect};
+use crate::storage::film::FilmKind;
 use egui::{Align2, Context, RichText, Ui, Window};
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
@@ -297,6 +298,8 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
         | FileTask::ExportCurvesCsv
         | FileTask::ExportTabCsv => ("CSV", &["csv"]),
         FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
+        FileTask::ExportFilm(FilmKind::Gif) => ("GIF", &["gif"]),
+        FileTask::ExportFilm(FilmKind::Apng) => ("Animated PNG", &["png"]),
     };
     let dialog = rfd::AsyncFileDialog::new()
         .set_title(task.title())

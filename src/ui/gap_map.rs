@@ -1,8 +1,11 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
+use super::beside;
+use super::flick;
+use super::gap_picture::{GapPicture, Segment, colour};
 use super::grip;
+use super::map_cache::{MapCache, Maps};
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{described, named};
@@ -10,15 +13,14 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
-use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
-    pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use std::sync::Arc;
 
 /// Width of the colour bar with its numbers.
 const BAR: f32 = 64.0;
+/// Between two maps.
+const BESIDE: f32 = 10.0;
 /// Radius of the grip of the profile line.
 const GRIP: f32 = 7.0;
 /// Seconds in which a picture that is no longer true fades out.
@@ -26,101 +28,56 @@ const FADE: f32 = 0.2;
 /// What stands in its place.
 const WAITING: &str = "waiting for the solver …";
 
-/// The texture and what it was made from, so that nothing is made twice.
-#[derive(Default)]
-pub struct MapCache {
-    made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
-    texture: Option<TextureHandle>,
-    /// The field as drawn.
-    pub picture: Option<GapPicture>,
-    /// The soft mode's contours, if they are wanted and there is one.
-    mode: Option<ModeLines>,
-}
-
-impl MapCache {
-    /// Brings texture and picture up to date with the newest frame.
-    pub fn update(&mut self, ctx: &egui::Context, state: &ViewState) {
-        let Some(frame) = state.pictured() else {
-            self.picture = None;
-            self.mode = None;
-            self.made_from = None;
-            return;
-        };
-        let centred = state.view.centred && state.model.indenter == Indenter::Flat;
-        let top = scale::gap_scale(&state.scene, &state.model);
-        let view = state.view;
-        let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
-            Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
-        });
-        if fresh {
-            return;
-        }
-        let contact = state.model.law.contact_gap();
-        let before = self.picture.as_ref().map(|picture| picture.island);
-        let island = gap_picture::island(frame, contact, before);
-        let picture = if centred {
-            GapPicture::centred(&frame.gap, contact, island)
-        } else {
-            GapPicture::new(&frame.gap, contact, island)
-        };
-        let options = gap_picture::texture_options(&view);
-        let image = picture.image(top);
-        match &mut self.texture {
-            Some(texture) => texture.set(image, options),
-            None => self.texture = Some(ctx.load_texture("gap", image, options)),
-        }
-        self.mode = frame
-            .soft_mode
-            .as_ref()
-            .filter(|_| view.soft_mode || frame.is_of_a_branch())
-            .map(|mode| picture.mode_lines(mode));
-        self.picture = Some(picture);
-        self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
-    }
-}
-
 /// The map, with its options above and its reading below; what is left of the column is the
 /// profile's.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &MapCache) {
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Maps) {
+    let cache = &maps.a;
     let height = (ui.available_height() * 0.76)
         .min(ui.available_width())
         .max(150.0);
     options(ui, state, actions);
     let width = ui.available_width();
-    let side = (height - 58.0).min(width - BAR).max(80.0);
+    let beside = state.beside().map(|_| BESIDE);
+    let count = if beside.is_some() { 2.0 } else { 1.0 };
+    let across = width - BAR - beside.unwrap_or(0.0);
+    let side = (height - 58.0).min(across / count).max(80.0);
     let (_, area) = ui.allocate_space(vec2(width, side));
-    let left = area.left() + ((width - side - BAR) / 2.0).max(0.0);
+    let left = area.left() + ((across - count * side) / 2.0).max(0.0);
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
+    let last = beside.map_or(map, |gap| map.translate(vec2(side + gap, 0.0)));
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
     described(&response, &sentence);
 
     let band = band(map, state);
-    if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
-        ui.painter()
-            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
-        ui.painter().image(
-            texture.id(),
-            band,
-            Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
-            Color32::WHITE,
-        );
-        contour(ui, picture, band);
+    ui.painter()
+        .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+    if cache.draw(ui, band)
+        && let Some(picture) = &cache.picture
+    {
         soft_mode(ui, state, cache, picture, band);
         profile_line(ui, state, picture, band);
-    } else {
-        ui.painter()
-            .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
     }
     waiting(ui, state, map);
     ui.painter()
         .rect_stroke(map, 0.0, frame_stroke(ui, state), StrokeKind::Outside);
-    colour_bar(ui, state, cache, map);
+    colour_bar(ui, state, cache, last);
+    if beside.is_some() {
+        beside::letter(ui, map, "A", Align2::LEFT_TOP);
+        beside::show(ui, state, &maps.b, last, actions);
+    }
     overlays(ui, state, map);
     let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
-    grip::drag(ui, state, &response, per_point, actions);
-    if let Some(picture) = &cache.picture {
-        line_grip(ui, state, picture, band, actions);
+    if flick::is_on(ui, state) {
+        if let Some(picture) = &cache.picture {
+            let on = (&response, band);
+            flick::drag(ui, state, on, picture, per_point, actions);
+        }
+    } else {
+        grip::drag(ui, state, &response, per_point, actions);
+        if let Some(picture) = &cache.picture {
+            line_grip(ui, state, picture, band, actions);
+        }
     }
     let reading = response
         .hover_pos()
@@ -129,6 +86,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
         "Point at the map to read it; drag it up and down to move the body, and the profile line \
          by its grip."
             .to_owned();
+    let pushed = state.push_in_words();
+    let reading = pushed.or(reading).or_else(|| state.losses_in_words());
     ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
 }
 
@@ -140,6 +99,9 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             ui.label(egui::RichText::new("Gap map").heading().strong());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if flick::is_on(ui, state) {
+                return flick::options(ui, state, actions);
+            }
             ui.checkbox(&mut view.smooth, "Smooth");
             if state.model.indenter == Indenter::Flat {
                 ui.checkbox(&mut view.centred, "Centre the pattern");
@@ -161,25 +123,6 @@ fn band(map: Rect, state: &ViewState) -> Rect {
     }
 }
 
-fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
-    let (ny, nx) = picture.gap.dim();
-    pos2(
-        band.left() + at[0] / nx as f32 * band.width(),
-        band.bottom() - at[1] / ny as f32 * band.height(),
-    )
-}
-
-fn contour(ui: &Ui, picture: &GapPicture, band: Rect) {
-    let painter = ui.painter().with_clip_rect(band.intersect(ui.clip_rect()));
-    for line in &picture.contour {
-        let line = line.iter().map(|at| to_screen(picture, band, *at));
-        painter.add(Shape::line(
-            line.collect(),
-            Stroke::new(1.6, Color32::WHITE),
-        ));
-    }
-}
-
 /// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
 /// they mean in the corner.
 fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture, band: Rect) {
@@ -191,7 +134,7 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).jump;
     let segment = |s: &Segment, width: f32, colour: Color32| {
         painter.line_segment(
-            s.map(|p| to_screen(picture, band, p)),
+            s.map(|p| picture.to_screen(band, p)),
             Stroke::new(width, colour),
         );
     };
@@ -256,7 +199,7 @@ fn line_ends(state: &ViewState, picture: &GapPicture, band: Rect) -> Option<[Pos
     } else {
         [[at, 0.0], [at, ny as f32]]
     };
-    (ny > 1).then(|| ends.map(|p| to_screen(picture, band, p)))
+    (ny > 1).then(|| ends.map(|p| picture.to_screen(band, p)))
 }
 
 fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
@@ -329,27 +272,30 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
 }
 
-/// The border of map and profile: that of a replay or of a stored state stands out.
+/// The border of map and profile: that of a replay, or of a stored or foreseen state, stands out.
 pub fn frame_stroke(ui: &Ui, state: &ViewState) -> Stroke {
     if state.run.replayed.is_some() {
         Stroke::new(2.5, theme::palette(ui).jump)
     } else if state.run.shown.is_some() {
-        Stroke::new(2.5, theme::palette(ui).now)
+        let palette = theme::palette(ui);
+        let is_foreseen = state.shown_word() == Some("foreseen");
+        Stroke::new(
+            2.5,
+            if is_foreseen {
+                palette.live
+            } else {
+                palette.now
+            },
+        )
     } else {
         ui.visuals().widgets.noninteractive.bg_stroke
     }
 }
 
-/// The word "jumping" while the surface is no equilibrium, and "replay" or "stored" while it is an
-/// old one.
+/// The word "jumping" while the surface is no equilibrium, and "replay", "stored" or "foreseen"
+/// while another one than the present is shown.
 fn overlays(ui: &Ui, state: &ViewState, map: Rect) {
-    let word = if state.run.replayed.is_some() {
-        "replay"
-    } else if state.run.shown.is_some() {
-        "stored"
-    } else if state.jumping().is_some() {
-        "jumping … (no equilibrium)"
-    } else {
+    let Some(word) = state.shown_word().or(flick::word(state)) else {
         return;
     };
     let size = if map.width() > 330.0 { 17.0 } else { 13.0 };
@@ -479,9 +425,11 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
     let Some(picture) = cache.picture.as_ref().filter(|_| !state.is_waiting()) else {
         return format!("Gap map: {WAITING}");
     };
-    let (kind, shown) = match &state.run.shown {
-        Some(frame) if state.run.replayed.is_none() => ("stored ", frame.state.as_ref()),
-        _ => ("", state.run.state.as_ref()),
+    let (kind, shown) = match (&state.run.shown, state.shown_word()) {
+        (Some(frame), Some(word)) if state.run.replayed.is_none() => {
+            (format!("{word} "), frame.state.as_ref())
+        }
+        _ => (String::new(), state.run.state.as_ref()),
     };
     let pattern = shown.map_or("at rest", |s| s.pattern.word());
     let unit = state.model.unit(Dimension::Length);

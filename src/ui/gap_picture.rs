@@ -2,10 +2,11 @@
 //! with its contact line. No egui widgets.
 
 use super::action::ViewOptions;
+use crate::physics::grid::Grid;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
 use crate::plot::scale::ends;
 use crate::worker::protocol::Frame;
-use egui::{Color32, ColorImage, TextureOptions};
+use egui::{Color32, ColorImage, Pos2, Rect, TextureOptions, pos2};
 use ndarray::Array2;
 use std::collections::HashMap;
 
@@ -24,7 +25,7 @@ pub struct GapPicture {
     /// square.
     pub contour: Vec<Vec<[f32; 2]>>,
     /// Rows and columns by which it was rolled.
-    roll: (usize, usize),
+    pub roll: (usize, usize),
 }
 
 /// What stands in the middle of a picture of the surface. A pattern keeps its place along its whole
@@ -74,7 +75,13 @@ impl GapPicture {
         Self::rolled(gap, contact_gap, island, shift_to_middle(gap, island))
     }
 
-    fn rolled(gap: &Array2<f64>, contact_gap: f64, island: Island, roll: (usize, usize)) -> Self {
+    /// The same rolled by so many rows and columns.
+    pub fn rolled(
+        gap: &Array2<f64>,
+        contact_gap: f64,
+        island: Island,
+        roll: (usize, usize),
+    ) -> Self {
         let (dy, dx) = roll;
         let gap = rolled(gap, dy, dx);
         let (min, max) = ends(gap.iter().copied());
@@ -87,6 +94,29 @@ impl GapPicture {
             contour,
             roll,
         }
+    }
+
+    /// Where a place of the field, in units of points, lies on the screen where it fills `band`.
+    pub fn to_screen(&self, band: Rect, at: [f32; 2]) -> Pos2 {
+        let (ny, nx) = self.gap.dim();
+        pos2(
+            band.left() + at[0] / nx as f32 * band.width(),
+            band.bottom() - at[1] / ny as f32 * band.height(),
+        )
+    }
+
+    /// The place of the cell (length) under a place of the screen.
+    pub fn place_of(&self, band: Rect, at: Pos2, grid: &Grid) -> [f64; 2] {
+        let (ny, nx) = self.gap.dim();
+        let share = [
+            f64::from((at.x - band.left()) / band.width()),
+            f64::from((band.bottom() - at.y) / band.height()),
+        ];
+        let (dy, dx) = self.roll;
+        let one = |share: f64, n: usize, roll: usize| {
+            (share * n as f64 - 0.5 - roll as f64).rem_euclid(n as f64) * grid.spacing()
+        };
+        [one(share[0], nx, dx), one(share[1], ny, dy)]
     }
 
     /// The contours of a mode of this field.

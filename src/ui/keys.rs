@@ -1,7 +1,7 @@
 //! The keys. They do not fire while something is being typed, nor take the arrows away from a
 //! focused widget other than the slider of what is driven.
 
-use super::action::{Action, FileTask, LessonAct};
+use super::action::{Action, FileTask, KeepFrom, LessonAct};
 use super::view_state::ViewState;
 use super::{lesson, sliders};
 use crate::lessons::{Question, Stage};
@@ -9,7 +9,7 @@ use crate::storage::presets;
 use egui::{Context, Event, Key, Modifiers};
 
 /// The sheet of keys: key, what it does.
-pub const SHEET: [(&str, &str); 24] = [
+pub const SHEET: [(&str, &str); 25] = [
     (
         "Ctrl+K",
         "everything by its name: laws, presets, figures, files",
@@ -27,7 +27,7 @@ pub const SHEET: [(&str, &str); 24] = [
     ("1 … 9", "presets"),
     ("S", "export a picture"),
     ("J K", "next jump, jump before"),
-    ("L", "keep this loop on the plot, to compare; let go of it"),
+    ("L", "keep this loop on the plot, to compare others with it"),
     (
         "Click or drag on curve or strip",
         "that stored state, everywhere",
@@ -41,6 +41,10 @@ pub const SHEET: [(&str, &str); 24] = [
     ("F11", "lecture mode"),
     ("Ctrl+Q", "quit"),
     ("Tab", "from control to control"),
+    (
+        "Alt while dragging on the map",
+        "press a bump (down) or a dimple (up); wheel: width",
+    ),
     ("Shift while dragging", "fine u₀; an upright profile line"),
     ("?", "this sheet"),
 ];
@@ -166,7 +170,7 @@ fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> 
         Key::End => Action::SetTarget(state.limits.0),
         Key::Space => Action::TogglePlay,
         Key::R => Action::Reverse,
-        Key::L => Action::ToggleKept,
+        Key::L => Action::Keep(KeepFrom::Best),
         Key::G => Action::GoOn,
         Key::S => Action::AskFile(FileTask::ExportLoopPng),
         Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => {

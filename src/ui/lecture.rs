@@ -1,10 +1,10 @@
 //! Lecture mode: map, curve and one line of words, large and on white, for a room.
 
 use super::action::Action;
-use super::gap_map::{self, MapCache};
+use super::map_cache::Maps;
 use super::view_state::ViewState;
 use super::widgets::described;
-use super::{loop_plot, profile, strip};
+use super::{gap_map, loop_plot, profile, strip};
 use crate::scene::units::fixed;
 use crate::solver::Stop;
 use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};
@@ -40,7 +40,7 @@ impl Before {
 }
 
 /// Draws all of the window.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &MapCache) {
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Maps) {
     Panel::bottom("words").show(ui, |ui| {
         ui.horizontal(|ui| {
             let words = words(state);
@@ -59,8 +59,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
         loop_plot::show(ui, state, actions, height);
     });
     CentralPanel::default().show(ui, |ui| {
-        gap_map::show(ui, state, actions, cache);
-        profile::show(ui, state, cache.picture.as_ref(), actions);
+        gap_map::show(ui, state, actions, maps);
+        profile::show(ui, state, maps.a.picture.as_ref(), actions);
         strip::show(ui, state, actions);
     });
 }

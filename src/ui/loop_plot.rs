@@ -1,15 +1,17 @@
 //! Stress against mean displacement: approach, retraction, the flat state, jumps, the dissipated
 //! area, where we are now, and the numbers of the state that is looked at.
 
-use super::action::{Action, LessonAct};
+use super::action::{Action, LessonAct, Pick, Scales};
+use super::card;
 use super::diagram;
 use super::machine;
 use super::theme::{self, Palette};
-use super::view_state::ViewState;
-use super::widgets::{described, named};
-use crate::follow::record::{JumpRecord, StateRecord};
+use super::view_state::{Beside, ViewState};
+use super::widgets::described;
+use crate::follow::record::JumpRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
+use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
@@ -17,13 +19,15 @@ use crate::scene::units::Unit;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::plan::promise;
 use crate::worker::protocol::Frame as Picture;
-use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
+use egui::{RichText, Ui};
 use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
-/// A drag as near as that goes along the path.
-const SCRUB: f64 = 1e3;
+
+/// Letters of a kept loop's name in the plot, and most loops that have theirs at their curves.
+const NAME_MAX: usize = 26;
+const NAMED_MAX: usize = 3;
 
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
@@ -59,7 +63,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
         }
     });
     let height = (height - (ui.cursor().top() - top) - 36.0).max(120.0);
-    let [length, stress] = units(&state.model);
+    let [length, stress] = told(state);
     let hover = |x: f64, y: f64| {
         let (u0, stress) = (length.say(x, 3, "ρ"), stress.say(y, 3, "σₘₐₓ"));
         Some(format!("u₀ {u0}\nstress {stress}"))
@@ -73,16 +77,20 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     {
         let at = transform.value_from_position(pointer);
         let scale = transform.dpos_dvalue();
-        let points = if scrubs { SCRUB } else { CLICK };
-        let reach = [points / scale[0].abs(), points / scale[1].abs()];
+        let reach = [CLICK / scale[0].abs(), CLICK / scale[1].abs()];
+        let pick = match (response.drag_started(), scrubs) {
+            (true, _) => Pick::Drag,
+            (false, true) => Pick::Along,
+            (false, false) => Pick::Click,
+        };
         let at = [at.x, at.y];
         actions.push(match state.asked() {
             Some((Question::Guess { .. }, _)) => Action::Lesson(LessonAct::Choose(at[0])),
             _ if state.view.lecture && state.run.record.jumps.is_empty() => Action::Guess(at[0]),
-            _ => Action::SelectState { at, reach },
+            _ => Action::SelectState { at, reach, pick },
         });
     }
-    card(ui, state, actions, response.rect);
+    card::show(ui, state, actions, response.rect);
     let sentence = sentence(state);
     described(&response, &sentence);
 }
@@ -115,6 +123,20 @@ fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &
 /// In what u0 and the stress are told.
 fn units(model: &Model) -> [Unit; 2] {
     [Dimension::Length, Dimension::Stress].map(|of| model.unit(of))
+}
+
+/// In what the plot tells them: with absolute scales in the lengths of the scene's file, and E*.
+fn told(state: &ViewState) -> [Unit; 2] {
+    let (model, law) = (&state.model, &state.model.law);
+    match (state.view.scales, model.units) {
+        (Scales::Absolute, None) => {
+            [("length", law.range), ("E*", law.traction_max())].map(|(word, scale)| Unit {
+                word: Some(word.to_owned()),
+                scale,
+            })
+        }
+        _ => units(model),
+    }
 }
 
 /// The axes of stress against u0 with short names.
@@ -232,7 +254,9 @@ pub fn panel(state: &ViewState) -> Panel {
         .as_ref()
         .filter(|closed| closed.summary.ledger.open.is_none());
     let theory = theory(state, [[left, right], [bottom, top]]);
-    let [x, y] = axes(&state.model);
+    let [length, stress] = told(state);
+    let x = Axis::of(&length, "u₀ / ρ", "u₀");
+    let y = Axis::of(&stress, "stress / σ_max", "stress");
     let mut panel = Panel {
         x: x.from_to(left, right),
         y: y.from_to(bottom, top),
@@ -255,15 +279,23 @@ pub fn panel(state: &ViewState) -> Panel {
     panel
         .labels
         .extend(theory.into_iter().filter_map(|(_, label)| label));
-    panel.series.extend(others(state));
+    panel.series.extend(earlier(state));
+    kept(state, &mut panel);
     panel.series.extend(machine::line(state, [left, right]));
     guesses(state, &mut panel);
     let rho = state.rho();
-    if let Some(selection) = &state.run.selection {
-        let at = [
-            selection.state.mean_displacement / rho,
-            selection.state.stress_over_max,
-        ];
+    let wish = state.run.foresight.wish().and_then(|wanted| {
+        let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);
+        Some([
+            sample.mean_displacement / rho,
+            sample.stress / law.traction_max(),
+        ])
+    });
+    let selected = state.run.selection.as_ref().map(|selection| {
+        let s = &selection.state;
+        [s.mean_displacement / rho, s.stress_over_max]
+    });
+    if let Some(at) = wish.or(selected) {
         panel
             .series
             .push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
@@ -322,25 +354,60 @@ fn joined<'a>(pieces: impl IntoIterator<Item = &'a [[f64; 2]]>) -> Vec<[f64; 2]>
         .collect()
 }
 
-/// The loop that is kept, broad and grey, and earlier ones, thin and grey.
-fn others(state: &ViewState) -> Vec<Series> {
-    let kept = state.plots.kept.iter().map(|kept| {
-        (
-            "kept",
-            Role::Simulation,
-            joined(kept.lines.iter().map(Vec::as_slice)),
-        )
-    });
-    let earlier = state.plots.ghosts.iter().map(|ghost| {
-        (
-            "earlier",
-            Role::Guide,
-            joined(ghost.pieces.iter().map(|piece| piece.points.as_slice())),
-        )
-    });
-    kept.chain(earlier)
-        .map(|(name, role, points)| Series::line(name, role, Colour::Grey, points))
-        .collect()
+/// Earlier paths, thin and grey.
+fn earlier(state: &ViewState) -> Vec<Series> {
+    let line = |ghost: &Curve| {
+        let pieces = ghost.pieces.iter().map(|piece| piece.points.as_slice());
+        Series::line("earlier", Role::Guide, Colour::Grey, joined(pieces))
+    };
+    state.plots.ghosts.iter().map(line).collect()
+}
+
+/// The loops that are kept, each with its name at a height of its own where it reaches highest.
+fn kept(state: &ViewState, panel: &mut Panel) {
+    let (beside, count) = (state.beside(), state.plots.kept.drawn().count());
+    let [left, right] = panel.x.range.unwrap_or_default();
+    for (k, kept) in state.plots.kept.drawn().enumerate() {
+        let ((colour, dash), lines) = (kept.look(), state.lines_of(kept));
+        let is_b = beside.is_some_and(|(_, b)| b.id == kept.id);
+        let name = if is_b {
+            format!("B: {}", kept.name)
+        } else {
+            kept.name.clone()
+        };
+        let name: String = name.chars().take(NAME_MAX).collect();
+        // A share of the axis each, so that names do not lie on each other.
+        let x = left + (right - left) * (k as f64 + 0.5) / count as f64;
+        // Above the upper of the two curves there.
+        let close = 0.02 * (right - left);
+        let there = lines.iter().flatten();
+        let there = there.filter(|p| (p[0] - x).abs() < close);
+        let near = there.max_by(|a, b| a[1].total_cmp(&b[1]));
+        panel
+            .labels
+            .extend(near.filter(|_| count <= NAMED_MAX).map(|at| Label {
+                at: *at,
+                text: name.clone(),
+                colour,
+                side: [0, 1],
+            }));
+        let points = joined(lines.iter().map(Vec::as_slice));
+        panel
+            .series
+            .push(Series::line(&name, Role::Kept(dash), colour, points));
+    }
+    if let Some((
+        Beside {
+            shown: Ok(frame), ..
+        },
+        kept,
+    )) = beside
+    {
+        let [u0, stress] = state.units_of(kept);
+        let at = vec![[frame.mean_displacement / u0, frame.stress / stress]];
+        let symbol = Series::symbols("", Symbol::Diamond, kept.look().0, at);
+        panel.series.push(symbol.filled());
+    }
 }
 
 /// The live loop, thin, with its jumps dashed.
@@ -480,105 +547,4 @@ fn sentence(state: &ViewState) -> String {
         });
     }
     words
-}
-
-/// Width of the card.
-const WIDTH: f32 = 216.0;
-
-/// The numbers of a stored state, on a card in an upper corner of `plot`.
-fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
-    let Some(selection) = &state.run.selection else {
-        return;
-    };
-    let s = &selection.state;
-    let palette = theme::palette(ui);
-    // In the corner that the curve of a loop leaves free, unless the state itself is there.
-    let ([left, bottom], [right, top]) = state.axes();
-    let there = s.mean_displacement / state.rho() > 0.5 * (left + right)
-        && s.stress_over_max > 0.45 * (bottom + top);
-    let x = if there {
-        plot.left() + 46.0
-    } else {
-        plot.right() - WIDTH - 6.0
-    };
-    let area = Area::new(Id::unique("inspected"))
-        .order(Order::Middle)
-        .fixed_pos(pos2(x, plot.top() + 6.0));
-    area.constrain(false).show(ui.ctx(), |ui| {
-        let fill = ui.visuals().window_fill.gamma_multiply(0.94);
-        Frame::popup(ui.style())
-            .fill(fill)
-            .inner_margin(6.0)
-            .show(ui, |ui| {
-                ui.set_width(WIDTH - 14.0);
-                ui.spacing_mut().item_spacing.y = 1.0;
-                ui.horizontal(|ui| {
-                    ui.label(RichText::new(format!("{} on {}", s.pattern, s.direction)).strong());
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if named(ui.small_button("✖"), "Close the card").clicked() {
-                            actions.push(Action::ClearSelection);
-                        }
-                    });
-                });
-                for line in numbers(state, s) {
-                    ui.label(RichText::new(line).small());
-                }
-                if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
-                    let words = format!(
-                        "{} → {} released {}",
-                        jump.from,
-                        jump.to,
-                        energy(state, jump.released_energy)
-                    );
-                    ui.label(RichText::new(words).small().color(palette.jump));
-                }
-                ui.vertical(|ui| {
-                    let kept = state.looked_at().is_some();
-                    let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
-                    let button = button.on_hover_text(
-                        "G: the surface is put back into this state; what came after it becomes \
-                         a grey line",
-                    );
-                    let gone = "its picture is no longer kept: memory is bounded";
-                    if button.on_disabled_hover_text(gone).clicked() {
-                        actions.push(Action::GoOn);
-                    }
-                    if ui.small_button("Walk to this u₀").clicked() {
-                        actions.push(Action::SetTarget(s.mean_displacement));
-                    }
-                    let copy = named(ui.small_button("Copy"), "Copy these numbers");
-                    if copy.clicked() {
-                        actions.push(Action::CopyText(numbers(state, s).join("\n")));
-                    }
-                });
-            });
-    });
-}
-
-/// The numbers, one a line.
-fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
-    let [length, stress] = units(&state.model);
-    let unit = state.model.unit(Dimension::SurfaceEnergy);
-    let gamma = state.model.law.surface_energy;
-    [
-        format!(
-            "u₀ {}",
-            length.say(s.mean_displacement / state.rho(), 5, "ρ")
-        ),
-        format!("stress {}", stress.say(s.stress_over_max, 5, "σₘₐₓ")),
-        format!(
-            "eigenvalue {:.3} ± {:.3} E*/L",
-            s.stiffness_min, s.stiffness_error
-        ),
-        format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
-        format!(
-            "contact {:.1} %, residual {:.0e}",
-            100.0 * s.contact_area,
-            s.residual
-        ),
-        format!(
-            "{}, {} iterations, {:.0} ms",
-            s.part, s.iterations, s.milliseconds
-        ),
-    ]
 }

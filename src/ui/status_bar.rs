@@ -37,7 +37,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
-        match &state.run.state {
+        let shown = state
+            .run
+            .shown
+            .as_ref()
+            .filter(|_| state.jumping().is_none());
+        let shown = shown.and_then(|frame| frame.state.as_ref());
+        match shown.or(state.run.state.as_ref()) {
             Some(now) => facts(ui, state, now),
             None => {
                 ui.label(RichText::new("waiting for the solver").weak());
@@ -55,7 +61,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let palette = theme::palette(ui);
-    let pattern = ui.label(RichText::new(now.pattern.word()).strong());
+    let word = state
+        .shown_word()
+        .map_or_else(String::new, |word| word.to_owned() + " ");
+    let pattern = ui.label(RichText::new(word + now.pattern.word()).strong());
     // Only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(pattern.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
@@ -65,8 +74,13 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         Some(frame) => {
             let u0 = frame.mean_displacement / state.rho();
             let unit = state.model.unit(Dimension::Length);
+            let what = if state.is_pressed() {
+                "pressed"
+            } else {
+                "jumping"
+            };
             (
-                format!("jumping at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
+                format!("{what} at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
                 palette.jump,
             )
         }

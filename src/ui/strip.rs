@@ -9,7 +9,6 @@ use super::theme;
 use super::view_state::{Stretch, ViewState, foreseen, stretches};
 use super::widgets::described;
 use crate::follow::record::{Direction, StateRecord};
-use crate::lessons::Hidden;
 use crate::plot::panel::Colour;
 use egui::{Align2, CursorIcon, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 
@@ -65,14 +64,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 
 /// What was walked, and what is foreseen.
 fn all(state: &ViewState) -> (Vec<Stretch>, Vec<Stretch>) {
-    let live = state.plots.live.as_ref();
-    // That of an edited scene comes a moment later.
-    let live = live.filter(|live| live.run == state.run.id && !state.hides(Hidden::Forecast));
-    let ahead = live.and_then(|live| live.state.found.as_ref().ok());
-    (
-        stretches(&state.run.record),
-        ahead.map_or_else(Vec::new, foreseen),
-    )
+    let ahead = state.live().map_or_else(Vec::new, foreseen);
+    (stretches(&state.run.record), ahead)
 }
 
 /// Both rows in letters.
@@ -225,7 +218,10 @@ impl Strip<'_> {
         }
         ahead.iter().find(here).map_or_else(
             || format!("{direction}, {place}: not walked yet"),
-            |stretch| format!("{} foreseen on {direction}, {place}", stretch.pattern),
+            |stretch| {
+                let pattern = stretch.pattern;
+                format!("{pattern} foreseen on {direction}, {place}: a click shows it")
+            },
         )
     }
 }

@@ -8,6 +8,7 @@ mod branches;
 mod equations;
 mod event_list;
 mod ground;
+mod kept;
 mod landscape;
 mod map;
 mod paper;
@@ -97,6 +98,7 @@ impl Default for Tabs {
         Self(vec![
             Box::<why::Why>::default(),
             Box::new(event_list::EventList),
+            Box::new(kept::KeptTab),
             Box::<stability::Stability>::default(),
             Box::<branches::Branches>::default(),
             Box::<landscape::LandscapeTab>::default(),

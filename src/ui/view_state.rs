@@ -1,17 +1,25 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
+mod beside;
 mod films;
+mod foresight;
 mod hint;
+mod kept;
 mod lesson;
 mod plots;
+mod push;
 mod run;
 mod session;
 mod stored;
 
+pub use beside::Beside;
 pub use films::Films;
+pub use foresight::Foresight;
 pub use hint::Hint;
+pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
-pub use plots::{Kept, LiveView, Plots};
+pub use plots::{LiveView, Plots};
+pub use push::Pushed;
 pub use run::{ClosedLoop, RunView, Selection};
 pub use session::{Extent, Saved};
 pub use stored::{Store, Stretch, foreseen, stretches};
@@ -66,6 +74,8 @@ pub struct ViewState {
     pub frame: Option<Arc<Frame>>,
     /// What the diagrams show beside the run.
     pub plots: Plots,
+    /// The scene beside this one.
+    pub beside: Option<Beside>,
     /// Somebody looks at what is made of the branches.
     pub wants_branches: bool,
     /// What is said in words.
@@ -141,6 +151,7 @@ impl ViewState {
             last_sweep: Sweep::Loop,
             run,
             frame: None,
+            beside: None,
             wants_branches: false,
             messages: Messages {
                 failure: None,
@@ -257,10 +268,12 @@ impl ViewState {
 
     /// What an undo brings back. The start of the drive is come to by itself.
     fn past(&self) -> Past {
+        let start = self.scene.drive.start;
+        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && s.record.control == start;
         let stored = self.run.store.newest();
         Past {
             scene: self.scene.clone(),
-            surface: stored.filter(|s| s.before != [0, 0]).cloned(),
+            surface: stored.filter(|s| !is_start(s)).cloned(),
         }
     }
 
@@ -268,6 +281,13 @@ impl ViewState {
         let Some(Past { scene, surface }) = past else {
             return;
         };
+        if let Some(surface) = surface
+            .as_ref()
+            .filter(|_| Arc::ptr_eq(&scene, &self.scene))
+        {
+            // Nothing but the surface has changed.
+            return self.resume(surface.clone());
+        }
         if self.set_scene((*scene).clone())
             && let Some(surface) = surface
         {
@@ -346,6 +366,8 @@ impl ViewState {
                     control: self.target,
                 },
                 Play::Sweep(sweep) => Command::Sweep { motion, sweep },
+                Play::Pressed(push) => Command::Press { motion, push },
+                Play::LetGo(push) => Command::LetGo { motion, push },
             });
         }
         if std::mem::replace(&mut told.paused, run.paused) != run.paused {
@@ -377,7 +399,9 @@ impl ViewState {
                 self.moved_to(frame.control);
                 self.frame = Some(frame);
                 (self.run.replayed, self.run.shown) = (None, None);
+                self.run.foresight = Foresight::default();
             }
+            Event::Pressed { energy } => self.take_pressed(energy),
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
                 self.hint_after_jump(&jump);
@@ -404,8 +428,11 @@ impl ViewState {
             }
             Event::Live(live) => self.take_live(run, live),
             Event::Remodelled(choice) => {
-                let why = choice.because.as_deref().unwrap_or("asked for");
-                self.messages.notice = Some(format!("now on the whole cell: {why}"));
+                // Under a hand that presses nothing may move; the bar says it all the same.
+                if !self.is_pressed() {
+                    let why = choice.because.as_deref().unwrap_or("asked for");
+                    self.messages.notice = Some(format!("now on the whole cell: {why}"));
+                }
                 if let Some(ready) = &mut self.run.ready {
                     Arc::make_mut(ready).choice = choice;
                 }
@@ -429,7 +456,7 @@ impl ViewState {
         );
         if self.run.record.states.len() >= STATES_MAX {
             self.run.record.states.drain(..STATES_MAX / 4);
-            self.run.forgotten += STATES_MAX / 4;
+            self.run.store.forgotten += STATES_MAX / 4;
             self.select_nothing();
         }
         self.run.record.states.push(state.clone());
@@ -517,6 +544,11 @@ impl History {
         let past = self.redo.pop()?;
         self.undo.push(present);
         Some(past)
+    }
+
+    /// The scene that an undo brings back.
+    pub fn before(&self) -> Option<&Arc<Scene>> {
+        self.undo.last().map(|past| &past.scene)
     }
 
     /// True if there is something to take back.

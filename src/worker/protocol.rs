@@ -3,6 +3,8 @@
 use super::job::{Computation, Compute, Job, Wake, Work};
 use crate::follow::ledger::Ledger;
 use crate::follow::record::{JumpRecord, LoopRecord, StateRecord};
+use crate::follow::walk::{Push, Walk};
+use crate::physics::system::Fields;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene};
 use crate::solver::equilibrium::Equilibrium;
@@ -33,7 +35,7 @@ pub enum Sweep {
 }
 
 /// What the surface is doing, or is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Play {
     /// Nothing.
     #[default]
@@ -42,6 +44,10 @@ pub enum Play {
     ToTarget,
     /// It walks by itself.
     Sweep(Sweep),
+    /// It is held pressed.
+    Pressed(Push),
+    /// It was let go, and comes to rest at the same control.
+    LetGo(Push),
 }
 
 /// How fast sweeps and jumps are shown.
@@ -123,6 +129,20 @@ pub enum Command {
         /// The state.
         from: Arc<Stored>,
     },
+    /// Hold the resting surface pressed; [`Event::Pressed`] says with how much energy.
+    Press {
+        /// Its number.
+        motion: Motion,
+        /// How.
+        push: Push,
+    },
+    /// Let the surface go that is, or were, pressed so.
+    LetGo {
+        /// Its number.
+        motion: Motion,
+        /// How.
+        push: Push,
+    },
     /// Hold or go on.
     Pause {
         /// True to hold.
@@ -187,7 +207,7 @@ impl Frame {
 pub struct Stored {
     /// Its record.
     pub record: StateRecord,
-    /// How many states and jumps of the path came before it.
+    /// How many states and jumps of the path came before it; none of one that was not walked to.
     pub before: [usize; 2],
     /// The part of the cell that was walked.
     pub part: Part,
@@ -198,6 +218,23 @@ pub struct Stored {
 }
 
 impl Stored {
+    /// Where a walk on this part of the cell stands, so many states and jumps `before` it.
+    pub fn of(walk: &Walk, part: Part, before: [usize; 2]) -> Self {
+        let here = walk.here();
+        Self {
+            record: walk.record().clone(),
+            before,
+            part,
+            surface: Equilibrium {
+                fields: Fields::default(),
+                soft_mode: here.soft_mode.clone(),
+                state: here.state.clone(),
+                ..*here
+            },
+            gap: walk.gap_here().mapv(|gap| gap as f32),
+        }
+    }
+
     /// Its picture.
     pub fn frame(&self) -> Frame {
         let StateRecord {
@@ -303,7 +340,7 @@ pub struct LoopSummary {
 }
 
 /// The newest live loop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LiveState {
     /// The loop, or why there is none.
     pub found: Result<LiveLoop, String>,
@@ -324,6 +361,11 @@ pub enum Event {
     Stored(Arc<Stored>),
     /// The newest picture; one that nobody took yet is replaced.
     Frame(Arc<Frame>),
+    /// The surface is held pressed.
+    Pressed {
+        /// Its energy per area less that of the state it stands on (E* times length).
+        energy: f64,
+    },
     /// A jump was completed.
     Jump(JumpRecord),
     /// How the jump before was seen, once the surface stands on the state after it.

@@ -10,12 +10,10 @@ use super::setup::Setup;
 use super::system::Instant;
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::follow::run::Itinerary;
-use crate::follow::walk::{Observed, Progress, Walk, Widened};
+use crate::follow::walk::{Observed, Progress, Push, Stuck, Walk, Widened};
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
-use crate::physics::system::Fields;
 use crate::scene::part::Part;
-use crate::solver::equilibrium::Equilibrium;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -61,7 +59,7 @@ impl Session {
 
     /// True while there is somewhere to walk to and nobody holds it.
     fn is_walking(&self) -> bool {
-        self.play != Play::Rest && !self.paused
+        !matches!(self.play, Play::Rest | Play::Pressed(_)) && !self.paused
     }
 
     /// How long the thread may sleep: `None` until a command comes, zero if there is work now.
@@ -88,6 +86,8 @@ impl Session {
             Command::SetTarget { motion, .. }
             | Command::Sweep { motion, .. }
             | Command::GoOn { motion, .. }
+            | Command::Press { motion, .. }
+            | Command::LetGo { motion, .. }
             | Command::Stop { motion } => *motion,
             _ => self.motion,
         };
@@ -109,6 +109,17 @@ impl Session {
             Command::SetTarget { control, .. } => self.go(Play::ToTarget, control),
             Command::Sweep { sweep, .. } => self.start_sweep(sweep, cancel, sink),
             Command::GoOn { from, .. } => self.go_on(&from, sink),
+            Command::Press { push, .. } => {
+                self.press(push, cancel, sink);
+            }
+            Command::LetGo { push, .. } => {
+                if self.press(push, cancel, sink)
+                    && let Some(walk) = &mut self.walk
+                {
+                    walk.let_go(&push);
+                    (self.play, self.not_before) = (Play::LetGo(push), None);
+                }
+            }
             Command::Pause { paused } => self.paused = paused,
             Command::Stop { .. } => self.rest(sink),
             Command::SetSpeed { speed } => self.speed = speed,
@@ -213,19 +224,8 @@ impl Session {
 
     /// Where a walk stands, to be kept.
     fn stored(&self, walk: &Walk, before: [usize; 2]) -> Arc<Stored> {
-        let here = walk.here();
-        Arc::new(Stored {
-            record: walk.record().clone(),
-            before,
-            part: self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part),
-            surface: Equilibrium {
-                fields: Fields::default(),
-                soft_mode: here.soft_mode.clone(),
-                state: here.state.clone(),
-                ..*here
-            },
-            gap: walk.gap_here().mapv(|gap| gap as f32),
-        })
+        let part = self.setup.as_ref().map_or(Part::Whole, |s| s.choice.part);
+        Arc::new(Stored::of(walk, part, before))
     }
 
     /// Takes a stored state as the present one. Of the path stays what led to it, if it is of this
@@ -279,6 +279,58 @@ impl Session {
             self.close_loop(Some(&closed), Instant::now(), sink);
         }
         self.rest(sink);
+        true
+    }
+
+    /// Holds the resting surface pressed, on the whole cell: a push has no symmetry. False where it
+    /// cannot be: then it rests.
+    fn press(&mut self, push: Push, cancel: &Cancel, sink: &mut dyn FnMut(Event)) -> bool {
+        let rests = matches!(self.play, Play::Rest | Play::Pressed(_));
+        let (Some(setup), Some(walk)) = (&mut self.setup, &mut self.walk) else {
+            return false;
+        };
+        if !rests || walk.is_jumping() {
+            self.rest(sink);
+            return false;
+        }
+        if walk.system().is_even() {
+            let spent = walk.counts().transforms;
+            let part = setup.choice.part;
+            match setup.widen(walk, &Stuck::Pushed, cancel) {
+                Some(widened) if widened.stays => {
+                    sink(Event::Remodelled(setup.choice.clone()));
+                    self.go_on_with(widened, spent, sink);
+                }
+                _ => {
+                    setup.choice.part = part;
+                    sink(Event::Failed(Failure {
+                        message:
+                            "This state is one of a part of the cell alone, and a push has no \
+                            symmetry."
+                                .into(),
+                        remedy: "Choose the whole cell under Advanced, walk here, and push then."
+                            .into(),
+                    }));
+                    self.rest(sink);
+                    return false;
+                }
+            }
+        }
+        let Some(walk) = &mut self.walk else {
+            return false;
+        };
+        let pressed = walk.pressed(&push);
+        let energy = pressed.state.energy - walk.here().state.energy;
+        sink(Event::Pressed { energy });
+        sink(Event::Frame(Arc::new(Frame {
+            relaxing: true,
+            ..Frame::of_a_branch(
+                pressed.state.control,
+                [pressed.state.mean_displacement, pressed.state.stress],
+                Arc::new(walk.system().unfolded(&pressed.fields.gap)),
+            )
+        })));
+        self.play = Play::Pressed(push);
         true
     }
 
@@ -493,8 +545,12 @@ impl Session {
     }
 
     fn rest(&mut self, sink: &mut dyn FnMut(Event)) {
-        self.play = Play::Rest;
+        let before = std::mem::take(&mut self.play);
         if let Some(walk) = &mut self.walk {
+            // What is no longer pressed is seen as it stands.
+            if matches!(before, Play::Pressed(_) | Play::LetGo(_)) && !walk.is_jumping() {
+                show_rest(walk, &mut self.recorder, sink);
+            }
             let control = walk.surface().control;
             walk.set_target(control);
             sink(Event::Rest {

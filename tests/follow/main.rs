@@ -13,5 +13,6 @@ mod layer;
 mod ledger;
 #[path = "../shared/loops.rs"]
 mod loops;
+mod push;
 mod uneven;
 mod walk;

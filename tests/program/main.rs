@@ -5,6 +5,7 @@ mod binary;
 mod command_line;
 mod data;
 mod files;
+mod film;
 mod floors;
 mod height_formats;
 mod heights;

@@ -2,15 +2,21 @@
 //! walk has got there.
 
 use crate::loops::{preset, walked};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tackscope::follow::record::Direction;
+use tackscope::follow::record::{Direction, JumpRecord, StateRecord};
 use tackscope::follow::walk::{Progress, Walk};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Points, Range, Scene, Turn};
+use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::study::live_loop::{Fineness, LiveLoop, LiveLoops};
+use tackscope::study::live_loop::{Fineness, LiveLoop, LiveLoops, Spot};
+use tackscope::worker;
+use tackscope::worker::foreseen::Wanted;
+use tackscope::worker::job::Job;
+use tackscope::worker::protocol::{LiveState, Stored};
 
 fn fig2() -> Scene {
     preset("fig2")
@@ -251,4 +257,94 @@ fn under_a_load_the_live_loop_is_flat_both_ways() {
         (pull_off.control / largest - 1.0).abs() < 1e-6,
         "{pull_off:?}"
     );
+}
+
+/// The state that a live loop foresees at a place, or why there is none.
+fn foreseen(scene: &Scene, live: &LiveLoop, part: Part, spot: Spot) -> Result<Arc<Stored>, String> {
+    let state = LiveState {
+        found: Ok(live.clone()),
+        fineness: Fineness::Fine,
+        milliseconds: 0.0,
+    };
+    let wanted = Wanted {
+        scene: Arc::new(scene.clone()),
+        part,
+        live: Arc::new(state),
+        spot,
+    };
+    let (mut job, report) = Job::new(Arc::new(|| {}));
+    let found = worker::foreseen::foreseen(&wanted, &report);
+    job.poll();
+    found.map(|()| job.so_far.take().expect("a state"))
+}
+
+/// Every tenth walked state away from the jumps is foreseen where the walk met it.
+fn is_met(scene: &Scene, part: Part) {
+    let run = walked(scene, part);
+    let (live, law) = (live(scene, Fineness::Fine), scene.model().unwrap().law);
+    let mut compared = 0;
+    for state in run.record.states.iter().step_by(10) {
+        let near = |jump: &JumpRecord| (jump.control - state.control).abs() < 0.02;
+        if run.record.jumps.iter().any(near) {
+            continue;
+        }
+        let spot = live.spot(state.direction, state.control).expect("a place");
+        let found = foreseen(scene, &live, part, spot).expect("a state");
+        let StateRecord {
+            stop,
+            pattern,
+            direction,
+            control,
+            residual,
+            stiffness_min,
+            ..
+        } = found.record;
+        assert_eq!(
+            (stop, pattern, direction, control),
+            (Stop::Stable, state.pattern, state.direction, state.control)
+        );
+        assert!(residual <= 1e-6 && stiffness_min > 0.0, "{state:?}");
+        let stress = (found.record.stress - state.stress).abs() / law.traction_max();
+        let energy = (found.record.energy - state.energy).abs() / law.surface_energy;
+        // Residuals of a millionth, over a stiffness that vanishes at the ends of the branches.
+        assert!(
+            stress < 1e-4 && energy < 1e-8,
+            "{stress} {energy} at {state:?}"
+        );
+        compared += 1;
+    }
+    assert!(compared >= 20, "{compared}");
+}
+
+#[test]
+fn a_foreseen_state_is_the_one_that_the_walk_meets_there() {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(48);
+    // Between mesh points, as on the quarter, or on them, as here: each has an energy of its own.
+    for part in [Part::Quarter, Part::Whole] {
+        is_met(&scene, part);
+    }
+}
+
+#[test]
+fn a_foreseen_state_under_a_spring_is_the_one_that_the_walk_meets_there() {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(48);
+    scene.drive.control = Control::Spring { stiffness: 0.2 };
+    is_met(&scene, Part::Quarter);
+}
+
+#[test]
+fn the_place_nearest_to_a_point_of_the_curve_is_that_of_the_point() {
+    let live = live(&fig2(), Fineness::Coarse);
+    for (leg, piece) in live.legs.iter().enumerate() {
+        let samples = live.samples_of(piece);
+        let sample = samples[samples.len() / 2];
+        let at = [sample.mean_displacement, sample.stress];
+        let (off, spot) = live.nearest(at, [0.1, 0.01]).expect("a place");
+        assert!(
+            off < 1e-9 && (spot.control - sample.control).abs() < 1e-9,
+            "{leg}: {spot:?}"
+        );
+    }
 }

@@ -25,7 +25,7 @@ fn computed((scene, diagram, state, _): &Asked) -> Landscape {
 }
 
 /// The window at rest at u0 = 3.5 with the landscape of that state.
-fn opened() -> (Bench, Landscape) {
+pub fn opened() -> (Bench, Landscape) {
     let mut bench = Bench::new();
     bench.reach(3.5, Direction::Approach);
     bench.click("Landscape tab");

@@ -7,7 +7,10 @@ mod bench;
 mod branches;
 mod commands;
 mod dialogs;
+mod film;
+mod foreseen;
 mod ground;
+mod kept;
 mod landscape;
 mod lessons;
 mod limits;
@@ -15,6 +18,7 @@ mod live;
 mod machine;
 mod model;
 mod paper;
+mod push;
 mod select;
 mod session;
 mod stepped;
@@ -633,24 +637,6 @@ fn the_axes_do_not_move_while_data_arrive_until_fit_is_pressed() {
     assert_ne!(bench.state().axes(), axes);
     bench.click("Scene axes");
     assert_eq!(bench.state().axes(), axes);
-}
-
-#[test]
-fn a_kept_loop_stays_while_the_law_changes_until_it_is_let_go() {
-    let mut bench = Bench::new();
-    bench.press(Modifiers::NONE, Key::L);
-    assert!(bench.state().plots.kept.is_none() && bench.names().contains("no loop to keep"));
-    for u0 in [4.0, 3.9, 3.8] {
-        bench.reach(u0, Direction::Approach);
-    }
-    let drawn: Vec<[f64; 2]> = bench.state().run.curve.points().collect();
-    bench.press(Modifiers::NONE, Key::L);
-    bench.click("law cosine");
-    assert!(bench.state().run.curve.points().next().is_none());
-    let kept = bench.state().plots.kept.clone().expect("it is kept");
-    assert_eq!((kept.lines.concat(), kept.title), (drawn, fig2().title));
-    bench.press(Modifiers::NONE, Key::L);
-    assert!(bench.state().plots.kept.is_none());
 }
 
 #[test]

@@ -12,7 +12,7 @@ use tackscope::scene::Points;
 use tackscope::storage::session::{self, Session};
 use tackscope::storage::{self, Opened, files};
 use tackscope::ui::App;
-use tackscope::ui::view_state::{Extent, Saved};
+use tackscope::ui::view_state::{Extent, Saved, ViewState};
 
 /// Draws until no file is being read or written any more.
 fn wait(window: &mut Harness<'static, App>) {
@@ -77,6 +77,8 @@ fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mine.tackscope");
     let (mut window, _) = looped();
+    window.key_press(Key::L);
+    window.run();
     save(&mut window, &path);
     assert!(path.exists(), "{:?}", window.state().state().messages);
     let mut again = elsewhere();
@@ -104,6 +106,12 @@ fn a_session_opens_again_with_its_path_its_states_its_films_and_its_loss() {
             "{jump}: {films:?}"
         );
     }
+    let kept = |state: &ViewState| {
+        let list = state.plots.kept.list.iter();
+        let list = list.map(|kept| (kept.name.clone(), kept.lines.clone(), kept.loss));
+        list.collect::<Vec<_>>()
+    };
+    assert_eq!((kept(before).len(), kept(after)), (1, kept(before)));
     // Every stored state, from the last back to the first.
     for _ in 0..before.run.record.states.len() {
         for window in [&mut window, &mut again] {

@@ -4,18 +4,21 @@ use super::bench::fig2;
 use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use std::any::Any;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::scene::{Points, Scene};
+use tackscope::study::live_loop::{Fineness, LiveLoop};
 use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::SolverHandle;
-use tackscope::worker::job::{Wake, Work};
-use tackscope::worker::protocol::{Command, Envelope, Event};
+use tackscope::worker::foreseen::Wanted;
+use tackscope::worker::job::{Computation, Wake, Work};
+use tackscope::worker::protocol::{Command, Envelope, Event, LiveState, RunId, Stored};
 use tackscope::worker::session::Session;
 
 /// Steps of the session in a frame.
@@ -25,11 +28,32 @@ const STEPS: usize = 20;
 struct Stepped {
     session: RefCell<Session>,
     said: RefCell<Vec<Envelope<Event>>>,
+    /// Whether it foretells loops.
+    foretells: bool,
+}
+
+impl Stepped {
+    /// The live loop of a scene.
+    fn foretell(&self, run: RunId, scene: &Scene) {
+        let found = LiveLoop::of(scene, &scene.model().expect("allowed"), Fineness::Fine);
+        let live = LiveState {
+            found: found.map_err(|why| why.to_string()),
+            fineness: Fineness::Fine,
+            milliseconds: 1.0,
+        };
+        let message = Event::Live(Arc::new(live));
+        self.said.borrow_mut().push(Envelope { run, message });
+    }
 }
 
 impl SolverHandle for Stepped {
     fn send(&self, command: Envelope<Command>) {
         let run = command.run;
+        if let Command::SetScene { scene, .. } = &command.message
+            && self.foretells
+        {
+            self.foretell(run, scene);
+        }
         let mut said = self.said.borrow_mut();
         self.session
             .borrow_mut()
@@ -57,16 +81,35 @@ impl SolverHandle for Stepped {
         Arc::new(|| {})
     }
 
-    fn begin(&self, _: Box<dyn Work>) {}
+    /// Only what is found of live loops.
+    fn begin(&self, work: Box<dyn Work>) {
+        let any = &*work as &dyn Any;
+        if any.is::<Computation<Wanted, Arc<Stored>>>()
+            || any.is::<Computation<Arc<Scene>, Arc<LiveState>>>()
+        {
+            work.run();
+        }
+    }
 }
 
 /// The window on a scene, with a session that is stepped in the frame.
 pub fn opened(scene: Scene) -> Harness<'static, App> {
-    let app = App::with_chooser(
-        Stepped::default(),
-        ViewState::new(scene).expect("allowed"),
-        |_| Box::pin(std::future::ready(None::<PathBuf>)),
-    );
+    of(Stepped::default(), scene)
+}
+
+/// The same beside a live loop.
+pub fn foretold(scene: Scene) -> Harness<'static, App> {
+    let solver = Stepped {
+        foretells: true,
+        ..Stepped::default()
+    };
+    of(solver, scene)
+}
+
+fn of(solver: Stepped, scene: Scene) -> Harness<'static, App> {
+    let app = App::with_chooser(solver, ViewState::new(scene).expect("allowed"), |_| {
+        Box::pin(std::future::ready(None::<PathBuf>))
+    });
     let mut window = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .with_context_setup(theme::install)

@@ -54,7 +54,7 @@ pub fn apart(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     off / largest
 }
 
-fn press_at(window: &mut Harness<'static, App>, at: Pos2) {
+pub fn press_at(window: &mut Harness<'static, App>, at: Pos2) {
     window.hover_at(at);
     window.step();
     window.drag_at(at);
@@ -64,7 +64,7 @@ fn press_at(window: &mut Harness<'static, App>, at: Pos2) {
 }
 
 /// The accessible name and the place of the strip.
-fn strip(window: &Harness<'static, App>) -> (String, egui::Rect) {
+pub fn strip(window: &Harness<'static, App>) -> (String, egui::Rect) {
     let node = window.get_by_label_contains("Patterns walked:");
     let name = node.accesskit_node().label().expect("a name").clone();
     (name, node.rect())
@@ -126,7 +126,10 @@ fn every_state_that_was_seen_is_shown_again_as_it_was() {
         }
     }
     assert!(compared >= 10, "{compared}");
-    assert_eq!(run(&window).selection.as_ref().map(|s| s.index), Some(0));
+    assert_eq!(
+        run(&window).selection.as_ref().and_then(|s| s.index),
+        Some(0)
+    );
 }
 
 #[test]
@@ -184,7 +187,7 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     assert!(apart(&gap, &shown(&window)) < 1e-6);
     assert_eq!(
         after.record.states[..],
-        before.states[..=chosen.index],
+        before.states[..=chosen.index.expect("walked")],
         "the way to it stays"
     );
     assert_eq!(after.record.jumps[..], before.jumps[..2]);

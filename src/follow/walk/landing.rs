@@ -337,6 +337,11 @@ impl Walk {
         landed: Equilibrium,
         observe: &mut dyn FnMut(Observed),
     ) -> Progress {
+        if jumping.cause == Cause::Push {
+            self.spent.counts.iterations += landed.cost.iterations;
+            self.land_pushed(landed, observe);
+            return Progress::Working;
+        }
         let law = self.model.law;
         let control = landed.state.control;
         let released = (jumping.energy_before - landed.state.energy) / law.surface_energy;

@@ -36,6 +36,9 @@ pub enum Stuck {
     /// On a part of the cell: a mode that the part does not hold.
     #[error("a mode that is not mirror-symmetric goes soft here: this scene needs the whole cell")]
     LeavesSymmetry,
+    /// On a part of the cell: a push, which may be pressed in anywhere.
+    #[error("a push has no symmetry: it needs the whole cell")]
+    Pushed,
     /// The numbers of a method stopped being finite.
     #[error("NaN: {why} ({method} at u0 = {mean_displacement:.6})")]
     Diverged {
@@ -101,6 +104,7 @@ impl Stuck {
     pub fn what(&self) -> String {
         match self {
             Stuck::LeavesSymmetry => "a mode that is not mirror-symmetric goes soft".to_owned(),
+            Stuck::Pushed => "a push has no symmetry".to_owned(),
             Stuck::Diverged { why, .. } => format!("NaN: {why}"),
             Stuck::EnergyGained { .. } => "energy gained".to_owned(),
             Stuck::NoWayDown { .. } => "the release found no way down".to_owned(),

@@ -141,9 +141,9 @@ impl Walk {
     /// Goes over to the whole cell, where a part proved too small: from where it stands, or, if
     /// that is not near an equilibrium of the whole cell (a tip's apex lies on a point there and
     /// between points here), from the start of the drive. A jump under way begins anew from the
-    /// state before it. `None` unless it is `because` a mode left the symmetry of the part.
+    /// state before it. `None` unless it is `because` a mode, or a push, leaves the symmetry of the part.
     pub fn widen(&mut self, because: &Stuck, scene: &Scene, cancel: &Cancel) -> Option<Widened> {
-        if *because != Stuck::LeavesSymmetry {
+        if !matches!(because, Stuck::LeavesSymmetry | Stuck::Pushed) {
             return None;
         }
         let options = WalkOptions {

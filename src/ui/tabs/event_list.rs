@@ -37,6 +37,10 @@ fn why(cause: Cause) -> &'static str {
             "The pattern was another one at the next u₀. This method does not ask where and why it \
              changed."
         }
+        Cause::Push => {
+            "Nothing gave way by itself: the surface was pressed by hand, and came to rest in \
+             another state."
+        }
     }
 }
 

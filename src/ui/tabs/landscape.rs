@@ -141,6 +141,8 @@ impl Tab for LandscapeTab {
                 self.missing = Some(why);
             }
             if let Some(found) = job.so_far.take() {
+                let lowest = found.passes.first();
+                state.plots.barrier = lowest.map(|pass| (*of, pass.barrier()));
                 self.extent = self.extent.with(&found, &state.model.law);
                 (self.shown, self.told) = (Some(found), true);
                 self.fall.take_if(|fall| fall.is_down && fall.from != *of);

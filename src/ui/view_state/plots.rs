@@ -1,7 +1,7 @@
-//! What the diagrams show beside the present run, and their axes: the live loop, earlier loops, the
-//! one that is kept, theory.
+//! What the diagrams show beside the present run, and their axes: the live loop, earlier loops,
+//! those that are kept, theory.
 
-use super::ViewState;
+use super::{KeptLoops, ViewState};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::Direction;
 use crate::paper::overlay::ZeroRange;
@@ -12,6 +12,7 @@ use crate::plot::panel::Series;
 use crate::plot::scale;
 use crate::scene::Model;
 use crate::scene::window;
+use crate::study::landscape::Standing;
 use crate::study::live_loop::Sample;
 use crate::worker::protocol::{LiveState, RunId};
 use std::collections::VecDeque;
@@ -29,8 +30,8 @@ pub struct Plots {
     pub live: Option<LiveView>,
     /// Curves of earlier loops.
     pub ghosts: VecDeque<Curve>,
-    /// The loop that is kept to compare with.
-    pub kept: Option<Kept>,
+    /// The loops that are kept to compare with.
+    pub kept: KeptLoops,
     /// The flat state's curve.
     pub flat_state: Vec<Series>,
     /// Axes fitted to the data instead of the scene: (lower left, upper right).
@@ -41,6 +42,8 @@ pub struct Plots {
     pub preview: Option<Series>,
     /// The branches of this very scene.
     pub branches: Option<Arc<Diagram>>,
+    /// The lowest barrier that is known, per area (E* times length), and of which state.
+    pub barrier: Option<(Standing, f64)>,
     /// Where the next jump is guessed to be (ranges), in a lecture.
     pub guesses: Vec<f64>,
     /// Theory is laid over the live plot, once it is known.
@@ -55,12 +58,13 @@ impl Plots {
         Self {
             live: None,
             ghosts: VecDeque::new(),
-            kept: None,
+            kept: KeptLoops::default(),
             flat_state,
             fit: None,
             beneath: Vec::new(),
             preview: None,
             branches: None,
+            barrier: None,
             guesses: Vec::new(),
             overlay: false,
             theory: None,
@@ -84,18 +88,8 @@ impl Plots {
     }
 }
 
-/// The loop that stays on the plot, to compare others with: another law, another mesh, another
-/// cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
-    /// Title of its scene.
-    pub title: String,
-    /// Its pieces in (u0/rho, stress/sigma_max), each by its own law.
-    pub lines: Vec<Vec<[f64; 2]>>,
-}
-
 /// What is drawn of the live loop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LiveView {
     /// The run it was computed for.
     pub run: RunId,
@@ -164,8 +158,8 @@ impl ViewState {
         let kept = self
             .plots
             .kept
-            .iter()
-            .flat_map(|kept| kept.lines.iter().flatten().copied());
+            .drawn()
+            .flat_map(|kept| self.lines_of(kept).into_iter().flatten());
         let points: Vec<[f64; 2]> = self
             .run
             .curve
@@ -209,38 +203,6 @@ impl ViewState {
                 .pieces
                 .iter()
                 .any(|piece| piece.points.first().is_some_and(|&p| out(p)))
-    }
-
-    /// Keeps the live loop, or else the walked curve, whatever the scene becomes; or lets go of
-    /// what is kept.
-    pub fn toggle_kept(&mut self) {
-        if self.plots.kept.take().is_some() {
-            return;
-        }
-        let live = self
-            .plots
-            .live
-            .iter()
-            .flat_map(|live| live.pieces.iter().map(|(_, points)| points));
-        let mut lines: Vec<_> = live.cloned().collect();
-        if lines.is_empty() {
-            lines = self
-                .run
-                .curve
-                .pieces
-                .iter()
-                .map(|piece| piece.points.clone())
-                .collect();
-        }
-        self.messages.notice = Some(if lines.is_empty() {
-            "no loop to keep yet: play one first".to_owned()
-        } else {
-            self.plots.kept = Some(Kept {
-                title: self.scene.title.clone(),
-                lines,
-            });
-            "this loop stays on the plot (L lets go of it)".to_owned()
-        });
     }
 
     /// Theory in the units of the live plot: name, and (u0/rho, stress/sigma_max).

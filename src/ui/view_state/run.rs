@@ -1,11 +1,13 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
-use super::{Films, Store, ViewState};
+use super::foresight::UPON;
+use super::{Films, Foresight, Pushed, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
 use crate::plot::panel::Area;
 use crate::scene::Scene;
+use crate::ui::action::Pick;
 use crate::worker::protocol::{Frame, LoopSummary, Motion, Play, Ready, RunId, Stored, Sweep};
 use std::sync::Arc;
 
@@ -50,8 +52,10 @@ pub struct RunView {
     pub store: Store,
     /// The picture of the stored state somebody looks at, until the surface moves.
     pub shown: Option<Arc<Frame>>,
-    /// How many of the oldest states `record` no longer has.
-    pub(super) forgotten: usize,
+    /// The last push, until the surface is driven on.
+    pub push: Option<Pushed>,
+    /// The search for states that nobody walked to.
+    pub foresight: Foresight,
     /// The stored state that is to be the present one; the solver is told at the end of the frame.
     pub(super) from: Option<Arc<Stored>>,
 }
@@ -68,8 +72,8 @@ pub struct ClosedLoop {
 /// A stored state that somebody looks at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Its index in the record.
-    pub index: usize,
+    /// Its index in the record; `None` of one that the live loop foresees.
+    pub index: Option<usize>,
     /// The stored state.
     pub state: StateRecord,
     /// Index of the jump that led to it or away from it.
@@ -98,7 +102,8 @@ impl RunView {
             replayed: None,
             store: Store::default(),
             shown: None,
-            forgotten: 0,
+            push: None,
+            foresight: Foresight::default(),
             from: None,
         };
         if target != start {
@@ -122,7 +127,10 @@ impl RunView {
     }
 
     /// Asks for another motion; the solver is told at the end of the frame.
-    fn set(&mut self, play: Play) {
+    pub(super) fn set(&mut self, play: Play) {
+        if matches!(play, Play::ToTarget | Play::Sweep(_)) {
+            self.push = None;
+        }
         self.play = play;
         self.paused = false;
         self.motion += 1;
@@ -210,25 +218,33 @@ impl ViewState {
 
 /// Which stored state is looked at.
 impl ViewState {
-    /// Selects the recorded state nearest to (u0/rho, stress/sigma_max), if one is within `reach`
-    /// along each axis; else none.
-    pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2]) {
+    /// Looks at the state that is drawn nearest to (u0/rho, stress/sigma_max), walked or foreseen:
+    /// `reach` along each axis is as far as a click may miss it.
+    pub fn select_near(&mut self, at: [f64; 2], reach: [f64; 2], pick: Pick) {
         let rho = self.rho();
         let distance = |s: &StateRecord| {
             ((s.mean_displacement / rho - at[0]) / reach[0])
                 .hypot((s.stress_over_max - at[1]) / reach[1])
         };
-        let nearest = self
-            .run
-            .record
-            .states
-            .iter()
-            .enumerate()
+        let states = self.run.record.states.iter().enumerate();
+        let walked = states
             .map(|(index, s)| (distance(s), index))
-            .filter(|(d, _)| *d <= 1.0);
-        match nearest.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, index)) => self.select(index),
-            None => self.select_nothing(),
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let foreseen = self.nearest_ahead(at, reach);
+        let present = self.run.selection.as_ref().map(|selection| selection.index);
+        let is_ahead = match (walked, foreseen) {
+            (Some((off, _)), Some(ahead)) => match (pick, present) {
+                (Pick::Along, Some(index)) => index.is_none(),
+                // What was walked lies upon what is foreseen.
+                _ => ahead.off + UPON < off,
+            },
+            (walked, _) => walked.is_none(),
+        };
+        let near = |off: f64| pick != Pick::Click || off <= 1.0;
+        match (walked, foreseen) {
+            (_, Some(ahead)) if is_ahead && near(ahead.off) => self.foresee(ahead.kept, ahead.spot),
+            (Some((off, index)), _) if !is_ahead && near(off) => self.select(index),
+            _ => self.select_nothing(),
         }
     }
 
@@ -238,13 +254,19 @@ impl ViewState {
             return;
         };
         let jump = self.jump_at(&state);
-        self.run.selection = Some(Selection { index, state, jump });
+        self.run.foresight = Foresight::default();
+        self.run.selection = Some(Selection {
+            index: Some(index),
+            state,
+            jump,
+        });
         self.run.shown = self.looked_at().map(|stored| Arc::new(stored.frame()));
     }
 
     /// Looks at the present state.
     pub fn select_nothing(&mut self) {
         (self.run.selection, self.run.shown) = (None, None);
+        self.run.foresight = Foresight::default();
     }
 
     /// Selects the state after a jump.

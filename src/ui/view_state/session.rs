@@ -1,6 +1,7 @@
 //! What a session file keeps of the window beside the scene, and how it is taken up again.
 
-use super::{Curve, Films, Store, ViewState};
+use super::kept::SavedLoop;
+use super::{Curve, Films, KeptLoops, Store, ViewState};
 use crate::follow::record::LoopRecord;
 use crate::plot::curve::eigenvalue_scale;
 use crate::scene::Scene;
@@ -21,6 +22,7 @@ pub struct Saved {
     states: Vec<Arc<Stored>>,
     /// With the index of their jump.
     films: Vec<(usize, Arc<Film>)>,
+    kept: Vec<SavedLoop>,
 }
 
 /// How much of a run is saved.
@@ -70,8 +72,8 @@ impl ViewState {
     pub fn session(&self, extent: Extent) -> Session<Saved> {
         let run = &self.run;
         let renumbered = |stored: &Arc<Stored>| {
-            let place = stored.before[0].checked_sub(run.forgotten)?;
-            if run.forgotten == 0 {
+            let place = stored.before[0].checked_sub(run.store.forgotten)?;
+            if run.store.forgotten == 0 {
                 return Some(stored.clone());
             }
             let mut stored = Stored::clone(stored);
@@ -92,6 +94,7 @@ impl ViewState {
                 record: run.record.clone(),
                 states: states.into_iter().filter_map(renumbered).collect(),
                 films,
+                kept: self.plots.kept.saved(),
             },
         }
     }
@@ -115,9 +118,11 @@ impl ViewState {
             mut record,
             mut states,
             films,
+            kept,
         } = window;
         (self.method, self.asked, self.notes) = (method, asked, notes);
         self.open_scene(scene);
+        self.plots.kept = KeptLoops::new(kept);
         let Some(here) = states.pop() else {
             return Ok(());
         };

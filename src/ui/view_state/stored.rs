@@ -1,7 +1,7 @@
 //! The stored states of the path: looked at, scrubbed through, gone on from; and the path as a
 //! strip of patterns.
 
-use super::{Curve, Films, ViewState};
+use super::{Curve, Films, Foresight, ViewState};
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::eigenvalue_scale;
@@ -18,6 +18,8 @@ const BYTES_MAX: usize = 1 << 28;
 pub struct Store {
     kept: VecDeque<(usize, Arc<Stored>)>,
     bytes: usize,
+    /// How many of the oldest states of the path the record no longer has.
+    pub(super) forgotten: usize,
 }
 
 impl Store {
@@ -28,13 +30,9 @@ impl Store {
         store
     }
 
-    /// All that are kept, in order.
-    pub(super) fn all(&self) -> impl Iterator<Item = &Arc<Stored>> {
-        self.kept.iter().map(|(_, stored)| stored)
-    }
-
-    /// That of the state at this place of the path, if it is kept.
-    pub fn at(&self, place: usize) -> Option<&Arc<Stored>> {
+    /// That of the state of this index in the record, if it is kept.
+    pub fn at(&self, index: usize) -> Option<&Arc<Stored>> {
+        let place = index + self.forgotten;
         let found = self.kept.binary_search_by_key(&place, |(place, _)| *place);
         found.ok().map(|index| &self.kept[index].1)
     }
@@ -42,6 +40,11 @@ impl Store {
     /// The newest.
     pub fn newest(&self) -> Option<&Arc<Stored>> {
         self.kept.back().map(|(_, stored)| stored)
+    }
+
+    /// All of them, in order.
+    pub fn all(&self) -> impl Iterator<Item = &Arc<Stored>> {
+        self.kept.iter().map(|(_, stored)| stored)
     }
 
     /// Keeps one more.
@@ -128,8 +131,12 @@ pub fn foreseen(live: &LiveLoop) -> Vec<Stretch> {
 }
 
 impl ViewState {
-    /// Looks at the newest state of this direction whose control is nearest to a value.
+    /// Looks at the newest state of this direction whose control is nearest to a value; where nothing
+    /// was walked, at the one that is foreseen there.
     pub fn select_on(&mut self, direction: Direction, control: f64) {
+        if let Some(spot) = self.spot_ahead(direction, control) {
+            return self.foresee(None, spot);
+        }
         let states = self.run.record.states.iter().enumerate().rev();
         let off = |state: &StateRecord| (state.control - control).abs();
         let nearest = states
@@ -145,14 +152,27 @@ impl ViewState {
         let Some(last) = self.run.record.states.len().checked_sub(1) else {
             return;
         };
-        let present = self.run.selection.as_ref().map(|s| s.index);
+        let present = self.run.selection.as_ref().and_then(|s| s.index);
         self.select(present.map_or(last, |i| i.saturating_add_signed(by).min(last)));
     }
 
-    /// The stored state somebody looks at, if its picture is kept.
+    /// The stored or foreseen state somebody looks at, if its picture is kept.
     pub fn looked_at(&self) -> Option<&Arc<Stored>> {
-        let place = self.run.selection.as_ref()?.index + self.run.forgotten;
-        self.run.store.at(place)
+        match self.run.selection.as_ref()?.index {
+            Some(index) => self.run.store.at(index),
+            None => self.run.foresight.found.as_ref(),
+        }
+    }
+
+    /// What the map shows in place of the present state, in a word.
+    pub fn shown_word(&self) -> Option<&'static str> {
+        let run = &self.run;
+        match &run.selection {
+            _ if run.replayed.is_some() => Some("replay"),
+            _ if run.shown.is_none() => None,
+            Some(selection) if selection.index.is_none() => Some("foreseen"),
+            _ => Some("stored"),
+        }
     }
 
     /// Takes the state somebody looks at as the present one.
@@ -173,7 +193,8 @@ impl ViewState {
     pub(super) fn cut(&mut self, states: usize, jumps: usize) {
         let run = &mut self.run;
         (run.selection, run.shown, run.replayed, run.closed_loop) = (None, None, None, None);
-        let left = states.saturating_sub(run.forgotten);
+        run.foresight = Foresight::default();
+        let left = states.saturating_sub(run.store.forgotten);
         if left < run.record.states.len() {
             self.plots.add_ghost(std::mem::take(&mut run.curve));
         }
@@ -189,7 +210,7 @@ impl ViewState {
         if states > 0 {
             return;
         }
-        (run.forgotten, run.films) = (0, Films::default());
+        (run.store.forgotten, run.films) = (0, Films::default());
         self.hint_afresh();
     }
 }

@@ -1,0 +1,242 @@
+//! Loops that are kept: the list, the scales, and a scene beside the present one.
+
+use super::bench::{Bench, fig2};
+use super::foreseen::at_rest;
+use super::stored::{press_at, run};
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tackscope::follow::record::Direction;
+use tackscope::plot::panel::Role;
+use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::ui::App;
+use tackscope::ui::view_state::Kept;
+
+/// Three states of Fig. 2, kept, under another law.
+fn kept() -> (Bench, Vec<[f64; 2]>) {
+    let mut bench = Bench::new();
+    bench.press(Modifiers::NONE, Key::L);
+    assert!(list(&bench).is_empty() && bench.names().contains("no loop to keep"));
+    for u0 in [4.0, 3.9, 3.8] {
+        bench.reach(u0, Direction::Approach);
+    }
+    let drawn = bench.state().run.curve.points().collect();
+    bench.press(Modifiers::NONE, Key::L);
+    bench.click("law cosine");
+    bench.click("Loops tab");
+    (bench, drawn)
+}
+
+fn list(bench: &Bench) -> &[Kept] {
+    &bench.state().plots.kept.list
+}
+
+#[test]
+fn a_kept_loop_stays_while_the_law_changes_until_it_is_deleted_and_comes_back() {
+    let (mut bench, drawn) = kept();
+    assert!(bench.state().run.curve.points().next().is_none());
+    let [loop_] = list(&bench) else { panic!("one") };
+    assert_eq!(loop_.name, fig2().title);
+    let there = bench.state().lines_of(loop_).concat();
+    assert_eq!(there.len(), drawn.len());
+    for (a, b) in there.iter().zip(&drawn) {
+        assert!(
+            (a[0] - b[0]).abs() < 1e-12 && (a[1] - b[1]).abs() < 1e-12,
+            "{a:?} {b:?}"
+        );
+    }
+    let title = fig2().title;
+    bench.click(&format!("Delete {title}"));
+    assert!(list(&bench).is_empty());
+    bench.click("Bring the deleted loop back");
+    assert_eq!(list(&bench).len(), 1);
+}
+
+#[test]
+fn a_kept_loop_is_hidden_and_renamed_in_place_and_its_scene_is_opened_again() {
+    let (mut bench, _) = kept();
+    let title = fig2().title;
+    bench.click(&format!("Show {title}"));
+    assert_eq!(bench.state().plots.kept.drawn().count(), 0);
+    bench.click(&format!("Show {title}"));
+    assert_eq!(bench.state().plots.kept.drawn().count(), 1);
+    bench.click(&format!("Name of {title}"));
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.window.run();
+    bench.window.event(egui::Event::Text("first".to_owned()));
+    bench.settle();
+    assert_eq!(list(&bench)[0].name, "first");
+    assert!(bench.names().contains("first"));
+    bench.click("Open the scene of first");
+    assert_eq!(*bench.state().scene, fig2());
+    assert_eq!(list(&bench).len(), 1, "it stays");
+}
+
+#[test]
+fn in_absolute_units_a_kept_loop_is_drawn_by_the_ratio_of_the_laws() {
+    let (mut bench, drawn) = kept();
+    bench.click("Absolute units");
+    let state = bench.state();
+    let [own, law] = [&fig2().model().unwrap().law, &state.model.law];
+    let ratio = [
+        own.range / law.range,
+        own.traction_max() / law.traction_max(),
+    ];
+    assert!((ratio[1] - 1.0).abs() > 0.05, "the laws differ: {ratio:?}");
+    let there = state.lines_of(&list(&bench)[0]).concat();
+    for (a, b) in there.iter().zip(&drawn) {
+        for k in 0..2 {
+            assert!((a[k] - ratio[k] * b[k]).abs() < 1e-12, "{a:?} {b:?}");
+        }
+    }
+    bench.click("Absolute units");
+    let there = bench.state().lines_of(&list(&bench)[0]).concat();
+    assert!((there[0][1] - drawn[0][1]).abs() < 1e-12);
+}
+
+#[test]
+fn more_loops_than_can_be_told_apart_are_refused_in_words() {
+    let (mut bench, _) = kept();
+    for u0 in [4.0, 3.9, 3.8] {
+        bench.reach(u0, Direction::Approach);
+    }
+    for _ in 0..9 {
+        bench.press(Modifiers::NONE, Key::L);
+    }
+    assert_eq!(list(&bench).len(), 8);
+    assert!(bench.names().contains("delete one of them first"));
+    let looks: Vec<_> = list(&bench).iter().map(Kept::look).collect();
+    for (i, a) in looks.iter().enumerate() {
+        assert!(!looks[..i].contains(a), "{a:?} twice");
+        assert!(Role::ORDER.contains(&Role::Kept(a.1)), "it is drawn");
+    }
+}
+
+/// The accessible sentence of the map beside.
+fn map_b(window: &Harness<'static, App>) -> String {
+    let node = window.get_by_label_contains("B, ");
+    node.accesskit_node().label().expect("a name").clone()
+}
+
+#[test]
+fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
+    let mut window = at_rest();
+    let before = window.state().state().scene.clone();
+    window.get_by_label("law double exponential").click();
+    window.run();
+    window.get_by_label("Loops tab").click();
+    window.run();
+    window
+        .get_by_label("Compare with the scene before the last edit")
+        .click();
+    window.run();
+    let drive = |window: &mut Harness<'static, App>, key: Key| {
+        window.key_press(key);
+        for _ in 0..400 {
+            window.step();
+        }
+    };
+    drive(&mut window, Key::PageDown);
+    let state = window.state().state();
+    let (beside, kept) = state.beside().expect("B");
+    assert_eq!(kept.scene, before);
+    let frame = beside.shown.as_ref().expect("a surface");
+    let now = state.run.state.clone().expect("a state");
+    let (a, b) = (now.mean_displacement / state.rho(), frame.mean_displacement);
+    assert!((a - b / kept.model.law.range).abs() < 1e-9, "{a} {b}");
+    assert!(
+        (frame.gap.mean().unwrap() - b).abs() < 1e-6,
+        "its own surface"
+    );
+    let pattern = frame.state.as_ref().expect("its record").pattern;
+    assert!(map_b(&window).contains(pattern.word()));
+    // What is said of the losses is what both live loops lose.
+    let loss = |scene: &tackscope::scene::Scene| {
+        let model = scene.model().unwrap();
+        LiveLoop::of(scene, &model, Fineness::Fine)
+            .unwrap()
+            .dissipated_energy
+    };
+    let (a, b) = (loss(&window.state().state().scene), loss(&before));
+    let words = window
+        .state()
+        .state()
+        .losses_in_words()
+        .expect("both are known");
+    assert!(
+        words.starts_with(&format!("A loses {a:.4}, B {b:.4} γ")),
+        "{words}"
+    );
+    // A drag on B drives both.
+    let target = window.state().state().target;
+    let at = window.get_by_label_contains("B, ").rect().center();
+    window.hover_at(at);
+    window.step();
+    window.drag_at(at);
+    window.step();
+    window.hover_at(at + egui::vec2(0.0, 20.0));
+    window.step();
+    window.drop_at(at + egui::vec2(0.0, 20.0));
+    for _ in 0..200 {
+        window.step();
+    }
+    let state = window.state().state();
+    assert!(state.target < target);
+    let frame = state
+        .beside()
+        .expect("B")
+        .0
+        .shown
+        .clone()
+        .expect("a surface");
+    let now = state.run.state.as_ref().expect("a state");
+    let off = now.mean_displacement / state.rho() - frame.mean_displacement;
+    assert!(off.abs() < 1e-6, "{off}");
+}
+
+#[test]
+fn a_scene_without_an_atlas_says_beside_why_there_is_nothing_to_see() {
+    let mut window = at_rest();
+    // The tip.
+    window.key_press(Key::Num6);
+    for _ in 0..20 {
+        window.step();
+    }
+    assert!(window.state().state().live().is_none(), "no atlas");
+    window.get_by_label("law cosine").click();
+    for _ in 0..20 {
+        window.step();
+    }
+    window.get_by_label("Loops tab").click();
+    window.run();
+    window
+        .get_by_label("Compare with the scene before the last edit")
+        .click();
+    for _ in 0..20 {
+        window.step();
+    }
+    let words = map_b(&window);
+    assert!(words.contains("it has no live loop"), "{words}");
+}
+
+#[test]
+fn a_click_on_a_kept_loop_of_another_scene_says_why_its_state_is_not_shown() {
+    let mut window = at_rest();
+    window.key_press(Key::L);
+    window.run();
+    assert!(!window.state().state().plots.kept.list[0].is_walked);
+    window.get_by_label("law cosine").click();
+    window.run();
+    let place = window.get_by_label_contains("Stress against u0:").rect();
+    let x = place.left() + 0.5 * place.width();
+    let said = (0..80).any(|k| {
+        press_at(
+            &mut window,
+            egui::pos2(x, place.bottom() - 30.0 - 4.0 * k as f32),
+        );
+        let notice = window.state().state().messages.notice.clone();
+        notice.is_some_and(|words| words.contains("is of another scene"))
+    });
+    assert!(said);
+    assert!(run(&window).record.states.len() == 1, "the surface stays");
+}
