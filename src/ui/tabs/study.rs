@@ -119,8 +119,8 @@ impl Tab for StudyTab {
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
-        ui.horizontal_wrapped(|ui| self.choices(ui, state));
         ui.horizontal_wrapped(|ui| {
+            self.choices(ui, state);
             match (&self.running, &self.missing) {
                 (Some(Running { job, .. }), _) if job.is_running() => {
                     progress(ui, job);
@@ -237,7 +237,7 @@ impl StudyTab {
         };
         let before = parameter.key;
         let combo = ComboBox::from_id_salt("study number")
-            .width(110.0)
+            .width(90.0)
             .selected_text(parameter.label.to_lowercase());
         let mut chosen = None;
         let combo = combo.show_ui(ui, |ui| {
@@ -262,14 +262,16 @@ impl StudyTab {
         let label = ui.label("loops");
         ui.add(field(&mut self.count).range(2..=COUNT_MAX).speed(0.1))
             .labelled_by(label.id);
-        for (spacing, word) in [
-            (Spacing::Linear, "linear"),
-            (Spacing::Logarithmic, "logarithmic"),
-        ] {
-            ui.radio_value(&mut span.spacing, spacing, word);
-        }
+        let mut logarithmic = span.spacing == Spacing::Logarithmic;
+        ui.checkbox(&mut logarithmic, "log")
+            .on_hover_text("values by equal factors, where both ends are above zero");
+        span.spacing = if logarithmic {
+            Spacing::Logarithmic
+        } else {
+            Spacing::Linear
+        };
         let combo = ComboBox::from_id_salt("study quantity")
-            .width(150.0)
+            .width(120.0)
             .selected_text(QUANTITIES[self.quantity].1);
         let combo = combo.show_ui(ui, |ui| {
             for (i, (_, name)) in QUANTITIES.iter().enumerate() {
