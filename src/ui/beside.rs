@@ -1,6 +1,7 @@
 //! The map of the scene that stands beside the present one.
 
 use super::action::Action;
+use super::flick;
 use super::grip;
 use super::map_cache::MapCache;
 use super::theme;
@@ -38,8 +39,11 @@ pub fn show(
         .rect_stroke(map, 0.0, edge, StrokeKind::Outside);
     letter(ui, map, &format!("B: {}", kept.name), Align2::LEFT_TOP);
     letter(ui, map, &words, Align2::LEFT_BOTTOM);
-    let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
-    grip::drag(ui, state, &response, per_point, actions);
+    // It is the present surface that is pressed.
+    if !flick::is_on(ui, state) {
+        let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
+        grip::drag(ui, state, &response, per_point, actions);
+    }
 }
 
 /// Words in a corner of a map, cut where they are too long.

@@ -106,12 +106,14 @@ pub fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let slider = Slider::new(&mut width, WIDTHS)
         .logarithmic(true)
         .show_value(false);
+    ui.spacing_mut().slider_width = 80.0;
     let slider = ui.add(slider);
     slider.widget_info(|| egui::WidgetInfo::slider(true, width, "Width of the push"));
     if slider.changed() {
         set(state, width, actions);
     }
-    ui.label("Drag down or up: press a bump or a dimple in");
+    let words = "Drag down: a bump. Up: a dimple. Wheel: width.";
+    ui.add(egui::Label::new(words).truncate());
 }
 
 /// A push into the middle of the cell that is let go at once, for the palette of commands; `sign` 1

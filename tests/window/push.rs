@@ -7,7 +7,7 @@ use super::stored::{apart, run, shown};
 use egui::{Event, Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use tackscope::follow::record::Cause;
+use tackscope::follow::record::{Cause, Direction};
 use tackscope::physics::pattern::Pattern;
 use tackscope::ui::App;
 use tackscope::worker::protocol::{self, Command, Play};
@@ -233,4 +233,17 @@ fn the_barrier_is_said_beside_the_push_where_the_landscape_knows_it() {
     let words = bench.state().push_in_words().expect("a push");
     let wanted = format!("2.00e-3 γL²; the lowest barrier is {barrier:.2e} γL²");
     assert!(words.contains(&wanted), "{words}");
+}
+
+#[test]
+fn nothing_is_moved_out_of_its_place_when_alt_is_held_in_a_small_window() {
+    let mut bench = Bench::sized(900.0, 600.0);
+    bench.reach(3.5, Direction::Approach);
+    let place = |bench: &Bench| bench.window.get_by_label_contains("Gap map:").rect();
+    let before = place(&bench);
+    bench.window.hover_at(before.center());
+    bench.window.event(Event::ModifiersChanged(Modifiers::ALT));
+    steps(&mut bench.window, 4);
+    assert!(bench.window.query_by_label("Width of the push").is_some());
+    assert_eq!(place(&bench), before);
 }

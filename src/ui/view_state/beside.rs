@@ -144,7 +144,7 @@ impl ViewState {
         } else {
             let word = if more > 0.0 { "more" } else { "less" };
             format!(
-                "{:.4} {unit} {word} ({:.1} %)",
+                "{:.4} {unit} {word} ({:.1}\u{a0}%)",
                 more.abs(),
                 100.0 * (more / a).abs()
             )

@@ -57,7 +57,9 @@ impl Foresight {
         {
             news = job.so_far.take().map(Ok).or(end.err().map(Err));
             self.job = None;
-            self.found = news.clone().and_then(Result::ok);
+            if let Some(Ok(stored)) = &news {
+                self.found = Some(stored.clone());
+            }
         }
         if self.job.is_none() {
             let begin = |wish: Wanted| (wish.clone(), solver.job(wish, foreseen));
