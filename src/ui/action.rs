@@ -57,6 +57,8 @@ pub enum Action {
     ToggleHelp,
     /// Light to dark and back.
     ToggleTheme,
+    /// Light or dark as the desktop has it.
+    SystemTheme,
     /// Fit the plot's axes to the data.
     FitData,
     /// Fit the plot's axes to the scene.
@@ -111,6 +113,8 @@ pub enum Action {
     ToggleLecture,
     /// Panels and view as they were at first.
     RestoreLayout,
+    /// The notice has been read, or was long enough.
+    DropNotice,
     /// The failure has been read.
     DismissFailure,
     /// End the program.
@@ -170,9 +174,9 @@ impl FileTask {
             FileTask::OpenHeights => "Measured ground",
             FileTask::SaveScene => "Save scene",
             FileTask::ExportLoopCsv | FileTask::ExportEventsCsv | FileTask::ExportCurvesCsv => {
-                "Export CSV"
+                "Export data"
             }
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
+            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export picture",
         }
     }
 
@@ -225,6 +229,29 @@ pub enum ProfileLine {
     AlongY(f64),
 }
 
+/// What is shown where the window has no room for all panels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Page {
+    /// Map, profile and strip.
+    #[default]
+    Surface,
+    /// The plot and the tabs.
+    Curve,
+    /// What the scene is made of.
+    Scene,
+}
+
+impl Page {
+    /// Its name on the screen.
+    pub fn word(self) -> &'static str {
+        match self {
+            Page::Surface => "Map",
+            Page::Curve => "Curve",
+            Page::Scene => "Scene",
+        }
+    }
+}
+
 /// How things are drawn; no part of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -238,6 +265,8 @@ pub struct ViewOptions {
     pub soft_mode: bool,
     /// What is shown below the plot: the tab of this index.
     pub tab: usize,
+    /// What is shown where there is no room for all.
+    pub page: Page,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
     /// Lecture mode.
@@ -252,6 +281,7 @@ impl Default for ViewOptions {
             profile: ProfileLine::Auto,
             soft_mode: false,
             tab: 0,
+            page: Page::default(),
             speed: Speed::default(),
             lecture: false,
         }

@@ -15,7 +15,7 @@ use crate::solver::methods::MethodKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::{
-    Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
+    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
 };
 
 /// Something that can be done now.
@@ -184,6 +184,7 @@ fn views(state: &ViewState) -> Vec<Command> {
             }),
         ),
         one("Switch between light and dark", "", Action::ToggleTheme),
+        one("Theme of the system", "", Action::SystemTheme),
         one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),
         one("Keys and marks", "?", Action::ToggleHelp),
@@ -275,14 +276,29 @@ pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
 }
 
 /// The open palette.
-#[derive(Default)]
 pub struct Palette {
     words: String,
     chosen: usize,
-    shown: bool,
+}
+
+/// Its field.
+fn field_id() -> Id {
+    Id::unique("palette of commands")
 }
 
 impl Palette {
+    /// A palette that has heard what is typed in the frame in which it opens, and hears what comes
+    /// in the next.
+    pub fn new(ctx: &Context) -> Self {
+        ctx.memory_mut(|memory| memory.request_focus(field_id()));
+        let text = |event: &Event| match event {
+            Event::Text(text) => Some(text.clone()),
+            _ => None,
+        };
+        let words = ctx.input(|input| input.events.iter().filter_map(text).collect());
+        Self { words, chosen: 0 }
+    }
+
     /// Draws it; what is run closes it first.
     pub fn show(
         &mut self,
@@ -311,13 +327,11 @@ impl Palette {
         let hint = "what to do, or a value of u₀ in ranges";
         let field = ui.add(
             TextEdit::singleline(&mut self.words)
+                .id(field_id())
                 .hint_text(hint)
                 .desired_width(f32::INFINITY),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
-        if !std::mem::replace(&mut self.shown, true) {
-            field.request_focus();
-        }
         if field.changed() {
             self.chosen = 0;
         }

@@ -2,23 +2,23 @@
 
 use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
-use super::grip;
-use super::theme;
+use super::{grip, headline, sliders, strip, theme};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
+use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui, UiBuilder,
     pos2, vec2,
 };
 use std::sync::Arc;
 
-/// Width of the colour bar with its numbers.
-const BAR: f32 = 64.0;
+/// Width of the colour bar with its numbers, and where there is less room.
+const BAR: (f32, f32) = (80.0, 50.0);
 /// Radius of the grip of the profile line.
 const GRIP: f32 = 7.0;
 /// Seconds in which a picture that is no longer true fades out.
@@ -79,23 +79,40 @@ impl MapCache {
     }
 }
 
-/// The map, with its options above and its reading below; what is left of the column is the
-/// profile's.
+/// Height of the line below the map, and what the profile takes of the column.
+const READING: f32 = 22.0;
+const PROFILE: f32 = 0.24;
+/// The least height of the profile.
+const PROFILE_LEAST: f32 = 84.0;
+/// Width of the slider beside the map, and where there is less room.
+const SLIDER: (f32, f32) = (122.0, 88.0);
+/// Width of the column from which the first holds.
+const WIDE: f32 = 420.0;
+
+/// The headline, the slider of what is driven, the map and its reading; what is left of the column
+/// is the profile's.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &MapCache) {
-    let height = (ui.available_height() * 0.76)
-        .min(ui.available_width())
-        .max(150.0);
-    options(ui, state, actions);
+    headline::surface(ui, state, actions);
     let width = ui.available_width();
-    let side = (height - 58.0).min(width - BAR).max(80.0);
+    let (slider, bar) = if width < WIDE {
+        (SLIDER.1, BAR.1)
+    } else {
+        (SLIDER.0, BAR.0)
+    };
+    let below = (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
+    let side = (ui.available_height() - below).min(width - slider - bar).max(80.0);
     let (_, area) = ui.allocate_space(vec2(width, side));
-    let left = area.left() + ((width - side - BAR) / 2.0).max(0.0);
+    let column = Rect::from_min_size(area.min, vec2(slider, side));
+    let mut beside = ui.new_child(UiBuilder::new().max_rect(column));
+    sliders::driven(&mut beside, state, actions);
+    let left = area.left() + slider + ((width - slider - side - bar) / 2.0).max(0.0);
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
     described(&response, &sentence);
 
-    let band = band(map, state);
+    // A line cell is the same everywhere along y: it fills the square.
+    let band = map;
     if let (Some(texture), Some(picture)) = (&cache.texture, &cache.picture) {
         ui.painter()
             .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
@@ -125,40 +142,25 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
     let reading = response
         .hover_pos()
         .and_then(|at| reading(state, cache, band, at));
-    let resting =
-        "Point at the map to read it; drag it up and down to move the body, and the profile line \
-         by its grip."
-            .to_owned();
-    ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
+    reading_line(ui, state, reading);
 }
 
-fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let before = state.view;
-    let mut view: ViewOptions = before;
-    ui.horizontal(|ui| {
-        if ui.available_width() > 310.0 {
-            ui.label(egui::RichText::new("Gap map").heading().strong());
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.checkbox(&mut view.smooth, "Smooth");
-            if state.model.indenter == Indenter::Flat {
-                ui.checkbox(&mut view.centred, "Centre the pattern");
-            }
-        });
+/// The line below the map: what is under the pointer, or what is ahead, or how to use it.
+fn reading_line(ui: &mut Ui, state: &ViewState, reading: Option<String>) {
+    let mut colour = ui.visuals().text_color();
+    let words = reading.or_else(|| {
+        let (pattern, sample) = state.foreseen().filter(|_| !state.hides(Hidden::Forecast))?;
+        colour = theme::palette(ui).live;
+        let stress = sample.stress / state.model.law.traction_max();
+        let unit = state.model.unit(Dimension::Stress);
+        let stress = unit.say(stress, 3, "σₘₐₓ");
+        Some(format!("ahead: {}, stress {stress}", pattern.words()))
     });
-    if view != before {
-        actions.push(Action::SetView(view));
-    }
-}
-
-/// Where the field is drawn: the whole map, or a band for a line cell.
-fn band(map: Rect, state: &ViewState) -> Rect {
-    let line = state.pictured().is_some_and(|frame| frame.gap.nrows() == 1);
-    if line {
-        Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3))
-    } else {
-        map
-    }
+    let words = words.unwrap_or_else(|| "Point at the map to read it.".to_owned());
+    let words = egui::RichText::new(words).small().color(colour);
+    ui.add(egui::Label::new(words).truncate()).on_hover_text(
+        "Drag the map up and down to move the body, and the profile line by its grip.",
+    );
 }
 
 fn to_screen(picture: &GapPicture, band: Rect, at: [f32; 2]) -> Pos2 {
@@ -280,7 +282,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
 
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let bar = Rect::from_min_max(
-        pos2(map.right() + 10.0, map.top() + 16.0),
+        pos2(map.right() + 10.0, map.top() + 26.0),
         pos2(map.right() + 22.0, map.bottom() - 2.0),
     );
     let unit = state.model.unit(Dimension::Length);
@@ -304,11 +306,18 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         theme::small(),
         text,
     );
+    let y_of = |value: f64| bar.bottom() - (value / top) as f32 * bar.height();
+    let contact = y_of(state.model.law.contact_gap() / one);
+    let named = ui.clip_rect().right() > bar.right() + 58.0;
     let (values, spacing) = ticks::within(0.0, top * 1.001, 8.0);
     for value in values {
-        let y = bar.bottom() - (value / top) as f32 * bar.height();
+        let y = y_of(value);
         ui.painter()
             .hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
+        // The contact's own tick goes before the number beside it.
+        if named && (y - contact).abs() < 15.0 {
+            continue;
+        }
         let above = value + spacing > top * 1.001
             && cache.picture.as_ref().is_some_and(|p| p.max / one > top);
         let label = format!(
@@ -324,9 +333,13 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
             text,
         );
     }
-    let contact = bar.bottom() - (state.model.law.contact_gap() / one / top) as f32 * bar.height();
     ui.painter()
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
+    if named {
+        let font = egui::FontId::proportional(theme::LEAST);
+        let at = pos2(bar.right() + 4.0, contact);
+        ui.painter().text(at, Align2::LEFT_CENTER, "contact", font, text);
+    }
 }
 
 /// The border of map and profile: that of a replay or of a stored state stands out.
@@ -483,7 +496,7 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
         Some(frame) if state.run.replayed.is_none() => ("stored ", frame.state.as_ref()),
         _ => ("", state.run.state.as_ref()),
     };
-    let pattern = shown.map_or("at rest", |s| s.pattern.word());
+    let pattern = shown.map_or("at rest", |s| s.pattern.words());
     let unit = state.model.unit(Dimension::Length);
     format!(
         "Gap map: {kind}{pattern}, gap from {} to {}",

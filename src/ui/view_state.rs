@@ -18,7 +18,9 @@ use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Progress;
 use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal};
+use crate::physics::theory::flat;
 use crate::plot::curve::{Curve, eigenvalue_scale};
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
@@ -34,6 +36,8 @@ use std::sync::Arc;
 
 /// Most states kept for the export; the oldest quarter goes when it is full.
 const STATES_MAX: usize = 200_000;
+/// How far before its first jump the window opens (ranges): a short drag away.
+const BEFORE_JUMP: f64 = 0.15;
 /// What the title of an edited scene begins with.
 const CHANGED: &str = "Changed: ";
 
@@ -74,6 +78,10 @@ pub struct ViewState {
     pub history: History,
     /// The lesson under way.
     pub lesson: Option<Progress>,
+    /// The window has just opened, and nothing has snapped yet: where it will is left to guess.
+    pub opening: bool,
+    /// The first run of the scene that was opened: what is told of older ones is another scene's.
+    first_run: RunId,
     /// Stops the measurement under way.
     measurement: Cancel,
     told: Told,
@@ -147,17 +155,45 @@ impl ViewState {
             view: ViewOptions::default(),
             history: History::default(),
             lesson: None,
+            opening: false,
+            first_run: 1,
             measurement: Cancel::default(),
             told: Told::default(),
         })
     }
 
+    /// A window that opens a little before the first jump of a scene on flat ground, which it does
+    /// not tell of.
+    ///
+    /// # Errors
+    /// The scene's first value that is not allowed.
+    pub fn at_first_jump(scene: Scene) -> Result<Self, Refusal> {
+        let mut state = Self::new(scene)?;
+        state.opening = true;
+        let (law, length) = (state.model.law, state.model.equivalent_length);
+        let driven = !state.scene.control().frees_mean();
+        let limits = flat::limits(&law, length);
+        let is_flat = state.model.indenter == Indenter::Flat && driven;
+        if let Some((_, upper)) = limits.filter(|_| is_flat) {
+            let step = state.scene.drive.step;
+            let near = ((upper + BEFORE_JUMP * law.range) / step).round() * step;
+            state.target = near.clamp(state.limits.0, state.limits.1);
+            state.run = RunView::new(1, &state.scene, state.target);
+        }
+        Ok(state)
+    }
+
     /// The title of the scene that was opened, whatever was edited since.
     pub fn title_opened(&self) -> &str {
-        self.scene
-            .title
-            .strip_prefix(CHANGED)
-            .unwrap_or(&self.scene.title)
+        title_without(&self.scene.title)
+    }
+
+    /// Another scene comes, with this run: nothing of the present one is true of it.
+    fn forget_the_last_scene(&mut self, first_run: RunId) {
+        self.frame = None;
+        self.plots.live = None;
+        self.plots.ghosts.clear();
+        self.first_run = first_run;
     }
 
     /// The range rho.
@@ -196,8 +232,13 @@ impl ViewState {
         if model != self.model {
             self.plots.ghosts.clear();
         }
+        if title_without(&scene.title) != self.title_opened() {
+            self.forget_the_last_scene(self.run.id + 1);
+        }
+        self.opening = false;
         self.plots.beneath.clear();
         self.plots.branches = None;
+        self.plots.preview = None;
         let ends = window::of_u0(&scene, &model);
         self.plots.flat_state = flat_state(&model, scene.control(), ends);
         self.scene = Arc::new(scene);
@@ -228,8 +269,8 @@ impl ViewState {
         let before = self.past();
         self.target = self.limits.1;
         if self.set_scene(scene) {
-            // Another scene: nothing of the last one is true of it.
-            self.frame = None;
+            self.forget_the_last_scene(self.run.id);
+            (self.method, self.asked) = Default::default();
             self.opened += 1;
             self.history.end_gesture();
             self.history.remember(before);
@@ -255,14 +296,26 @@ impl ViewState {
         let stored = self.run.store.newest();
         Past {
             scene: self.scene.clone(),
+            method: self.method,
+            asked: self.asked,
             surface: stored.filter(|s| s.before != [0, 0]).cloned(),
         }
     }
 
     fn bring_back(&mut self, past: Option<Past>) {
-        let Some(Past { scene, surface }) = past else {
+        let Some(Past {
+            scene,
+            method,
+            asked,
+            surface,
+        }) = past
+        else {
             return;
         };
+        (self.method, self.asked) = (method, asked);
+        if surface.is_none() {
+            self.target = self.limits.1;
+        }
         if self.set_scene((*scene).clone())
             && let Some(surface) = surface
         {
@@ -273,6 +326,7 @@ impl ViewState {
     /// Chooses the method, which begins a new run.
     pub fn set_method(&mut self, method: MethodKind) {
         if method != self.method {
+            self.history.remember(self.past());
             self.method = method;
             self.restart();
         }
@@ -281,6 +335,7 @@ impl ViewState {
     /// Lets the plan decide on the model, or overrules it, which begins a new run.
     pub fn set_strategy(&mut self, asked: Option<Strategy>) {
         if asked != self.asked {
+            self.history.remember(self.past());
             self.asked = asked;
             self.restart();
         }
@@ -369,6 +424,7 @@ impl ViewState {
             }
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
+                self.opening = false;
                 self.hint_after_jump(&jump);
                 self.run.curve.cut();
                 self.run.stiffness.cut();
@@ -446,9 +502,8 @@ impl ViewState {
         let [length, energy] =
             [Dimension::Length, Dimension::SurfaceEnergy].map(|of| self.model.unit(of));
         format!(
-            "{} → {} at u₀ = {} on {}, released {} ({})",
-            jump.from,
-            jump.to,
+            "{} at u₀ = {} on {}, released {} ({})",
+            jump.change(),
             length.say(jump.mean_displacement / self.rho(), 3, "ρ"),
             jump.direction,
             energy.say(jump.released_energy, 4, "γ"),
@@ -460,10 +515,17 @@ impl ViewState {
 /// Most edits that can be taken back.
 const DEPTH: usize = 200;
 
-/// A scene, and where its surface was; `None` at the start of the drive.
+/// The title of a scene without the words that say that it was edited.
+fn title_without(title: &str) -> &str {
+    title.strip_prefix(CHANGED).unwrap_or(title)
+}
+
+/// A scene, how it was computed, and where its surface was; `None` at the start of the drive.
 #[derive(Clone, Debug)]
 pub struct Past {
     scene: Arc<Scene>,
+    method: MethodKind,
+    asked: Option<Strategy>,
     surface: Option<Arc<Stored>>,
 }
 

@@ -289,8 +289,48 @@ impl Bench {
     }
 
     pub fn click(&mut self, label: &str) {
+        self.unfold(label);
         self.window.get_by_label(label).click();
         self.settle();
+    }
+
+    /// Looks for a control as people do: where it is not in sight, in the menus and in the fold.
+    pub fn unfold(&mut self, label: &str) {
+        const FOLDS: [&str; 6] = ["Advanced", "More tabs", "Files", "Map options", "Menu", "Scene"];
+        for fold in FOLDS {
+            if self.window.query_all_by_label(label).next().is_some() {
+                return;
+            }
+            if self.window.query_by_label(fold).is_some() {
+                self.window.get_by_label(fold).click();
+                self.settle();
+                let found = self.window.query_all_by_label(label).next().is_some();
+                if !found && fold != "Scene" {
+                    self.window.get_by_label(fold).click();
+                    self.settle();
+                }
+            }
+        }
+    }
+
+    /// Everything that is said while the card behind the chip of the status bar is open.
+    pub fn status(&mut self) -> String {
+        const CHIPS: [&str; 3] = ["exact to", "no accuracy is promised", "no equilibrium"];
+        let chip = |words: &&str| {
+            let mut all = self.window.query_all_by_label_contains(words);
+            all.next().is_some()
+        };
+        let chip = CHIPS.into_iter().find(chip).expect("a chip");
+        let open = |bench: &mut Self| {
+            let mut all = bench.window.query_all_by_label_contains(chip);
+            all.next().expect("the chip").click();
+            drop(all);
+            bench.settle();
+        };
+        open(self);
+        let names = self.names();
+        self.press(Modifiers::NONE, Key::Escape);
+        names
     }
 
     pub fn press(&mut self, modifiers: Modifiers, key: Key) {
@@ -300,6 +340,9 @@ impl Bench {
 
     /// Drags from the middle of the control with this label.
     pub fn drag(&mut self, label: &str, by: &[egui::Vec2]) {
+        self.unfold(label);
+        self.window.get_by_label(label).scroll_to_me();
+        self.settle();
         let from = self.window.get_by_label(label).rect().center();
         self.window.hover_at(from);
         self.window.step();
@@ -316,6 +359,7 @@ impl Bench {
 
     /// Types into the field with this label.
     pub fn enter(&mut self, label: &str, text: &str) {
+        self.unfold(label);
         let field = self
             .window
             .get_by_role_and_label(egui::Role::SpinButton, label);

@@ -56,20 +56,25 @@ fn the_window_opens_at_rest_on_fig2_and_says_what_to_do() {
 
 #[test]
 fn every_control_is_found_by_its_label() {
-    let bench = Bench::new();
+    let mut bench = Bench::new();
     for label in [
         "mean displacement u0",
-        "mesh number mu_rho",
+        "ground flat",
+        "ground tip",
+        "ground waves",
+        "ground rough",
+        "ground measured",
         "law morse",
         "law mie",
         "law cosine",
         "law double exponential",
-        "mu_rho of Dugdale, 0.798",
-        "mu_rho of Hui, 1.09",
-        "range",
-        "mesh",
-        "Line cell (uniform along y)",
+        "machine stiff",
+        "machine spring",
+        "machine weight",
         "Advanced",
+        "Preset",
+        "What to look for",
+        "Lessons",
         "Play approach",
         "Play retract",
         "Play loop",
@@ -77,21 +82,42 @@ fn every_control_is_found_by_its_label() {
         "Stop",
         "Speed",
         "Reset",
-        "Open…",
-        "Save…",
-        "Export CSV…",
-        "Export PNG…",
         "Undo",
         "Redo",
+        "Files",
+        "Lecture mode",
         "Switch theme",
         "Help",
+        "Menu",
+        "Map options",
         "Fit",
-        "Centre the pattern",
-        "Smooth",
+        "More tabs",
     ] {
         assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
     }
-    for label in ["Target", "Mesh number μᵨ", "Length L"] {
+    for (fold, labels) in [
+        ("Files", &["Open…", "Save…", "Export data…", "Export picture…", "Copy scene"][..]),
+        ("Map options", &["Smooth", "Centre the pattern", "Soft mode"]),
+        ("Menu", &["Restore layout", "Theme of the system", "All commands…", "Quit"]),
+        ("More tabs", &["Speed and accuracy tab", "Equations tab", "Paper tab"]),
+        (
+            "Advanced",
+            &[
+                "mesh number mu_rho",
+                "mu_rho of Dugdale, 0.798",
+                "mu_rho of Hui, 1.09",
+                "range",
+                "mesh",
+                "Line cell (uniform along y)",
+            ],
+        ),
+    ] {
+        bench.click(fold);
+        for label in labels {
+            assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
+        }
+    }
+    for label in ["Target", "Mesh number μᵨ", "Length L", "Range ρ"] {
         assert!(
             bench
                 .window
@@ -100,7 +126,7 @@ fn every_control_is_found_by_its_label() {
             "{label}"
         );
     }
-    for label in ["Preset", "Points n"] {
+    for label in ["Points n"] {
         assert!(
             bench
                 .window
@@ -294,7 +320,9 @@ fn a_named_mesh_of_table_1_sets_its_mu_rho_exactly_and_warns_above_one_half() {
     let mut bench = Bench::new();
     bench.click("mu_rho of Dugdale, 0.798");
     assert!((bench.state().model.mu_rho - 0.798).abs() < 1e-12);
-    assert!(bench.names().contains("Above 0.5 the mesh lies"));
+    assert!(bench.names().contains("Mesh: too coarse"));
+    bench.click("Refine");
+    assert!(bench.state().model.mu_rho <= 0.5 && bench.names().contains("Mesh: fine enough"));
 }
 
 #[test]
@@ -385,7 +413,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
 #[test]
 fn keys_do_not_fire_while_something_is_typed() {
     let mut bench = Bench::new();
-    bench.click("Export CSV…");
+    bench.click("Export data…");
     bench.heard();
     bench.press(Modifiers::NONE, Key::Space);
     bench.press(Modifiers::NONE, Key::End);
@@ -472,13 +500,13 @@ fn the_map_and_the_plot_say_one_sentence_each() {
 fn the_status_bar_says_stability_model_and_cost() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
-    let names = bench.names();
+    let names = bench.status();
     for words in [
         "stable, stiffness_min",
         "flat, closed form",
         "Newton-Krylov",
         "0 iterations",
-        "mesh ",
+        "mesh 64 × 64",
     ] {
         assert!(names.contains(words), "{words} in {names}");
     }
@@ -545,7 +573,7 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
     assert!(
         bench
             .names()
-            .contains("dissipated 0.4321 γ, expected error 0.005 %"),
+            .contains("0.4321 γ lost"),
         "{}",
         bench.names()
     );
@@ -599,7 +627,7 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
     let names = bench.names();
     assert!(
-        names.contains("dissipated 0.4321 γ")
+        names.contains("0.4321 γ lost")
             && names.contains("the loop integral, 0.3000 gamma, is not the sum"),
         "{names}"
     );
@@ -613,7 +641,7 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     })));
     let names = bench.names();
     assert!(
-        names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"),
+        names.contains("Loop not closed") && names.contains("it ends as bulge and began as flat; raise drive.start"),
         "{names}"
     );
     assert!(!names.contains("0.4321"), "{names}");
@@ -691,9 +719,9 @@ fn a_small_window_keeps_every_panel_inside() {
     for label in [
         "mean displacement u0",
         "Play loop",
-        "Help",
+        "Menu",
         "Fit",
-        "Centre the pattern",
+        "Map options",
     ] {
         let rect = bench.window.get_by_label(label).rect();
         assert!(
