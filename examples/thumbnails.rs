@@ -32,7 +32,9 @@ fn rows(scene: &Scene) -> Result<Vec<String>, Box<dyn Error>> {
     let at = |s: &StateRecord| [s.mean_displacement, s.stress];
     let ends: [[f64; 2]; 2] = std::array::from_fn(|k| {
         let values = record.states.iter().map(|s| at(s)[k]);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
     });
     let mut rows = Vec::new();
     for direction in [Direction::Approach, Direction::Retraction] {
@@ -42,7 +44,8 @@ fn rows(scene: &Scene) -> Result<Vec<String>, Box<dyn Error>> {
         let seen = |(i, s): &(usize, &&StateRecord)| {
             // Both ends of every jump.
             let of = |i: usize| states.get(i).map(|s| s.pattern);
-            let edge = of(i + 1) != Some(s.pattern) || i.checked_sub(1).and_then(of) != Some(s.pattern);
+            let edge =
+                of(i + 1) != Some(s.pattern) || i.checked_sub(1).and_then(of) != Some(s.pattern);
             i % every == 0 || edge
         };
         for (_, state) in states.iter().enumerate().filter(seen) {

@@ -135,7 +135,9 @@ impl Preset {
         let rows: Vec<(&str, [f32; 2])> = rows.collect();
         [Direction::Approach, Direction::Retraction]
             .map(|direction| {
-                let of = rows.iter().filter(|(word, _)| *word == direction.to_string());
+                let of = rows
+                    .iter()
+                    .filter(|(word, _)| *word == direction.to_string());
                 (direction, of.map(|(_, at)| *at).collect())
             })
             .into()

@@ -276,4 +276,3 @@ fn elastic_body(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         actions.push(Action::edit(edit::with_body(scene, model, body)));
     }
 }
-

@@ -15,7 +15,8 @@ use crate::solver::methods::MethodKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::{
-    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
+    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui,
+    Window,
 };
 
 /// Something that can be done now.
@@ -286,17 +287,24 @@ fn field_id() -> Id {
     Id::unique("palette of commands")
 }
 
+/// What is typed in this frame.
+fn typed(ctx: &Context) -> String {
+    let text = |event: &Event| match event {
+        Event::Text(text) => Some(text.clone()),
+        _ => None,
+    };
+    ctx.input(|input| input.events.iter().filter_map(text).collect())
+}
+
 impl Palette {
     /// A palette that has heard what is typed in the frame in which it opens, and hears what comes
     /// in the next.
     pub fn new(ctx: &Context) -> Self {
         ctx.memory_mut(|memory| memory.request_focus(field_id()));
-        let text = |event: &Event| match event {
-            Event::Text(text) => Some(text.clone()),
-            _ => None,
-        };
-        let words = ctx.input(|input| input.events.iter().filter_map(text).collect());
-        Self { words, chosen: 0 }
+        Self {
+            words: typed(ctx),
+            chosen: 0,
+        }
     }
 
     /// Draws it; what is run closes it first.
@@ -325,6 +333,8 @@ impl Palette {
             )
         });
         let hint = "what to do, or a value of u₀ in ranges";
+        let heard =
+            ui.is_enabled() && !ui.is_sizing_pass() && ui.memory(|m| m.has_focus(field_id()));
         let field = ui.add(
             TextEdit::singleline(&mut self.words)
                 .id(field_id())
@@ -332,6 +342,11 @@ impl Palette {
                 .desired_width(f32::INFINITY),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
+        if !heard || !field.has_focus() {
+            // The window finds its size first: what is typed meanwhile is not lost.
+            self.words += &typed(ui.ctx());
+            field.request_focus();
+        }
         if field.changed() {
             self.chosen = 0;
         }

@@ -23,7 +23,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             heading(ui, "Ground", "the rigid body below");
             grounds::show(ui, state, actions);
             ui.add_space(4.0);
-            heading(ui, "Law", "how the surfaces pull at each other, against their gap");
+            heading(
+                ui,
+                "Law",
+                "how the surfaces pull at each other, against their gap",
+            );
             laws(ui, state, actions);
             ui.add_space(4.0);
             heading(ui, "Machine", "what holds the body from above");
@@ -62,6 +66,9 @@ fn cell(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     }
 }
 
+/// Height of a line that may have a button.
+const ROW: f32 = 28.0;
+
 /// Whether the mesh is fine enough, in room that is there for either answer.
 fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let palette = theme::palette(ui);
@@ -74,10 +81,15 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let hover = "Jumps belong to the physics, and not to the mesh, while the mesh number is at most \
                  0.5 (Advanced).";
     ui.horizontal(|ui| {
-        ui.set_min_height(ui.spacing().interact_size.y);
+        ui.set_min_height(ROW);
         ui.label(RichText::new(format!("{mark} {words}")).color(colour))
             .on_hover_text(hover);
-        if !fine && ui.button("Refine").on_hover_text("more points, until it is").clicked() {
+        if !fine
+            && ui
+                .button("Refine")
+                .on_hover_text("more points, until it is")
+                .clicked()
+        {
             let (scene, mu) = (&state.scene, 0.98 * mesh_rule::SAFE);
             let refined = edit::with_mu_rho(scene, &state.model, mu, Follows::Mesh);
             actions.push(Action::edit(refined));

@@ -11,13 +11,13 @@ use crate::plot::typeset::plain;
 use crate::scene::Scene;
 use crate::storage::presets::{self, Preset};
 use egui::{
-    Align, Button, FontId, Id, Layout, Painter, Popup, PopupCloseBehavior, Rect, RichText,
-    ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    Align, Button, Id, Layout, Painter, Popup, PopupCloseBehavior, Rect, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 use std::sync::LazyLock;
 
 /// Size of a card, of its picture, and the room between two cards (points).
-const CARD: egui::Vec2 = vec2(236.0, 168.0);
+const CARD: egui::Vec2 = vec2(236.0, 156.0);
 const PICTURE: f32 = 76.0;
 const GAP: f32 = 8.0;
 /// Most cards in a row.
@@ -26,8 +26,12 @@ const COLUMNS: usize = 4;
 const TITLED: f32 = 90.0;
 
 /// The scenes of the presets, in their order.
-static SCENES: LazyLock<Vec<Option<Scene>>> =
-    LazyLock::new(|| presets::all().iter().map(|preset| preset.scene().ok()).collect());
+static SCENES: LazyLock<Vec<Option<Scene>>> = LazyLock::new(|| {
+    presets::all()
+        .iter()
+        .map(|preset| preset.scene().ok())
+        .collect()
+});
 
 /// The button of this width, with the title of the present scene; it opens the gallery.
 pub fn button(ui: &mut Ui, state: &ViewState, width: f32, actions: &mut Vec<Action>) {
@@ -39,7 +43,8 @@ pub fn button(ui: &mut Ui, state: &ViewState, width: f32, actions: &mut Vec<Acti
     };
     let button = Button::new(face).truncate().min_size(vec2(width, 28.0));
     let response = ui.add_sized(vec2(width, 28.0), button);
-    let response = named(response, "Preset").on_hover_text(format!("{title}\n{}", state.scene.source));
+    let response =
+        named(response, "Preset").on_hover_text(format!("{title}\n{}", state.scene.source));
     Popup::menu(&response)
         .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
         .show(|ui| cards(ui, state, actions));
@@ -52,6 +57,7 @@ fn cards(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let opened = presets::titled(state.title_opened());
     ScrollArea::vertical()
         .max_height(screen.y - 90.0)
+        .min_scrolled_height(screen.y - 90.0)
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
             for (row, presets) in presets::all().chunks(columns).enumerate() {
@@ -93,11 +99,20 @@ fn card(ui: &mut Ui, preset: &Preset, index: usize, chosen: bool) -> bool {
         String::new()
     };
     for (words, size, colour) in [
-        (format!("{key}{title}"), 14.0, ui.visuals().strong_text_color()),
-        (preset.question(), theme::LEAST, ui.visuals().weak_text_color()),
+        (
+            format!("{key}{}", preset.title()),
+            theme::TICK,
+            ui.visuals().strong_text_color(),
+        ),
+        (
+            preset.question(),
+            theme::LEAST,
+            ui.visuals().weak_text_color(),
+        ),
     ] {
-        let font = FontId::proportional(size);
-        let galley = painter.layout(words, font, colour, CARD.x - 20.0);
+        let mut words = theme::set(&words, size, colour);
+        words.wrap.max_width = CARD.x - 20.0;
+        let galley = painter.layout_job(words);
         let height = galley.size().y;
         painter.galley(pos2(rect.left() + 10.0, top), galley, colour);
         top += height + 3.0;
@@ -121,7 +136,10 @@ fn thumbnail(preset: &Preset, index: usize, painter: &Painter, rect: Rect, palet
                 plot.bottom() - y * plot.height(),
             )
         };
-        painter.line(points.into_iter().map(at).collect(), Stroke::new(1.8, colour));
+        painter.line(
+            points.into_iter().map(at).collect(),
+            Stroke::new(1.8, colour),
+        );
     }
     if let Some(Some(scene)) = SCENES.get(index) {
         let ground = Rect::from_min_max(pos2(split + 8.0, inside.top()), inside.max);

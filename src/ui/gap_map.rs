@@ -2,9 +2,9 @@
 
 use super::action::{Action, ProfileLine, ViewOptions};
 use super::gap_picture::{self, GapPicture, ModeLines, Segment, colour};
-use super::{grip, headline, sliders, strip, theme};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
+use super::{grip, headline, sliders, strip, theme};
 use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
@@ -12,8 +12,8 @@ use crate::plot::scale;
 use crate::plot::ticks;
 use crate::worker::protocol::Frame;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui, UiBuilder,
-    pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, TextureHandle, Ui,
+    UiBuilder, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -99,8 +99,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
     } else {
         (SLIDER.0, BAR.0)
     };
-    let below = (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
-    let side = (ui.available_height() - below).min(width - slider - bar).max(80.0);
+    let below =
+        (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
+    let side = (ui.available_height() - below)
+        .min(width - slider - bar)
+        .max(80.0);
     let (_, area) = ui.allocate_space(vec2(width, side));
     let column = Rect::from_min_size(area.min, vec2(slider, side));
     let mut beside = ui.new_child(UiBuilder::new().max_rect(column));
@@ -149,7 +152,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, cache: &M
 fn reading_line(ui: &mut Ui, state: &ViewState, reading: Option<String>) {
     let mut colour = ui.visuals().text_color();
     let words = reading.or_else(|| {
-        let (pattern, sample) = state.foreseen().filter(|_| !state.hides(Hidden::Forecast))?;
+        let (pattern, sample) = state
+            .foreseen()
+            .filter(|_| !state.hides(Hidden::Forecast))?;
         colour = theme::palette(ui).live;
         let stress = sample.stress / state.model.law.traction_max();
         let unit = state.model.unit(Dimension::Stress);
@@ -338,7 +343,8 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     if named {
         let font = egui::FontId::proportional(theme::LEAST);
         let at = pos2(bar.right() + 4.0, contact);
-        ui.painter().text(at, Align2::LEFT_CENTER, "contact", font, text);
+        ui.painter()
+            .text(at, Align2::LEFT_CENTER, "contact", font, text);
     }
 }
 

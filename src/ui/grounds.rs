@@ -74,7 +74,6 @@ fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
     });
 }
 
-
 /// The outline of a kind of ground, filled to below. Without its numbers: it stands for the kind.
 pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette) {
     let (left, right) = (rect.left() + 8.0, rect.right() - 8.0);
@@ -85,7 +84,12 @@ pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette)
         Indenter::Hertz(_) => 1.0 - (2.0 * x - 1.0).powi(2),
         Indenter::Wave(_) => 0.5 - 0.5 * (2.0 * TAU * x).cos(),
         Indenter::Rough(_) | Indenter::Measured(_) => {
-            let waves = [(1.0, 0.30, 0.3), (2.0, 0.17, 2.1), (5.0, 0.11, 4.0), (9.0, 0.08, 1.2)];
+            let waves = [
+                (1.0, 0.30, 0.3),
+                (2.0, 0.17, 2.1),
+                (5.0, 0.11, 4.0),
+                (9.0, 0.08, 1.2),
+            ];
             let sum = |f: f32, (k, a, phase): &(f32, f32, f32)| f + a * (TAU * k * x + phase).sin();
             waves.iter().fold(0.5, sum)
         }

@@ -2,6 +2,7 @@
 //! the plot.
 
 use super::action::{Action, ViewOptions};
+use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::named;
@@ -25,7 +26,10 @@ const FIT: f32 = 60.0;
 fn line(ui: &mut Ui, words: &str, size: f32, room: f32, colour: Color32) -> Response {
     let font = FontId::proportional(size);
     let painter = ui.painter();
-    let wide = painter.layout_no_wrap(words.to_owned(), font, colour).size().x;
+    let wide = painter
+        .layout_no_wrap(words.to_owned(), font, colour)
+        .size()
+        .x;
     let size = (size * room / wide.max(1.0)).clamp(LEAST, size).floor();
     let words = RichText::new(words).size(size).strong().color(colour);
     ui.add(Label::new(words).truncate())
@@ -33,7 +37,8 @@ fn line(ui: &mut Ui, words: &str, size: f32, room: f32, colour: Color32) -> Resp
 
 /// Over the map, with the options of the map at its right.
 pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let (words, colour) = surface_words(state, &theme::palette(ui), ui.visuals().strong_text_color());
+    let (words, colour) =
+        surface_words(state, &theme::palette(ui), ui.visuals().strong_text_color());
     let size = vec2(ui.available_width(), SURFACE + 8.0);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_height(SURFACE + 8.0);
@@ -62,7 +67,10 @@ pub fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (S
     let length = state.model.unit(Dimension::Length);
     let at = |u0: f64| format!("u₀ = {}", length.say(u0 / state.rho(), 4, "ρ"));
     if let Some(frame) = &state.run.replayed {
-        return (format!("Replay, {}", at(frame.mean_displacement)), palette.jump);
+        return (
+            format!("Replay, {}", at(frame.mean_displacement)),
+            palette.jump,
+        );
     }
     let old = state.run.shown.as_ref();
     if let Some(frame) = old.or_else(|| state.jumping()) {
@@ -75,9 +83,17 @@ pub fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (S
         return (format!("{words}, {}", at(frame.mean_displacement)), colour);
     }
     match &state.run.state {
-        None => ("Waiting for the solver".to_owned(), plain),
+        None => {
+            let told = machine::told(state);
+            let at = told.say(state.run.actual, 4);
+            (format!("Waiting, {} = {at}", told.symbol), plain)
+        }
         Some(now) => {
-            let words = format!("{}, {}", capital(&equilibrium(now)), at(now.mean_displacement));
+            let words = format!(
+                "{}, {}",
+                capital(&equilibrium(now)),
+                at(now.mean_displacement)
+            );
             let stable = now.stop == Stop::Stable;
             (words, if stable { plain } else { palette.warn })
         }
@@ -142,7 +158,10 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
     if state.plots.fit.is_some() {
         let button = named(ui.button("Scene"), "Scene axes");
-        if button.on_hover_text("the axes of the scene again").clicked() {
+        if button
+            .on_hover_text("the axes of the scene again")
+            .clicked()
+        {
             actions.push(Action::FitScene);
         }
         return;
@@ -216,7 +235,10 @@ fn lost(state: &ViewState) -> Lost {
         return plain("Nothing lost yet".to_owned(), detail.to_owned());
     }
     let freed = energy(state, record.released_energy_sum());
-    plain(format!("{freed} lost so far"), format!("in {}", record.tally()))
+    plain(
+        format!("{freed} lost so far"),
+        format!("in {}", record.tally()),
+    )
 }
 
 /// Where a surface may land that has several places to land.

@@ -66,8 +66,7 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
         input.events.iter().filter_map(pressed).collect()
     });
     if free && !dialog_open {
-        let said: Vec<Action> =
-            ctx.input(|input| input.events.iter().filter_map(said).collect());
+        let said: Vec<Action> = ctx.input(|input| input.events.iter().filter_map(said).collect());
         actions.extend(said);
     }
     // A menu closes itself.
@@ -87,13 +86,7 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
         } else if free && let Some(act) = in_lesson(key, modifiers, state) {
             Some(Action::Lesson(act))
         } else if free {
-            held(key, modifiers).or_else(|| {
-                if repeat {
-                    None
-                } else {
-                    pressed(key, state)
-                }
-            })
+            held(key, modifiers).or_else(|| if repeat { None } else { pressed(key, state) })
         } else {
             None
         };

@@ -33,13 +33,16 @@ const LEGEND: f32 = 19.0;
 const ROWS: (f32, f32) = (2.0, 3.0);
 /// Width of the column from which the smaller number does.
 const WIDE: f32 = 400.0;
+/// Height below which there is no room for more.
+const LOW: f32 = 300.0;
 
 /// Draws headline, legend and plot in this height.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
     let top = ui.cursor().top();
     headline::loss(ui, state, actions);
     let panel = panel(state);
-    let rows = if ui.available_width() < WIDE { ROWS.1 } else { ROWS.0 };
+    let few = ui.available_width() >= WIDE || height < LOW;
+    let rows = if few { ROWS.0 } else { ROWS.1 };
     // The plot stays where it is when an entry comes.
     let (_, legend) = ui.allocate_space(vec2(ui.available_width(), rows * LEGEND));
     let mut inside = ui.new_child(UiBuilder::new().max_rect(legend));
@@ -380,7 +383,9 @@ fn card(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
                 ui.set_width(WIDTH - 14.0);
                 ui.spacing_mut().item_spacing.y = 1.0;
                 ui.horizontal(|ui| {
-                    ui.label(RichText::new(format!("{} on {}", s.pattern.words(), s.direction)).strong());
+                    ui.label(
+                        RichText::new(format!("{} on {}", s.pattern.words(), s.direction)).strong(),
+                    );
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         if named(ui.small_button("✖"), "Close the card").clicked() {
                             actions.push(Action::ClearSelection);

@@ -9,8 +9,8 @@ use crate::plot::ticks;
 use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::accesskit::{Action as Ask, ActionData};
 use egui::{
-    Align2, Button, EventFilter, FontId, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke, TextStyle,
-    Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align2, Button, EventFilter, FontId, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
+    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
 /// Accessible name of the slider of the mesh.
@@ -70,7 +70,12 @@ pub fn driven(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let mut below = ui.new_child(UiBuilder::new().max_rect(row(rect.bottom() - ROW)));
     below.horizontal(|ui| {
         for (face, name, hover, step) in [
-            ("−", "step down", "one increment down (← ↓); Shift: fine", -1.0),
+            (
+                "−",
+                "step down",
+                "one increment down (← ↓); Shift: fine",
+                -1.0,
+            ),
             ("+", "step up", "one increment up (→ ↑); Shift: fine", 1.0),
         ] {
             let button = ui.add(Button::new(face).min_size(vec2(26.0, 24.0)));
@@ -88,7 +93,7 @@ fn target(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
         ui.spacing_mut().item_spacing.x = 3.0;
         ui.spacing_mut().button_padding.x = 4.0;
         ui.style_mut().drag_value_text_style = TextStyle::Small;
-        let label = ui.label(told.symbol).on_hover_text(told.name);
+        ui.label(told.symbol).on_hover_text(told.name);
         let unit = told.unit;
         let field = Entry {
             name: "Target",
@@ -99,7 +104,8 @@ fn target(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             suffix: &told.suffix,
         };
         let (entered, response) = field.show(ui);
-        response.labelled_by(label.id);
+        ui.ctx()
+            .accesskit_node_builder(response.id, |node| node.set_label("Target"));
         actions.extend(entered.map(|value| Action::SetTarget(value * unit)));
     });
 }

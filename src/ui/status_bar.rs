@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         match &state.run.state {
             Some(now) => facts(ui, state, now),
             None => {
-                ui.label(RichText::new("waiting for the solver").weak());
+                ui.label(RichText::new("waiting").weak());
             }
         }
         let chip = ui.menu_button(chip(state), |ui| card(ui, state));
@@ -47,13 +47,16 @@ fn notice(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         return ui.data_mut(|data| data.remove::<(String, f64)>(id));
     };
     let known = ui.data(|data| data.get_temp::<(String, f64)>(id));
-    let since = known.filter(|(words, _)| words == notice).map_or(now, |(_, since)| since);
+    let since = known
+        .filter(|(words, _)| words == notice)
+        .map_or(now, |(_, since)| since);
     ui.data_mut(|data| data.insert_temp(id, (notice.clone(), since)));
     let left = NOTICE - (now - since);
     if left <= 0.0 {
         actions.push(Action::DropNotice);
     } else {
-        ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
+        ui.ctx()
+            .request_repaint_after(Duration::from_secs_f64(left));
     }
     let words = RichText::new(format!("✔ {notice}")).color(theme::palette(ui).good);
     ui.add(Label::new(words).truncate()).on_hover_text(notice);
@@ -73,7 +76,11 @@ fn failure(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.set_max_width((screen.width() - 40.0).min(760.0));
         let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, warn));
         frame.show(ui, |ui| {
-            ui.label(RichText::new(format!("⚠ {}", failure.message)).color(warn).strong());
+            ui.label(
+                RichText::new(format!("⚠ {}", failure.message))
+                    .color(warn)
+                    .strong(),
+            );
             ui.horizontal_wrapped(|ui| {
                 ui.label(&failure.remedy);
                 if ui.button("Dismiss").clicked() {
@@ -113,11 +120,12 @@ fn stable_colour(now: &StateRecord, palette: &Palette) -> Color32 {
 
 /// How exact what is shown is, in few words: that of the plan belongs to stable equilibria only.
 fn chip(state: &ViewState) -> String {
-    let equilibrium = |now: &StateRecord| now.stop == Stop::Stable && state.jumping().is_none();
-    if state.run.state.as_ref().is_some_and(equilibrium) {
-        promise(Some(state.predicted_error())).replace("expected error", "exact to")
-    } else {
-        "no equilibrium".to_owned()
+    match &state.run.state {
+        None => "not computed yet".to_owned(),
+        Some(now) if now.stop == Stop::Stable && state.jumping().is_none() => {
+            promise(Some(state.predicted_error())).replace("expected error", "exact to")
+        }
+        Some(_) => "no equilibrium".to_owned(),
     }
 }
 

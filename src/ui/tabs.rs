@@ -125,8 +125,8 @@ impl Tabs {
             .is_some_and(|tab| tab.title().tall);
         let (share, least) = match tall {
             true => (0.36, 215.0),
-            false if whole < 600.0 => (0.54, 230.0),
-            false => (0.64, 260.0),
+            false if whole < 600.0 => (0.5, 230.0),
+            false => (0.6, 260.0),
         };
         (share * whole).max(least)
     }
@@ -209,9 +209,14 @@ const MORE: &str = "⋯";
 /// The tabs of a strip in one row: as many as it has room for, the `chosen` one among them.
 fn shown(ui: &Ui, titles: &[Title], chosen: usize) -> Vec<usize> {
     let font = TextStyle::Button.resolve(ui.style());
-    let (padding, gap) = (2.0 * ui.spacing().button_padding.x, ui.spacing().item_spacing.x);
+    let (padding, gap) = (
+        2.0 * ui.spacing().button_padding.x,
+        ui.spacing().item_spacing.x,
+    );
     let width = |words: &str| {
-        let galley = ui.painter().layout_no_wrap(words.to_owned(), font.clone(), Color32::WHITE);
+        let galley = ui
+            .painter()
+            .layout_no_wrap(words.to_owned(), font.clone(), Color32::WHITE);
         galley.size().x + padding + gap
     };
     let widths: Vec<f32> = titles.iter().map(|title| width(title.short)).collect();
@@ -221,7 +226,11 @@ fn shown(ui: &Ui, titles: &[Title], chosen: usize) -> Vec<usize> {
     }
     let mut left = room - width(MORE) - widths.get(chosen).copied().unwrap_or_default();
     let mut shown = Vec::new();
-    for (index, width) in widths.iter().enumerate().filter(|(index, _)| *index != chosen) {
+    for (index, width) in widths
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| *index != chosen)
+    {
         left -= width;
         if left < 0.0 {
             break;
@@ -241,7 +250,9 @@ fn offer(
     actions: &mut Vec<Action>,
 ) -> bool {
     let chosen = state.view.tab == index;
-    let response = ui.selectable_label(chosen, title.short).on_hover_text(title.what);
+    let response = ui
+        .selectable_label(chosen, title.short)
+        .on_hover_text(title.what);
     response.widget_info(|| {
         let name = format!("{} tab", title.name);
         WidgetInfo::selected(Role::Tab, true, chosen, name)

@@ -209,7 +209,11 @@ mod tests {
     const GROUNDS: [Ground; 2] = [Ground::Light, Ground::Dark];
 
     fn of(colour: Color32) -> Rgb {
-        assert_eq!(colour.a(), 255, "a colour that is seen through has no contrast of its own");
+        assert_eq!(
+            colour.a(),
+            255,
+            "a colour that is seen through has no contrast of its own"
+        );
         [colour.r(), colour.g(), colour.b()]
     }
 
@@ -222,7 +226,12 @@ mod tests {
     fn every_text_stands_out_from_what_it_is_written_on() {
         for ground in GROUNDS {
             let (v, p) = (visuals(ground), palette_on(ground));
-            let fills = [v.panel_fill, v.window_fill, v.extreme_bg_color, v.faint_bg_color];
+            let fills = [
+                v.panel_fill,
+                v.window_fill,
+                v.extreme_bg_color,
+                v.faint_bg_color,
+            ];
             let texts = [
                 ("text", v.text_color()),
                 ("strong", v.strong_text_color()),
@@ -243,11 +252,25 @@ mod tests {
             }
             // On buttons, fields and what is chosen.
             let chosen = v.panel_fill.blend(v.selection.bg_fill);
-            let card = v.faint_bg_color.blend(v.selection.bg_fill.gamma_multiply(0.55));
+            let card = v
+                .faint_bg_color
+                .blend(v.selection.bg_fill.gamma_multiply(0.55));
             for (what, text, fill) in [
-                ("button", v.widgets.inactive.fg_stroke.color, v.widgets.inactive.weak_bg_fill),
-                ("hovered", v.widgets.hovered.fg_stroke.color, v.widgets.hovered.weak_bg_fill),
-                ("pressed", v.widgets.active.fg_stroke.color, v.widgets.active.weak_bg_fill),
+                (
+                    "button",
+                    v.widgets.inactive.fg_stroke.color,
+                    v.widgets.inactive.weak_bg_fill,
+                ),
+                (
+                    "hovered",
+                    v.widgets.hovered.fg_stroke.color,
+                    v.widgets.hovered.weak_bg_fill,
+                ),
+                (
+                    "pressed",
+                    v.widgets.active.fg_stroke.color,
+                    v.widgets.active.weak_bg_fill,
+                ),
                 ("chosen", v.selection.stroke.color, chosen),
                 ("chosen card", v.strong_text_color(), card),
             ] {

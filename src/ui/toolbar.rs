@@ -24,6 +24,8 @@ enum Room {
     Faces,
     /// Only what plays; the rest is in the menu.
     Play,
+    /// The least of that.
+    Least,
 }
 
 impl Room {
@@ -32,8 +34,10 @@ impl Room {
             Room::Words
         } else if width >= 840.0 {
             Room::Faces
-        } else {
+        } else if width >= 430.0 {
             Room::Play
+        } else {
+            Room::Least
         }
     }
 }
@@ -50,22 +54,24 @@ pub fn show(ui: &mut Ui, state: &ViewState, pages: &[Page], actions: &mut Vec<Ac
         ui.spacing_mut().item_spacing.x = 4.0;
         gallery::button(ui, state, gallery, actions);
         let from = ui.min_rect().right();
-        for page in pages {
-            let present = state.view.page;
-            let chosen = present == *page || !pages.contains(&present) && *page == pages[0];
-            if ui.selectable_label(chosen, page.word()).clicked() {
-                let view = state.view;
-                actions.push(Action::SetView(ViewOptions { page: *page, ..view }));
-            }
+        if room == Room::Least {
+            let menu = ui.menu_button("▤", |ui| {
+                if choose_page(ui, state, pages, actions) {
+                    ui.close();
+                }
+            });
+            named(menu.response, "Page").on_hover_text("what is shown");
+        } else {
+            choose_page(ui, state, pages, actions);
         }
-        if room != Room::Play {
+        if room < Room::Play {
             gallery::look_for(ui, state);
             let menu = ui.menu_button("Learn", |ui| learn(ui, actions));
             named(menu.response, "Lessons").on_hover_text("lessons of about five minutes");
             ui.separator();
         }
         play(ui, state, room, actions);
-        if room != Room::Play {
+        if room < Room::Play {
             let menu = ui.menu_button(short(state.view.speed), |ui| speeds(ui, state, actions));
             named(menu.response, "Speed").on_hover_text("how fast sweeps and jumps are shown");
             reset(ui, actions);
@@ -82,9 +88,25 @@ pub fn show(ui: &mut Ui, state: &ViewState, pages: &[Page], actions: &mut Vec<Ac
         let used = ui.min_rect().right() - from + 2.0;
         if others.is_none_or(|others| (others - used).abs() > 0.5) {
             ui.data_mut(|data| data.insert_temp(id, used));
-            ui.ctx().request_discard("the gallery's width follows the rest of the bar");
+            ui.ctx()
+                .request_discard("the gallery's width follows the rest of the bar");
         }
     });
+}
+
+/// What is shown where the panels are not all in sight; true when it was chosen.
+fn choose_page(ui: &mut Ui, state: &ViewState, pages: &[Page], actions: &mut Vec<Action>) -> bool {
+    let present = state.view.page;
+    let mut asked = false;
+    for page in pages {
+        let chosen = present == *page || !pages.contains(&present) && *page == pages[0];
+        if ui.selectable_label(chosen, page.word()).clicked() {
+            let page = *page;
+            actions.push(Action::SetView(ViewOptions { page, ..state.view }));
+            asked = true;
+        }
+    }
+    asked
 }
 
 /// The lessons.
@@ -129,6 +151,9 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         (face, name, "Space", busy || paused, Action::Pause(!paused)),
         ("⏹", "Stop", "Esc", busy, Action::Stop),
     ] {
+        if room == Room::Least && action == Action::Stop {
+            continue;
+        }
         let button = named(large(ui, face, enabled, false), name);
         if button.on_hover_text(format!("{name} ({key})")).clicked() {
             actions.push(action);
@@ -214,7 +239,12 @@ fn files(ui: &mut Ui, actions: &mut Vec<Action>) {
 fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
     let theme = if ui.visuals().dark_mode { "☀" } else { "☾" };
     for (face, name, hover, action) in [
-        ("🎓", "Lecture mode", "Lecture mode (F11)", Action::ToggleLecture),
+        (
+            "🎓",
+            "Lecture mode",
+            "Lecture mode (F11)",
+            Action::ToggleLecture,
+        ),
         (theme, "Switch theme", "light or dark", Action::ToggleTheme),
         ("?", "Help", "keys and marks (?)", Action::ToggleHelp),
     ] {
@@ -228,9 +258,18 @@ fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
 /// The menu: what the bar has no room for, and what is seldom wanted.
 fn more(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
     ui.set_min_width(250.0);
-    if room == Room::Play {
-        named(ui.menu_button("Learn", |ui| learn(ui, actions)).response, "Lessons");
-        named(ui.menu_button("Files", |ui| files(ui, actions)).response, "Files");
+    if room == Room::Least {
+        entries(ui, actions, [("Stop", "Esc", Action::Stop)]);
+    }
+    if room >= Room::Play {
+        named(
+            ui.menu_button("Learn", |ui| learn(ui, actions)).response,
+            "Lessons",
+        );
+        named(
+            ui.menu_button("Files", |ui| files(ui, actions)).response,
+            "Files",
+        );
         let speed = ui.menu_button("Speed", |ui| speeds(ui, state, actions));
         named(speed.response, "Speed");
         let list = [

@@ -26,7 +26,7 @@ use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::window;
-use crate::scene::{Model, Scene};
+use crate::scene::{Drive, Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
@@ -250,13 +250,15 @@ impl ViewState {
     }
 
     /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says
-    /// that it is not the one opened.
+    /// that it is not the one opened; a scene that was there before comes back as it was.
     pub fn edit_scene(&mut self, mut scene: Scene) {
         let before = self.past();
         if scene == *before.scene {
             return;
         }
-        if !scene.title.starts_with(CHANGED) {
+        if let Some(known) = self.history.known(&scene, &before.scene) {
+            scene = known;
+        } else if !scene.title.starts_with(CHANGED) {
             scene.title.insert_str(0, CHANGED);
         }
         if self.set_scene(scene) {
@@ -512,6 +514,8 @@ impl ViewState {
     }
 }
 
+/// Among how many of the last scenes one that comes back is looked for.
+const RECENT: usize = 16;
 /// Most edits that can be taken back.
 const DEPTH: usize = 200;
 
@@ -549,6 +553,31 @@ impl History {
         }
         self.in_gesture = true;
         self.redo.clear();
+    }
+
+    /// The newest of the scenes before that the `edited` one differs from in title and drive alone:
+    /// there and back, as from law to law, the drive would else stay adapted to the way. None where
+    /// it is the drive of the `present` scene that was edited.
+    fn known(&self, edited: &Scene, present: &Scene) -> Option<Scene> {
+        let same = |a: &Scene| {
+            let like = Scene {
+                title: edited.title.clone(),
+                drive: Drive {
+                    control: a.drive.control,
+                    ..edited.drive
+                },
+                ..a.clone()
+            };
+            like == *edited
+        };
+        if same(present) {
+            return None;
+        }
+        let before = self.undo.iter().rev().take(RECENT);
+        before
+            .map(|past| &*past.scene)
+            .find(|scene| same(scene))
+            .cloned()
     }
 
     /// The pointer is up: the next edit is another one.

@@ -93,14 +93,24 @@ impl Entry<'_> {
     }
 
     fn refusal(&self, text: &str) -> String {
-        let end = |x: &f64| plain(if x.abs() < 1e-3 { *x } else { (x * 1e6).round() / 1e6 });
+        let end = |x: &f64| {
+            plain(if x.abs() < 1e-3 {
+                *x
+            } else {
+                (x * 1e6).round() / 1e6
+            })
+        };
         let (low, high) = (end(self.range.start()), end(self.range.end()));
         let kind = if self.decimals == 0 {
             "a whole number"
         } else {
             "a number"
         };
-        let what = if parse(text).is_some() { "" } else { "no number: " };
+        let what = if parse(text).is_some() {
+            ""
+        } else {
+            "no number: "
+        };
         format!(
             "{} = {}: {what}allowed is {kind} from {low} to {high}{}",
             self.name,
@@ -128,7 +138,8 @@ fn say_refusal(ui: &Ui, response: &Response, refused: Option<String>) {
     let colour = theme::palette(ui).warn;
     let (ctx, layer) = (ui.ctx().clone(), response.layer_id);
     Tooltip::always_open(ctx, layer, id, response.rect).show(|ui| ui.colored_label(colour, words));
-    ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
+    ui.ctx()
+        .request_repaint_after(Duration::from_secs_f64(left));
 }
 
 /// A card of one choice among several of a `group`: a sketch over its name.

@@ -9,7 +9,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::study::live_loop::{Fineness, LiveLoop};
 use tackscope::worker::protocol::{Event, LiveState};
 
-fn live() -> Arc<LiveState> {
+pub fn live() -> Arc<LiveState> {
     let scene = fig2();
     let found =
         LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).map_err(|e| e.to_string());

@@ -7,20 +7,24 @@ mod bench;
 mod branches;
 mod commands;
 mod dialogs;
+mod frames;
 mod ground;
 mod landscape;
+mod layout;
 mod lessons;
 mod limits;
 mod live;
 mod machine;
 mod model;
 mod paper;
+mod random;
 mod select;
 mod stepped;
 mod stored;
 mod tabs;
 mod units;
 mod why;
+mod wrongs;
 
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
@@ -96,10 +100,33 @@ fn every_control_is_found_by_its_label() {
         assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
     }
     for (fold, labels) in [
-        ("Files", &["Open…", "Save…", "Export data…", "Export picture…", "Copy scene"][..]),
-        ("Map options", &["Smooth", "Centre the pattern", "Soft mode"]),
-        ("Menu", &["Restore layout", "Theme of the system", "All commands…", "Quit"]),
-        ("More tabs", &["Speed and accuracy tab", "Equations tab", "Paper tab"]),
+        (
+            "Files",
+            &[
+                "Open…",
+                "Save…",
+                "Export data…",
+                "Export picture…",
+                "Copy scene",
+            ][..],
+        ),
+        (
+            "Map options",
+            &["Smooth", "Centre the pattern", "Soft mode"],
+        ),
+        (
+            "Menu",
+            &[
+                "Restore layout",
+                "Theme of the system",
+                "All commands…",
+                "Quit",
+            ],
+        ),
+        (
+            "More tabs",
+            &["Speed and accuracy tab", "Equations tab", "Paper tab"],
+        ),
         (
             "Advanced",
             &[
@@ -570,13 +597,7 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
         bench.reach(u0, Direction::Retraction);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
-    assert!(
-        bench
-            .names()
-            .contains("0.4321 γ lost"),
-        "{}",
-        bench.names()
-    );
+    assert!(bench.names().contains("0.4321 γ lost"), "{}", bench.names());
     assert!(
         bench
             .state()
@@ -641,7 +662,8 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     })));
     let names = bench.names();
     assert!(
-        names.contains("Loop not closed") && names.contains("it ends as bulge and began as flat; raise drive.start"),
+        names.contains("Loop not closed")
+            && names.contains("it ends as bulge and began as flat; raise drive.start"),
         "{names}"
     );
     assert!(!names.contains("0.4321"), "{names}");

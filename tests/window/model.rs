@@ -61,7 +61,11 @@ fn a_model_changed_on_the_way_is_a_notice_and_no_failure() {
         names.contains("now on the whole cell: a mode that is not mirror-symmetric goes soft here"),
         "{names}"
     );
-    assert!(bench.status().contains("whole cell 64 × 64, expected error"));
+    assert!(
+        bench
+            .status()
+            .contains("whole cell 64 × 64, expected error")
+    );
 }
 
 #[test]

@@ -105,8 +105,8 @@ impl Tab for Why {
                 Some(told) => {
                     headline(ui, told);
                     ui.label(&told.why.sentence);
-                    pictures(ui, state, told, actions);
                     replay(ui, state, told, &mut self.replay);
+                    pictures(ui, state, told, actions);
                 }
             });
     }
