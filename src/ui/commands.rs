@@ -333,8 +333,7 @@ impl Palette {
             )
         });
         let hint = "what to do, or a value of u₀ in ranges";
-        let heard =
-            ui.is_enabled() && !ui.is_sizing_pass() && ui.memory(|m| m.has_focus(field_id()));
+        let heard = ui.memory(|memory| memory.has_focus(field_id()));
         let field = ui.add(
             TextEdit::singleline(&mut self.words)
                 .id(field_id())
@@ -342,8 +341,8 @@ impl Palette {
                 .desired_width(f32::INFINITY),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
-        if !heard || !field.has_focus() {
-            // The window finds its size first: what is typed meanwhile is not lost.
+        if !heard {
+            // What is typed before the field listens is not lost.
             self.words += &typed(ui.ctx());
             field.request_focus();
         }

@@ -314,7 +314,8 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let y_of = |value: f64| bar.bottom() - (value / top) as f32 * bar.height();
     let contact = y_of(state.model.law.contact_gap() / one);
     let named = ui.clip_rect().right() > bar.right() + 58.0;
-    let (values, spacing) = ticks::within(0.0, top * 1.001, 8.0);
+    let most = f64::from(bar.height() / 28.0).clamp(2.0, 8.0);
+    let (values, spacing) = ticks::within(0.0, top * 1.001, most);
     for value in values {
         let y = y_of(value);
         ui.painter()

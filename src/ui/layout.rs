@@ -13,7 +13,7 @@ use egui::{CentralPanel, Panel, ScrollArea, Ui, UiBuilder};
 const THREE: f32 = 880.0;
 const TWO: f32 = 540.0;
 /// The least height of the panels; in a lower window they scroll.
-const LOW: f32 = 340.0;
+const LOW: f32 = 300.0;
 /// The share of the left panel that a lesson takes beside the controls, and that of a narrow window.
 const LESSON: f32 = 0.55;
 const BELOW: f32 = 0.4;

@@ -189,6 +189,8 @@ fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
         let up = if target_y <= actual_y { -11.0 } else { 11.0 };
         (target_y, actual_y) = (middle + up, middle - up);
     }
+    let over = (target_y.max(actual_y) - rail.bottom()).max(0.0);
+    (target_y, actual_y) = (target_y - over, actual_y - over);
     ui.painter().text(
         pos2(x, target_y),
         Align2::LEFT_CENTER,

@@ -2,6 +2,7 @@
 
 mod films;
 mod hint;
+mod history;
 mod lesson;
 mod plots;
 mod run;
@@ -9,6 +10,7 @@ mod stored;
 
 pub use films::Films;
 pub use hint::Hint;
+pub use history::{History, Past};
 pub use lesson::Begin;
 pub use plots::{Kept, LiveView, Plots};
 pub use run::{ClosedLoop, RunView, Selection};
@@ -26,11 +28,11 @@ use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::window;
-use crate::scene::{Drive, Model, Scene};
+use crate::scene::{Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
-    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Stored, Sweep,
+    Command, Envelope, Event, Failure, Frame, Motion, Play, RunId, Speed, Sweep,
 };
 use std::sync::Arc;
 
@@ -46,8 +48,8 @@ const CHANGED: &str = "Changed: ";
 pub struct ViewState {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// How many scenes were opened; an edited one is still the one opened.
-    pub opened: usize,
+    /// Which scene was opened; an edited one is still the one opened.
+    pub opened: Opened,
     /// What the scene was decided to be.
     pub model: Model,
     /// The method.
@@ -78,13 +80,20 @@ pub struct ViewState {
     pub history: History,
     /// The lesson under way.
     pub lesson: Option<Progress>,
-    /// The window has just opened, and nothing has snapped yet: where it will is left to guess.
-    pub opening: bool,
-    /// The first run of the scene that was opened: what is told of older ones is another scene's.
-    first_run: RunId,
     /// Stops the measurement under way.
     measurement: Cancel,
     told: Told,
+}
+
+/// The scene that was opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Opened {
+    /// How many were opened before it.
+    pub count: usize,
+    /// Its first run: what is told of older ones is another scene's.
+    first_run: RunId,
+    /// The window has opened with it, and nothing has snapped yet: where it will is left to guess.
+    guessing: bool,
 }
 
 /// What the window says in words.
@@ -135,7 +144,11 @@ impl ViewState {
                 window::of_u0(&scene, &model),
             )),
             scene: Arc::new(scene),
-            opened: 0,
+            opened: Opened {
+                count: 0,
+                first_run: 1,
+                guessing: false,
+            },
             model,
             method: MethodKind::default(),
             asked: None,
@@ -155,8 +168,6 @@ impl ViewState {
             view: ViewOptions::default(),
             history: History::default(),
             lesson: None,
-            opening: false,
-            first_run: 1,
             measurement: Cancel::default(),
             told: Told::default(),
         })
@@ -169,7 +180,7 @@ impl ViewState {
     /// The scene's first value that is not allowed.
     pub fn at_first_jump(scene: Scene) -> Result<Self, Refusal> {
         let mut state = Self::new(scene)?;
-        state.opening = true;
+        state.opened.guessing = true;
         let (law, length) = (state.model.law, state.model.equivalent_length);
         let driven = !state.scene.control().frees_mean();
         let limits = flat::limits(&law, length);
@@ -193,7 +204,7 @@ impl ViewState {
         self.frame = None;
         self.plots.live = None;
         self.plots.ghosts.clear();
-        self.first_run = first_run;
+        self.opened.first_run = first_run;
     }
 
     /// The range rho.
@@ -235,7 +246,7 @@ impl ViewState {
         if title_without(&scene.title) != self.title_opened() {
             self.forget_the_last_scene(self.run.id + 1);
         }
-        self.opening = false;
+        self.opened.guessing = false;
         self.plots.beneath.clear();
         self.plots.branches = None;
         self.plots.preview = None;
@@ -273,7 +284,7 @@ impl ViewState {
         if self.set_scene(scene) {
             self.forget_the_last_scene(self.run.id);
             (self.method, self.asked) = Default::default();
-            self.opened += 1;
+            self.opened.count += 1;
             self.history.end_gesture();
             self.history.remember(before);
             self.messages.hint.get_or_insert(Hint::Lower);
@@ -426,7 +437,7 @@ impl ViewState {
             }
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
-                self.opening = false;
+                self.opened.guessing = false;
                 self.hint_after_jump(&jump);
                 self.run.curve.cut();
                 self.run.stiffness.cut();
@@ -514,98 +525,7 @@ impl ViewState {
     }
 }
 
-/// Among how many of the last scenes one that comes back is looked for.
-const RECENT: usize = 16;
-/// Most edits that can be taken back.
-const DEPTH: usize = 200;
-
 /// The title of a scene without the words that say that it was edited.
 fn title_without(title: &str) -> &str {
     title.strip_prefix(CHANGED).unwrap_or(title)
-}
-
-/// A scene, how it was computed, and where its surface was; `None` at the start of the drive.
-#[derive(Clone, Debug)]
-pub struct Past {
-    scene: Arc<Scene>,
-    method: MethodKind,
-    asked: Option<Strategy>,
-    surface: Option<Arc<Stored>>,
-}
-
-/// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
-/// however many values it passes.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    undo: Vec<Past>,
-    redo: Vec<Past>,
-    in_gesture: bool,
-}
-
-impl History {
-    /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
-    pub fn remember(&mut self, before: Past) {
-        if !self.in_gesture {
-            self.undo.push(before);
-            if self.undo.len() > DEPTH {
-                self.undo.remove(0);
-            }
-        }
-        self.in_gesture = true;
-        self.redo.clear();
-    }
-
-    /// The newest of the scenes before that the `edited` one differs from in title and drive alone:
-    /// there and back, as from law to law, the drive would else stay adapted to the way. None where
-    /// it is the drive of the `present` scene that was edited.
-    fn known(&self, edited: &Scene, present: &Scene) -> Option<Scene> {
-        let same = |a: &Scene| {
-            let like = Scene {
-                title: edited.title.clone(),
-                drive: Drive {
-                    control: a.drive.control,
-                    ..edited.drive
-                },
-                ..a.clone()
-            };
-            like == *edited
-        };
-        if same(present) {
-            return None;
-        }
-        let before = self.undo.iter().rev().take(RECENT);
-        before
-            .map(|past| &*past.scene)
-            .find(|scene| same(scene))
-            .cloned()
-    }
-
-    /// The pointer is up: the next edit is another one.
-    pub fn end_gesture(&mut self) {
-        self.in_gesture = false;
-    }
-
-    /// What was before `present`, if anything.
-    pub fn undo(&mut self, present: Past) -> Option<Past> {
-        let past = self.undo.pop()?;
-        self.redo.push(present);
-        Some(past)
-    }
-
-    /// What came after `present`, if anything.
-    pub fn redo(&mut self, present: Past) -> Option<Past> {
-        let past = self.redo.pop()?;
-        self.undo.push(present);
-        Some(past)
-    }
-
-    /// True if there is something to take back.
-    pub fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
-    }
-
-    /// True if there is something to do again.
-    pub fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
-    }
 }

@@ -7,7 +7,7 @@ use super::bench::fig2;
 use super::stepped::opened;
 use egui::{Event, Key, Modifiers, pos2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::Cell;
@@ -168,6 +168,14 @@ fn check(window: &Harness<'static, App>) -> Result<(), TestCaseError> {
         state.target,
         state.limits
     );
+    let nodes = window.root().children_recursive();
+    let words = nodes.filter_map(|node| node.value().or(node.accesskit_node().label()));
+    let said = words.collect::<Vec<_>>().join(" ");
+    let zero = said.split_whitespace().find(|word| {
+        let unsigned = word.strip_prefix(['-', '−']);
+        unsigned.is_some_and(|digits| digits.parse() == Ok(0.0))
+    });
+    prop_assert!(zero.is_none(), "a zero has no sign: {zero:?}");
     let jumps = &state.run.record.jumps;
     let sum: f64 = jumps.iter().map(|jump| jump.released_energy).sum();
     let told = state.run.record.released_energy_sum();
@@ -206,6 +214,8 @@ fn random_gestures_break_nothing_and_are_all_taken_back() {
         let mut window = opened(fig2());
         for gesture in &gestures {
             make(&mut window, gesture);
+            // What was asked for is drawn in the frame after.
+            window.step();
             check(&window)?;
             made.set(made.get() + 1);
         }

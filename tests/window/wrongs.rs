@@ -5,6 +5,9 @@ use super::bench::{Bench, fig2};
 use super::live::live;
 use egui::{Event as Input, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
 use tackscope::scene::Range;
@@ -49,6 +52,40 @@ fn another_scene_shows_nothing_of_the_last_one_not_for_a_frame() {
     // A live loop of the last scene that comes late.
     bench.say_of(1, Event::Live(live()));
     assert!(bench.state().plots.live.is_none());
+}
+
+/// A file as a desktop drops it.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads files by their path".to_owned())
+    }
+}
+
+#[test]
+fn a_scene_dropped_on_the_window_opens() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("mine.toml");
+    let mut scene = fig2();
+    (scene.title, scene.cell.length) = ("Mine".to_owned(), 300.0);
+    scene_file::save(&path, &scene).expect("saved");
+    let mut bench = Bench::new();
+    let files = &mut bench.window.input_mut().dropped_files;
+    files.push(Arc::new(Dropped(path)));
+    for _ in 0..500 {
+        bench.window.step();
+        if bench.state().scene.title == "Mine" {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(*bench.state().scene, scene);
 }
 
 #[test]

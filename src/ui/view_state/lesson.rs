@@ -31,7 +31,7 @@ impl ViewState {
         let step = self
             .lesson()
             .and_then(|(lesson, progress)| progress.step(lesson));
-        let waits = self.opening || self.view.lecture && self.run.record.jumps.is_empty();
+        let waits = self.opened.guessing || self.view.lecture && self.run.record.jumps.is_empty();
         step.is_some_and(|step| step.hide.contains(&what)) || waits && what == Hidden::Forecast
     }
 

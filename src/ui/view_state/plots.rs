@@ -266,7 +266,7 @@ impl ViewState {
     /// While a parameter is dragged every loop is late by a few frames; it is drawn all the same.
     pub(super) fn take_live(&mut self, run: RunId, live: Arc<LiveState>) {
         let shown = self.plots.live.as_ref().map(|shown| shown.run);
-        if run >= shown.unwrap_or(self.first_run) {
+        if run >= shown.unwrap_or(self.opened.first_run) {
             self.plots.live = Some(LiveView::new(run, live));
         }
     }
