@@ -176,6 +176,20 @@ pub struct JumpRecord {
 }
 
 impl JumpRecord {
+    /// What it changed, in words: "flat → bulge"; "contact spreads" where the pattern has the same
+    /// name before and after.
+    pub fn change(&self) -> String {
+        let down = self.direction == Direction::Approach;
+        match (self.from, self.to) {
+            (from, to) if from != to => format!("{} → {}", from.words(), to.words()),
+            (Pattern::Contact, _) if down => "contact spreads".to_owned(),
+            (Pattern::Contact, _) => "contact shrinks".to_owned(),
+            (Pattern::Flat, _) if down => "flat → flat in contact".to_owned(),
+            (Pattern::Flat, _) => "flat in contact → flat".to_owned(),
+            (same, _) => format!("one {0} → another {0}", same.words()),
+        }
+    }
+
     /// What gave way, and where it lands if that is contested: "flat limit; contested: ridge 57 % /
     /// bulge 43 %".
     pub fn cause_words(&self) -> String {

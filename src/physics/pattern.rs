@@ -40,6 +40,14 @@ impl Pattern {
             Pattern::Other => "other",
         }
     }
+
+    /// What people call it: on uneven ground, which is where it occurs, the other pattern is none.
+    pub fn words(self) -> &'static str {
+        match self {
+            Pattern::Other => "apart",
+            named => named.word(),
+        }
+    }
 }
 
 impl fmt::Display for Pattern {

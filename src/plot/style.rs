@@ -66,13 +66,13 @@ impl Colour {
             Colour::Ink => [0x22_2222, 0xe6_e6e6],
             Colour::Blue => [0x1f_5fb4, 0x6a_b0ff],
             Colour::Red => [0xc8_2a2a, 0xff_8278],
-            Colour::Green => [0x14_844c, 0x52_d094],
-            Colour::Orange => [0xc8_5c00, 0xff_a64d],
+            Colour::Green => [0x10_7a44, 0x52_d094],
+            Colour::Orange => [0xac_4e00, 0xff_a64d],
             Colour::Purple => [0x84_469c, 0xd0_98ea],
-            Colour::Teal => [0x00_808a, 0x4c_d0d8],
+            Colour::Teal => [0x00_767f, 0x4c_d0d8],
             Colour::Magenta => [0xb0_1c68, 0xf4_78b0],
             Colour::Gold => [0x96_6e00, 0xe8_c860],
-            Colour::Grey => [0x74_787e, 0x96_9ca6],
+            Colour::Grey => [0x6c_7076, 0x96_9ca6],
         };
         let [_, rgb @ ..] = match ground {
             Ground::Light => light,
@@ -137,6 +137,21 @@ pub fn pointing(direction: Direction) -> Symbol {
     }
 }
 
+/// Contrast ratio of two colours (WCAG 2.2, 1 to 21).
+pub fn contrast(a: Rgb, b: Rgb) -> f64 {
+    let linear = |c: u8| {
+        let c = f64::from(c) / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    let luminance = |c: Rgb| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+    let (a, b) = (luminance(a) + 0.05, luminance(b) + 0.05);
+    a.max(b) / a.min(b)
+}
+
 /// Where such symbols stand on a line: the first point of every slot of a raster of `every` along
 /// x, which does not wander while the line grows. None at its two ends.
 pub fn marked(points: &[[f64; 2]], every: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
@@ -196,22 +211,6 @@ mod tests {
         Colour::Gold,
         Colour::Grey,
     ];
-
-    /// Contrast ratio of two colours (WCAG 2.2, 1 to 21).
-    fn contrast(a: Rgb, b: Rgb) -> f64 {
-        let linear = |c: u8| {
-            let c = f64::from(c) / 255.0;
-            if c <= 0.04045 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
-            }
-        };
-        let luminance =
-            |c: Rgb| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
-        let (a, b) = (luminance(a) + 0.05, luminance(b) + 0.05);
-        a.max(b) / a.min(b)
-    }
 
     #[test]
     fn every_mark_stands_out_from_its_ground_and_the_loss_is_seen() {

@@ -2,6 +2,7 @@
 
 use super::failure::near;
 use super::{Failure, files, picture, scene_file, session};
+use crate::follow::record::Direction;
 use crate::scene::Scene;
 use std::path::Path;
 
@@ -39,6 +40,12 @@ pub fn find(name: &str) -> Option<&'static Preset> {
 pub fn titled(title: &str) -> Option<&'static Preset> {
     ALL.iter().find(|preset| preset.title() == title)
 }
+
+/// What the question of a preset begins with.
+const QUESTION: &str = "Question:";
+
+/// The small pictures of all loops, as the example `thumbnails` prints them.
+const THUMBNAILS: &str = include_str!("../../assets/thumbnails.csv");
 
 /// The word of the command line for a scene that comes by standard input.
 const STANDARD_INPUT: &str = "-";
@@ -91,7 +98,7 @@ impl Preset {
     }
 
     /// The title in its file.
-    fn title(&self) -> &'static str {
+    pub fn title(&self) -> &'static str {
         let title = self
             .text
             .lines()
@@ -99,10 +106,46 @@ impl Preset {
         title.unwrap_or_default()
     }
 
-    /// What to look for, with these words: the comment that its file opens with, as one paragraph.
-    pub fn hint(&self) -> String {
+    /// The comment that its file opens with, as one paragraph.
+    fn comment(&self) -> String {
         let comment = self.text.lines().map_while(|line| line.strip_prefix('#'));
         comment.map(str::trim).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What to look for, with these words: the comment up to its question.
+    pub fn hint(&self) -> String {
+        let comment = self.comment();
+        let hint = comment.split(QUESTION).next().unwrap_or_default();
+        hint.trim_end().to_owned()
+    }
+
+    /// The question that it asks: the end of the comment.
+    pub fn question(&self) -> String {
+        let comment = self.comment();
+        let question = comment.split_once(QUESTION).map(|(_, words)| words);
+        question.unwrap_or_default().trim().to_owned()
+    }
+
+    /// Its loop as a small picture: along each direction places (u0, stress) in shares of what they
+    /// span. Empty for a preset without one.
+    pub fn thumbnail(&self) -> Vec<(Direction, Vec<[f32; 2]>)> {
+        let rows = THUMBNAILS.lines().filter_map(|row| {
+            let mut cells = row.split(',');
+            let mut next = || cells.next();
+            let is_its_own = next()? == self.name;
+            let direction = next()?;
+            let at = [next()?.parse().ok()?, next()?.parse().ok()?];
+            is_its_own.then_some((direction, at))
+        });
+        let rows: Vec<(&str, [f32; 2])> = rows.collect();
+        [Direction::Approach, Direction::Retraction]
+            .map(|direction| {
+                let of = rows
+                    .iter()
+                    .filter(|(word, _)| *word == direction.to_string());
+                (direction, of.map(|(_, at)| *at).collect())
+            })
+            .into()
     }
 
     /// The same without these words, as a sentence of its own.

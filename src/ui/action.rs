@@ -65,6 +65,8 @@ pub enum Action {
     ToggleHelp,
     /// Light to dark and back.
     ToggleTheme,
+    /// Light or dark as the desktop has it.
+    SystemTheme,
     /// Fit the plot's axes to the data.
     FitData,
     /// Fit the plot's axes to the scene.
@@ -128,6 +130,8 @@ pub enum Action {
     ToggleLecture,
     /// Panels and view as they were at first.
     RestoreLayout,
+    /// The notice has been read, or was long enough.
+    DropNotice,
     /// The failure has been read.
     DismissFailure,
     /// End the program.
@@ -242,8 +246,8 @@ impl FileTask {
             FileTask::ExportLoopCsv
             | FileTask::ExportEventsCsv
             | FileTask::ExportCurvesCsv
-            | FileTask::ExportTabCsv => "Export CSV",
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export PNG",
+            | FileTask::ExportTabCsv => "Export data",
+            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export picture",
             FileTask::ExportFilm(_) => "Export film",
         }
     }
@@ -311,6 +315,29 @@ pub enum ProfileLine {
     AlongY(f64),
 }
 
+/// What is shown where the window has no room for all panels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Page {
+    /// Map, profile and strip.
+    #[default]
+    Surface,
+    /// The plot and the tabs.
+    Curve,
+    /// What the scene is made of.
+    Scene,
+}
+
+impl Page {
+    /// Its name on the screen.
+    pub fn word(self) -> &'static str {
+        match self {
+            Page::Surface => "Map",
+            Page::Curve => "Curve",
+            Page::Scene => "Scene",
+        }
+    }
+}
+
 /// How things are drawn; no part of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -326,6 +353,8 @@ pub struct ViewOptions {
     pub push_width: f64,
     /// What is shown below the plot: the tab of this index.
     pub tab: usize,
+    /// What is shown where there is no room for all.
+    pub page: Page,
     /// How fast sweeps and jumps are shown.
     pub speed: Speed,
     /// In what kept loops are drawn.
@@ -343,6 +372,7 @@ impl Default for ViewOptions {
             soft_mode: false,
             push_width: 0.12,
             tab: 0,
+            page: Page::default(),
             speed: Speed::default(),
             scales: Scales::default(),
             lecture: false,

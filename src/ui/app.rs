@@ -6,10 +6,8 @@ use super::film::FilmExport;
 use super::map_cache::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, Extent, Saved, ViewState};
-use super::{
-    controls, gap_map, keys, lecture, lesson, loop_plot, profile, status_bar, strip, toolbar,
-};
-use crate::lessons::{Hidden, Progress};
+use super::{keys, layout, lecture, loop_plot};
+use crate::lessons::Progress;
 use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
 use crate::plot::panel::Page;
@@ -20,8 +18,7 @@ use crate::worker::SolverHandle;
 use crate::worker::job::Job;
 use crate::worker::protocol::{Command, Envelope};
 use egui::containers::PanelState;
-use egui::scroll_area::ScrollSource;
-use egui::{CentralPanel, Context, Panel, ScrollArea, Ui, UiBuilder, Vec2, vec2};
+use egui::{Context, Ui};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -74,9 +71,6 @@ enum Done {
 
 /// What to do where a file was refused.
 const OTHER_PATH: &str = "Choose another path, or mend the file.";
-
-/// The least room in which the panels stand beside each other (points).
-const LAYOUT: Vec2 = vec2(760.0, 480.0);
 
 impl App {
     /// A window on this state, worked by this solver.
@@ -141,7 +135,7 @@ impl App {
         let dropped = dropped.into_iter().map(|file| file.path().to_owned());
         actions.extend(dropped.take(1).map(Action::Open));
         self.announce(&ctx);
-        self.everything(ui, &mut actions);
+        self.panels(ui, &mut actions);
         self.tabs.float(&ctx, &self.state, &mut actions);
         self.dialogs
             .show(&ctx, &self.state, &self.tabs, &mut actions);
@@ -235,67 +229,13 @@ impl App {
         }
     }
 
-    /// The panels; where the window is smaller than they need, the whole of them scrolls.
-    fn everything(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
-        let room = ui.available_size();
-        if room.x >= LAYOUT.x && room.y >= LAYOUT.y {
-            return self.panels(ui, actions);
-        }
-        // Dragging belongs to sliders, map and plots.
-        let source = ScrollSource::SCROLL_BAR | ScrollSource::MOUSE_WHEEL;
-        ScrollArea::both()
-            .auto_shrink(false)
-            .scroll_source(source)
-            .show(ui, |ui| {
-                let size = room.max(LAYOUT);
-                let (_, rect) = ui.allocate_space(size);
-                self.panels(&mut ui.new_child(UiBuilder::new().max_rect(rect)), actions);
-            });
-    }
-
     fn panels(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
-        let state = &self.state;
+        let (state, maps) = (&self.state, &self.maps);
         if state.view.lecture {
-            return lecture::show(ui, state, actions, &self.maps);
+            lecture::show(ui, state, maps, actions);
+        } else {
+            layout::show(ui, state, maps, &mut self.tabs, actions);
         }
-        let width = ui.available_width();
-        Panel::top("toolbar").show(ui, |ui| {
-            ui.add_space(3.0);
-            toolbar::show(ui, state, actions);
-            ui.add_space(3.0);
-        });
-        Panel::bottom("status").show(ui, |ui| status_bar::show(ui, state, actions));
-        let learns = state.lesson().is_some();
-        Panel::left(("controls", learns))
-            .default_size(if learns { 300.0 } else { 260.0 })
-            .size_range(236.0..=420.0)
-            .show(ui, |ui| {
-                lesson::show(ui, state, actions);
-                if !state.hides(Hidden::Controls) {
-                    controls::show(ui, state, actions);
-                }
-            });
-        let rest = width - 270.0;
-        // A width drawn by hand is kept for windows of about that size: one from a small window
-        // would cut the lists of a large one.
-        let right = Panel::right(("curve", (width / 200.0) as u32))
-            .default_size((0.42 * rest).clamp(350.0, 560.0))
-            .size_range(230.0..=(0.55 * rest).max(240.0));
-        right.show(ui, |ui| {
-            if state.hides(Hidden::Tabs) {
-                let height = ui.available_height() - 12.0;
-                return loop_plot::show(ui, state, actions, height);
-            }
-            let height = self.tabs.plot_height(ui, state);
-            loop_plot::show(ui, state, actions, height);
-            ui.separator();
-            self.tabs.show(ui, state, actions);
-        });
-        CentralPanel::default().show(ui, |ui| {
-            gap_map::show(ui, state, actions, &self.maps);
-            profile::show(ui, state, self.maps.a.picture.as_ref(), actions);
-            strip::show(ui, state, actions);
-        });
     }
 
     fn act(&mut self, ctx: &Context, action: Action) {
@@ -327,7 +267,7 @@ impl App {
                 self.file = None;
                 self.dialogs.close();
             }
-            Action::ToggleCommands => self.dialogs.toggle_commands(),
+            Action::ToggleCommands => self.dialogs.toggle_commands(ctx),
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
             Action::ToggleTheme => {
                 let dark = ctx.theme() == egui::Theme::Dark;
@@ -337,6 +277,7 @@ impl App {
                     egui::Theme::Dark
                 });
             }
+            Action::SystemTheme => ctx.set_theme(egui::ThemePreference::System),
             Action::FitData => state.fit_axes(),
             Action::FitScene => state.plots.fit = None,
             Action::SetView(view) => state.view = view,
@@ -387,6 +328,7 @@ impl App {
                 state.plots.fit = None;
                 self.tabs.restore();
             }
+            Action::DropNotice => state.messages.notice = None,
             Action::DismissFailure => state.messages.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }

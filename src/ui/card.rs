@@ -2,6 +2,7 @@
 //! with it.
 
 use super::action::Action;
+use super::headline::energy;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::named;
@@ -19,7 +20,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
     };
     let s = &selection.state;
     let palette = theme::palette(ui);
-    let released = state.model.unit(Dimension::SurfaceEnergy);
     // In the corner that the curve of a loop leaves free, unless the state itself is there.
     let ([left, bottom], [right, top]) = state.axes();
     let there = s.mean_displacement / state.rho() > 0.5 * (left + right)
@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                 ui.set_width(WIDTH - 14.0);
                 ui.spacing_mut().item_spacing.y = 1.0;
                 ui.horizontal(|ui| {
-                    let words = format!("{} on {}", s.pattern, s.direction);
+                    let words = format!("{} on {}", s.pattern.words(), s.direction);
                     ui.label(RichText::new(words).strong());
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         if named(ui.small_button("✖"), "Close the card").clicked() {
@@ -61,10 +61,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                 }
                 if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
                     let words = format!(
-                        "{} → {} released {}",
-                        jump.from,
-                        jump.to,
-                        released.say(jump.released_energy, 4, "γ")
+                        "{} released {}",
+                        jump.change(),
+                        energy(state, jump.released_energy)
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }

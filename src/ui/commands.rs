@@ -17,7 +17,8 @@ use crate::storage::film::FilmKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::{
-    Align, Align2, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
+    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui,
+    Window,
 };
 
 /// Something that can be done now.
@@ -228,6 +229,7 @@ fn views(state: &ViewState) -> Vec<Command> {
             }),
         ),
         one("Switch between light and dark", "", Action::ToggleTheme),
+        one("Theme of the system", "", Action::SystemTheme),
         one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),
         one("Keys and marks", "?", Action::ToggleHelp),
@@ -319,14 +321,36 @@ pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
 }
 
 /// The open palette.
-#[derive(Default)]
 pub struct Palette {
     words: String,
     chosen: usize,
-    shown: bool,
+}
+
+/// Its field.
+fn field_id() -> Id {
+    Id::unique("palette of commands")
+}
+
+/// What is typed in this frame.
+fn typed(ctx: &Context) -> String {
+    let text = |event: &Event| match event {
+        Event::Text(text) => Some(text.clone()),
+        _ => None,
+    };
+    ctx.input(|input| input.events.iter().filter_map(text).collect())
 }
 
 impl Palette {
+    /// A palette that has heard what is typed in the frame in which it opens, and hears what comes
+    /// in the next.
+    pub fn new(ctx: &Context) -> Self {
+        ctx.memory_mut(|memory| memory.request_focus(field_id()));
+        Self {
+            words: typed(ctx),
+            chosen: 0,
+        }
+    }
+
     /// Draws it; what is run closes it first.
     pub fn show(
         &mut self,
@@ -353,13 +377,17 @@ impl Palette {
             )
         });
         let hint = "what to do, or a value of u₀ in ranges";
+        let heard = ui.memory(|memory| memory.has_focus(field_id()));
         let field = ui.add(
             TextEdit::singleline(&mut self.words)
+                .id(field_id())
                 .hint_text(hint)
                 .desired_width(f32::INFINITY),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
-        if !std::mem::replace(&mut self.shown, true) {
+        if !heard {
+            // What is typed before the field listens is not lost.
+            self.words += &typed(ui.ctx());
             field.request_focus();
         }
         if field.changed() {

@@ -181,7 +181,7 @@ pub fn show(
         .height(height)
         .grid_color(text.gamma_multiply(0.3));
     if height >= NAMED {
-        let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), 12.0, text);
+        let name = |numbers: &Numbers, axis: &Axis| set(&numbers.named(axis), theme::TICK, text);
         plot = plot
             .x_axis_label(name(&across, &panel.x))
             .y_axis_label(name(&up, &panel.y));
@@ -387,8 +387,8 @@ fn rows(ui: &mut Ui, entries: &[(&str, Color32, String)]) {
     ui.horizontal_wrapped(|ui| {
         for (face, colour, name) in entries {
             // One label, so that no line is broken between a symbol and its name.
-            let mut words = set(face, 11.0, *colour);
-            append(&mut words, &format!(" {name}"), 11.0, text);
+            let mut words = set(face, theme::LEAST, *colour);
+            append(&mut words, &format!(" {name}"), theme::LEAST, text);
             ui.add(egui::Label::new(words).extend());
             ui.add_space(6.0);
         }

@@ -111,10 +111,10 @@ impl Dialogs {
     }
 
     /// Opens the palette of commands in place of whatever is open, or closes it.
-    pub fn toggle_commands(&mut self) {
+    pub fn toggle_commands(&mut self, ctx: &Context) {
         let open = self.commands.is_none();
         self.close();
-        self.commands = open.then(Palette::default);
+        self.commands = open.then(|| Palette::new(ctx));
     }
 
     /// What the open file dialog is for.

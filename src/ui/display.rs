@@ -163,11 +163,11 @@ pub fn run() -> Result<(), String> {
 /// One line that says why it could not be opened.
 pub fn run_with(options: Options) -> Result<(), String> {
     display_available()?;
-    let scene = match options.scene {
-        Some(scene) => scene,
-        None => opening_scene()?,
+    let state = match options.scene {
+        Some(scene) => ViewState::new(scene),
+        None => ViewState::at_first_jump(opening_scene()?),
     };
-    let state = ViewState::new(scene).map_err(|error| error.to_string())?;
+    let state = state.map_err(|error| error.to_string())?;
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tackscope")

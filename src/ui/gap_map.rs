@@ -1,24 +1,22 @@
 //! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::beside;
-use super::flick;
 use super::gap_picture::{GapPicture, Segment, colour};
-use super::grip;
 use super::map_cache::{MapCache, Maps};
-use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use crate::physics::indenter::Indenter;
+use super::{beside, flick, grip, headline, sliders, strip, theme};
+use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, pos2,
+    vec2,
 };
 
-/// Width of the colour bar with its numbers.
-const BAR: f32 = 64.0;
+/// Width of the colour bar with its numbers, and where there is less room.
+const BAR: (f32, f32) = (80.0, 50.0);
 /// Between two maps.
 const BESIDE: f32 = 10.0;
 /// Radius of the grip of the profile line.
@@ -28,28 +26,48 @@ const FADE: f32 = 0.2;
 /// What stands in its place.
 const WAITING: &str = "waiting for the solver …";
 
-/// The map, with its options above and its reading below; what is left of the column is the
-/// profile's.
+/// Height of the line below the map, and what the profile takes of the column.
+const READING: f32 = 22.0;
+const PROFILE: f32 = 0.24;
+/// The least height of the profile.
+const PROFILE_LEAST: f32 = 84.0;
+/// Width of the slider beside the map, and where there is less room.
+const SLIDER: (f32, f32) = (122.0, 88.0);
+/// Width of the column from which the first holds.
+const WIDE: f32 = 420.0;
+
+/// The headline, the slider of what is driven, the map, with one beside it that of another scene,
+/// and their reading; what is left of the column is the profile's.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Maps) {
     let cache = &maps.a;
-    let height = (ui.available_height() * 0.76)
-        .min(ui.available_width())
-        .max(150.0);
-    options(ui, state, actions);
+    headline::surface(ui, state, actions);
     let width = ui.available_width();
+    let (slider, bar) = if width < WIDE {
+        (SLIDER.1, BAR.1)
+    } else {
+        (SLIDER.0, BAR.0)
+    };
+    let below =
+        (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
     let beside = state.beside().map(|_| BESIDE);
     let count = if beside.is_some() { 2.0 } else { 1.0 };
-    let across = width - BAR - beside.unwrap_or(0.0);
-    let side = (height - 58.0).min(across / count).max(80.0);
+    let across = width - slider - bar - beside.unwrap_or(0.0);
+    let side = (ui.available_height() - below)
+        .min(across / count)
+        .max(80.0);
     let (_, area) = ui.allocate_space(vec2(width, side));
-    let left = area.left() + ((across - count * side) / 2.0).max(0.0);
+    let column = Rect::from_min_size(area.min, vec2(slider, side));
+    let mut driven = ui.new_child(UiBuilder::new().max_rect(column));
+    sliders::driven(&mut driven, state, actions);
+    let left = area.left() + slider + ((across - count * side) / 2.0).max(0.0);
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
     let last = beside.map_or(map, |gap| map.translate(vec2(side + gap, 0.0)));
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
     described(&response, &sentence);
 
-    let band = band(map, state);
+    // A line cell is the same everywhere along y: it fills the square.
+    let band = map;
     ui.painter()
         .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
     if cache.draw(ui, band)
@@ -82,45 +100,28 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     let reading = response
         .hover_pos()
         .and_then(|at| reading(state, cache, band, at));
-    let resting =
-        "Point at the map to read it; drag it up and down to move the body, and the profile line \
-         by its grip."
-            .to_owned();
-    let pushed = state.push_in_words();
-    let reading = pushed.or(reading).or_else(|| state.losses_in_words());
-    ui.add(egui::Label::new(egui::RichText::new(reading.unwrap_or(resting)).small()).truncate());
+    let reading = state.push_in_words().or(reading);
+    reading_line(ui, state, reading.or_else(|| state.losses_in_words()));
 }
 
-fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let before = state.view;
-    let mut view: ViewOptions = before;
-    ui.horizontal(|ui| {
-        if ui.available_width() > 310.0 {
-            ui.label(egui::RichText::new("Gap map").heading().strong());
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if flick::is_on(ui, state) {
-                return flick::options(ui, state, actions);
-            }
-            ui.checkbox(&mut view.smooth, "Smooth");
-            if state.model.indenter == Indenter::Flat {
-                ui.checkbox(&mut view.centred, "Centre the pattern");
-            }
-        });
+/// The line below the map: what is under the pointer, or what is ahead, or how to use it.
+fn reading_line(ui: &mut Ui, state: &ViewState, reading: Option<String>) {
+    let mut colour = ui.visuals().text_color();
+    let words = reading.or_else(|| {
+        let (pattern, sample) = state
+            .foreseen()
+            .filter(|_| !state.hides(Hidden::Forecast))?;
+        colour = theme::palette(ui).live;
+        let stress = sample.stress / state.model.law.traction_max();
+        let unit = state.model.unit(Dimension::Stress);
+        let stress = unit.say(stress, 3, "σₘₐₓ");
+        Some(format!("ahead: {}, stress {stress}", pattern.words()))
     });
-    if view != before {
-        actions.push(Action::SetView(view));
-    }
-}
-
-/// Where the field is drawn: the whole map, or a band for a line cell.
-fn band(map: Rect, state: &ViewState) -> Rect {
-    let line = state.pictured().is_some_and(|frame| frame.gap.nrows() == 1);
-    if line {
-        Rect::from_center_size(map.center(), vec2(map.width(), map.height() * 0.3))
-    } else {
-        map
-    }
+    let words = words.unwrap_or_else(|| "Point at the map to read it.".to_owned());
+    let words = egui::RichText::new(words).small().color(colour);
+    ui.add(egui::Label::new(words).truncate()).on_hover_text(
+        "Drag the map up and down to move the body, and the profile line by its grip.",
+    );
 }
 
 /// The soft mode: solid lines where it lifts the surface, dotted ones where it lowers it, and what
@@ -223,7 +224,7 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
 
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let bar = Rect::from_min_max(
-        pos2(map.right() + 10.0, map.top() + 16.0),
+        pos2(map.right() + 10.0, map.top() + 26.0),
         pos2(map.right() + 22.0, map.bottom() - 2.0),
     );
     let unit = state.model.unit(Dimension::Length);
@@ -247,11 +248,19 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
         theme::small(),
         text,
     );
-    let (values, spacing) = ticks::within(0.0, top * 1.001, 8.0);
+    let y_of = |value: f64| bar.bottom() - (value / top) as f32 * bar.height();
+    let contact = y_of(state.model.law.contact_gap() / one);
+    let named = ui.clip_rect().right() > bar.right() + 58.0;
+    let most = f64::from(bar.height() / 28.0).clamp(2.0, 8.0);
+    let (values, spacing) = ticks::within(0.0, top * 1.001, most);
     for value in values {
-        let y = bar.bottom() - (value / top) as f32 * bar.height();
+        let y = y_of(value);
         ui.painter()
             .hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, text));
+        // The contact's own tick goes before the number beside it.
+        if named && (y - contact).abs() < 15.0 {
+            continue;
+        }
         let above = value + spacing > top * 1.001
             && cache.picture.as_ref().is_some_and(|p| p.max / one > top);
         let label = format!(
@@ -267,9 +276,14 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
             text,
         );
     }
-    let contact = bar.bottom() - (state.model.law.contact_gap() / one / top) as f32 * bar.height();
     ui.painter()
         .hline(bar.x_range(), contact, Stroke::new(1.6, Color32::WHITE));
+    if named {
+        let font = egui::FontId::proportional(theme::LEAST);
+        let at = pos2(bar.right() + 4.0, contact);
+        ui.painter()
+            .text(at, Align2::LEFT_CENTER, "contact", font, text);
+    }
 }
 
 /// The border of map and profile: that of a replay, or of a stored or foreseen state, stands out.
@@ -431,7 +445,7 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
         }
         _ => (String::new(), state.run.state.as_ref()),
     };
-    let pattern = shown.map_or("at rest", |s| s.pattern.word());
+    let pattern = shown.map_or("at rest", |s| s.pattern.words());
     let unit = state.model.unit(Dimension::Length);
     format!(
         "Gap map: {kind}{pattern}, gap from {} to {}",

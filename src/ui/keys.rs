@@ -6,7 +6,7 @@ use super::view_state::ViewState;
 use super::{lesson, sliders};
 use crate::lessons::{Question, Stage};
 use crate::storage::presets;
-use egui::{Context, Event, Key, Modifiers};
+use egui::{Context, Event, Key, Modifiers, Popup};
 
 /// The sheet of keys: key, what it does.
 pub const SHEET: [(&str, &str); 25] = [
@@ -15,7 +15,7 @@ pub const SHEET: [(&str, &str); 25] = [
         "everything by its name: laws, presets, figures, files",
     ),
     (
-        "← →",
+        "← → or ↓ ↑",
         "one step of u₀, w or F down, up (with Shift a tenth)",
     ),
     ("PgDn PgUp", "ten steps down, up"),
@@ -23,7 +23,7 @@ pub const SHEET: [(&str, &str); 25] = [
     ("Space", "play, pause"),
     (".", "one increment onwards"),
     ("R", "reverse"),
-    ("Esc", "stop; back to the present; close a dialog"),
+    ("Esc", "close what is on top; stop; back to the present"),
     ("1 … 9", "presets"),
     ("S", "export a picture"),
     ("J K", "next jump, jump before"),
@@ -70,15 +70,19 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
         input.events.iter().filter_map(pressed).collect()
     });
     if free && !dialog_open {
-        actions.extend(ctx.input(|input| {
-            input
-                .events
-                .iter()
-                .filter_map(clipboard)
-                .collect::<Vec<_>>()
-        }));
+        let said: Vec<Action> = ctx.input(|input| input.events.iter().filter_map(said).collect());
+        actions.extend(said);
     }
+    // A menu closes itself.
+    let menu = Popup::is_any_open(ctx);
     for (key, modifiers, repeat) in presses {
+        if menu && key == Key::Escape {
+            continue;
+        }
+        // What is typed from here on is the palette's.
+        if !dialog_open && actions.contains(&Action::ToggleCommands) {
+            break;
+        }
         let action = if modifiers.command {
             command(key, modifiers).filter(|action| free || !of_text(action))
         } else if dialog_open {
@@ -86,13 +90,7 @@ pub fn collect(ctx: &Context, state: &ViewState, dialog_open: bool, actions: &mu
         } else if free && let Some(act) = in_lesson(key, modifiers, state) {
             Some(Action::Lesson(act))
         } else if free {
-            held(key, modifiers).or_else(|| {
-                if repeat {
-                    None
-                } else {
-                    pressed(key, modifiers, state)
-                }
-            })
+            held(key, modifiers).or_else(|| if repeat { None } else { pressed(key, state) })
         } else {
             None
         };
@@ -122,8 +120,11 @@ fn in_lesson(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Lesson
     }
 }
 
-fn clipboard(event: &Event) -> Option<Action> {
+/// What is not told by keys: the clipboard, and the sign that opens the sheet, which lies on another
+/// key of every layout.
+fn said(event: &Event) -> Option<Action> {
     match event {
+        Event::Text(text) if text == "?" => Some(Action::ToggleHelp),
         Event::Copy => Some(Action::CopyScene),
         Event::Paste(text) => Some(Action::PasteScene(text.clone())),
         _ => None,
@@ -151,8 +152,8 @@ fn command(key: Key, modifiers: Modifiers) -> Option<Action> {
 fn held(key: Key, modifiers: Modifiers) -> Option<Action> {
     let fine = if modifiers.shift { 0.1 } else { 1.0 };
     Some(match key {
-        Key::ArrowLeft => Action::Step(-fine),
-        Key::ArrowRight => Action::Step(fine),
+        Key::ArrowLeft | Key::ArrowDown => Action::Step(-fine),
+        Key::ArrowRight | Key::ArrowUp => Action::Step(fine),
         Key::PageDown => Action::Step(-COARSE),
         Key::PageUp => Action::Step(COARSE),
         Key::Period => Action::Increment,
@@ -164,7 +165,7 @@ fn held(key: Key, modifiers: Modifiers) -> Option<Action> {
     })
 }
 
-fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> {
+fn pressed(key: Key, state: &ViewState) -> Option<Action> {
     Some(match key {
         Key::Home => Action::SetTarget(state.limits.1),
         Key::End => Action::SetTarget(state.limits.0),
@@ -176,10 +177,12 @@ fn pressed(key: Key, modifiers: Modifiers, state: &ViewState) -> Option<Action> 
         Key::Escape if state.run.selection.is_some() && !state.run.is_busy() => {
             Action::ClearSelection
         }
+        Key::Escape if state.run.is_busy() => Action::Stop,
+        Key::Escape if state.messages.failure.is_some() => Action::DismissFailure,
+        Key::Escape if state.view.lecture => Action::ToggleLecture,
         Key::Escape => Action::Stop,
         Key::F11 => Action::ToggleLecture,
-        Key::Questionmark | Key::F1 => Action::ToggleHelp,
-        Key::Slash if modifiers.shift => Action::ToggleHelp,
+        Key::F1 => Action::ToggleHelp,
         _ => {
             let digits = [
                 Key::Num1,

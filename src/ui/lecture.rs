@@ -1,17 +1,19 @@
 //! Lecture mode: map, curve and one line of words, large and on white, for a room.
 
 use super::action::Action;
+use super::headline::capital;
+use super::layout::surface;
+use super::loop_plot;
 use super::map_cache::Maps;
 use super::view_state::ViewState;
 use super::widgets::described;
-use super::{gap_map, loop_plot, profile, strip};
 use crate::scene::units::fixed;
 use crate::solver::Stop;
 use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};
 use serde::{Deserialize, Serialize};
 
-/// How much larger everything is: words of 13 points become 20, lines of 2 points 3.
-const ZOOM: f32 = 1.5;
+/// How much larger everything is: words of 15 points become 21, lines of 2 points 3.
+const ZOOM: f32 = 1.4;
 
 /// How the window looked before.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +42,7 @@ impl Before {
 }
 
 /// Draws all of the window.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Maps) {
+pub fn show(ui: &mut Ui, state: &ViewState, maps: &Maps, actions: &mut Vec<Action>) {
     Panel::bottom("words").show(ui, |ui| {
         ui.horizontal(|ui| {
             let words = words(state);
@@ -58,11 +60,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
         let height = ui.available_height() - 12.0;
         loop_plot::show(ui, state, actions, height);
     });
-    CentralPanel::default().show(ui, |ui| {
-        gap_map::show(ui, state, actions, maps);
-        profile::show(ui, state, maps.a.picture.as_ref(), actions);
-        strip::show(ui, state, actions);
-    });
+    CentralPanel::default().show(ui, |ui| surface(ui, state, maps, actions));
 }
 
 /// What there is to see, in one line.
@@ -82,7 +80,7 @@ fn words(state: &ViewState) -> String {
     let u0 = now.mean_displacement / state.rho();
     let mut words = format!(
         "{} at u₀ = {u0:.2} ρ, {stable}.",
-        capital(now.pattern.word())
+        capital(now.pattern.words())
     );
     let closed = state.run.closed_loop.as_ref();
     let loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());
@@ -90,9 +88,8 @@ fn words(state: &ViewState) -> String {
         (Some(loss), _) => words += &format!(" The loop lost {} γ.", fixed(loss, 3)),
         (None, Some(jump)) => {
             words += &format!(
-                " {} → {} set free {} γ.",
-                capital(jump.from.word()),
-                jump.to,
+                " {} set free {} γ.",
+                capital(&jump.change()),
                 fixed(jump.released_energy, 3)
             );
         }
@@ -110,10 +107,4 @@ fn words(state: &ViewState) -> String {
         }
     }
     words
-}
-
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    let first = letters.next().into_iter().flat_map(char::to_uppercase);
-    first.chain(letters).collect()
 }

@@ -3,29 +3,21 @@
 use super::action::{Action, LessonAct};
 use super::theme;
 use super::view_state::ViewState;
-use super::widgets::{described, field, named};
-use crate::lessons::{self, Hidden, Lesson, Progress, Question, Stage};
+use super::widgets::{Entry, described, named};
+use crate::lessons::{self, Lesson, Progress, Question, Stage};
 use egui::{Frame, RichText, ScrollArea, Ui};
 
 /// Size of the words.
 const WORDS: f32 = 15.0;
-/// The share of the panel that a lesson takes beside the controls.
-const SHARE: f32 = 0.55;
-
 /// A step of a guess by key, in ranges; with Shift a tenth of it.
 pub const STEP: f64 = 0.1;
 
-/// Draws the panel's contents; they scroll where the window is low.
-pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+/// Draws the panel's contents in this share of its height; they scroll where the window is low.
+pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, share: f32) {
     let Some((lesson, progress)) = state.lesson() else {
         return;
     };
     let height = ui.available_height();
-    let share = if state.hides(Hidden::Controls) || progress.step(lesson).is_none() {
-        1.0
-    } else {
-        SHARE
-    };
     let mut acts = Vec::new();
     head(ui, lesson, progress, &mut acts);
     ScrollArea::vertical()
@@ -111,14 +103,20 @@ fn ask(
         }
         Question::Guess { .. } => {
             let [low, high] = guessable(state);
-            let mut guess = progress.answer.unwrap_or(0.5 * (low + high));
+            let entry = Entry {
+                name: "Your guess",
+                value: progress.answer.unwrap_or(0.5 * (low + high)),
+                range: low..=high,
+                speed: 0.01,
+                decimals: 2,
+                suffix: " ρ",
+            };
             ui.horizontal(|ui| {
                 let label = ui.label("Your guess u₀");
-                let value = field(&mut guess).range(low..=high).speed(0.01).suffix(" ρ");
-                let value = ui.add_enabled(waits, value.fixed_decimals(2));
-                if value.labelled_by(label.id).changed() {
-                    acts.push(LessonAct::Choose(guess));
-                }
+                let shown = ui.add_enabled_ui(waits, |ui| entry.show(ui));
+                let (guess, response) = shown.inner;
+                response.labelled_by(label.id);
+                acts.extend(guess.map(LessonAct::Choose));
             });
         }
     }

@@ -4,11 +4,10 @@
 use super::action::{Action, LessonAct, Pick, Scales};
 use super::card;
 use super::diagram;
+use super::headline;
 use super::machine;
-use super::theme::{self, Palette};
 use super::view_state::{Beside, ViewState};
 use super::widgets::described;
-use crate::follow::record::JumpRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
 use crate::plot::curve::Curve;
@@ -17,9 +16,8 @@ use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
 use crate::scene::units::Unit;
 use crate::study::forecast::{Forecast, forecast};
-use crate::study::plan::promise;
 use crate::worker::protocol::Frame as Picture;
-use egui::{RichText, Ui};
+use egui::{Ui, UiBuilder, vec2};
 use std::iter::once;
 
 /// A click this near to a state means it, in screen points.
@@ -32,37 +30,27 @@ const NAMED_MAX: usize = 3;
 /// Most jumps that are shown, the newest.
 const JUMPS_MAX: usize = 24;
 
-/// Draws heading, legend and plot; the two below the heading in this height.
+/// Height of a row of the legend, and in how many it is drawn: so many are reserved.
+const LEGEND: f32 = 19.0;
+const ROWS: (f32, f32) = (2.0, 3.0);
+/// Width of the column from which the smaller number does.
+const WIDE: f32 = 400.0;
+/// Height below which there is no room for more.
+const LOW: f32 = 300.0;
+
+/// Draws headline, legend and plot in this height.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f32) {
-    let palette = theme::palette(ui);
-    heading(ui, state, actions, &palette);
-    let panel = panel(state);
     let top = ui.cursor().top();
-    diagram::legend(ui, &panel);
-    let (words, doubt) = dissipated(state);
-    ui.horizontal(|ui| {
-        if let Some(doubt) = doubt {
-            ui.label(RichText::new("⚠").color(palette.warn).strong())
-                .on_hover_text(&doubt);
-            ui.add(
-                egui::Label::new(
-                    RichText::new(format!("{words}: {doubt}"))
-                        .color(palette.warn)
-                        .strong(),
-                )
-                .truncate(),
-            );
-        } else {
-            // A narrow column has no room for the words of the error.
-            let words = if ui.available_width() < 350.0 {
-                words.replace("expected error ", "± ")
-            } else {
-                words
-            };
-            ui.add(egui::Label::new(RichText::new(words).strong()).truncate());
-        }
-    });
-    let height = (height - (ui.cursor().top() - top) - 36.0).max(120.0);
+    headline::loss(ui, state, actions);
+    let panel = panel(state);
+    let few = ui.available_width() >= WIDE || height < LOW;
+    let rows = if few { ROWS.0 } else { ROWS.1 };
+    // The plot stays where it is when an entry comes.
+    let (_, legend) = ui.allocate_space(vec2(ui.available_width(), rows * LEGEND));
+    let mut inside = ui.new_child(UiBuilder::new().max_rect(legend));
+    inside.set_clip_rect(legend.intersect(ui.clip_rect()));
+    diagram::legend(&mut inside, &panel);
+    let height = (height - (ui.cursor().top() - top)).max(120.0);
     let [length, stress] = told(state);
     let hover = |x: f64, y: f64| {
         let (u0, stress) = (length.say(x, 3, "ρ"), stress.say(y, 3, "σₘₐₓ"));
@@ -95,31 +83,6 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     described(&response, &sentence);
 }
 
-fn heading(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
-    ui.horizontal(|ui| {
-        ui.label(RichText::new("Stress against u₀").heading().strong());
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if state.plots.fit.is_some() && ui.button("Scene axes").clicked() {
-                actions.push(Action::FitScene);
-            }
-            let leaves = state.data_leave_view();
-            let text = if leaves {
-                RichText::new("Fit").color(palette.warn).strong()
-            } else {
-                RichText::new("Fit")
-            };
-            let hover = if leaves {
-                "Data lie outside the axes"
-            } else {
-                "Fit the axes to the data"
-            };
-            if ui.button(text).on_hover_text(hover).clicked() {
-                actions.push(Action::FitData);
-            }
-        });
-    });
-}
-
 /// In what u0 and the stress are told.
 fn units(model: &Model) -> [Unit; 2] {
     [Dimension::Length, Dimension::Stress].map(|of| model.unit(of))
@@ -146,101 +109,6 @@ pub fn axes(model: &Model) -> [Axis; 2] {
         Axis::of(&length, "u₀ / ρ", "u₀"),
         Axis::of(&stress, "stress / σ_max", "stress"),
     ]
-}
-
-/// The dissipated energy in words, of a walked loop, or else of the live one; and what speaks
-/// against it.
-fn dissipated(state: &ViewState) -> (String, Option<String>) {
-    if let Some(closed) = &state.run.closed_loop {
-        let ledger = &closed.summary.ledger;
-        let contested = contested(&state.run.record.jumps);
-        let words = match (ledger.dissipated_energy(), &ledger.open) {
-            (Some(loss), _) if contested.is_some() => {
-                format!("∮ dissipated {}", either(state, loss))
-            }
-            (Some(loss), _) => {
-                format!(
-                    "∮ dissipated {}, {}",
-                    energy(state, loss),
-                    promise(ledger.stated_error(state.predicted_error()))
-                )
-            }
-            (None, Some(_)) => "loop not closed".to_owned(),
-            (None, None) => "dissipated energy not available".to_owned(),
-        };
-        let open = ledger
-            .open
-            .as_ref()
-            .map(|open| format!("{}; {}", open.reason, open.remedy));
-        return (words, open.or_else(|| ledger.warning()).or(contested));
-    }
-    let live = state.plots.live.as_ref();
-    let live = live.filter(|_| !state.hides(Hidden::Forecast));
-    let Some(Ok(live)) = live.map(|live| &live.state.found) else {
-        return (
-            "Play loop to see what one cycle dissipates.".to_owned(),
-            None,
-        );
-    };
-    let loss = live.dissipated_energy;
-    if let Some(contested) = contested(&live.jumps) {
-        return (
-            format!("∮ live loop: {}", either(state, loss)),
-            Some(contested),
-        );
-    }
-    (
-        format!(
-            "∮ live loop: {} lost in {} jumps, {}",
-            energy(state, loss),
-            live.jumps.len(),
-            promise(Some(live.predicted_error))
-        ),
-        None,
-    )
-}
-
-/// Where a surface may land that has several places to land.
-fn contested(jumps: &[JumpRecord]) -> Option<String> {
-    jumps.iter().find_map(JumpRecord::contested_words)
-}
-
-/// An energy per area (gamma) as it is told.
-fn energy(state: &ViewState, energy: f64) -> String {
-    state
-        .model
-        .unit(Dimension::SurfaceEnergy)
-        .say(energy, 4, "γ")
-}
-
-/// The `loss` of a loop, and what it would lose by its other landing, as the live loop knows it:
-/// "0.1175 or 0.1292 γ".
-fn either(state: &ViewState, loss: f64) -> String {
-    let unit = state.model.unit(Dimension::SurfaceEnergy);
-    let other = other_loss(state, loss);
-    let other =
-        other.map(|other| format!("{} or ", unit.number(loss, 4)) + &unit.say(other, 4, "γ"));
-    other.unwrap_or_else(|| unit.say(loss, 4, "γ"))
-}
-
-/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it.
-fn other_loss(state: &ViewState, loss: f64) -> Option<f64> {
-    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
-        return None;
-    };
-    let mut known: Vec<f64> = live
-        .rivals
-        .iter()
-        .filter_map(|rival| rival.dissipated_energy)
-        .collect();
-    if known.is_empty() {
-        return None;
-    }
-    // The live loop may take the other of two; of both values the farther one is not this loop's.
-    known.push(live.dissipated_energy);
-    known
-        .into_iter()
-        .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()))
 }
 
 /// Everything that is shown, on the axes of the scene.

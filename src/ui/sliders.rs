@@ -1,15 +1,16 @@
-//! The two sliders of the left panel: what is driven, and the mesh number mu_rho.
+//! The two sliders: what is driven, beside the map, and the mesh number mu_rho.
 
 use super::action::Action;
-use super::machine::Told;
+use super::machine::{self, Told};
 use super::theme;
 use super::view_state::ViewState;
+use super::widgets::{Entry, named};
 use crate::plot::ticks;
 use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::accesskit::{Action as Ask, ActionData};
 use egui::{
-    Align2, EventFilter, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo,
-    pos2, vec2,
+    Align2, Button, EventFilter, FontId, Id, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
+    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
 /// Accessible name of the slider of the mesh.
@@ -51,16 +52,70 @@ fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
     }
 }
 
-/// The slider of what is driven: up is away, so dragging down lowers the body. Two marks:
-/// where it should go, and where it is.
-pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
-    let tall = ui.ctx().content_rect().height() > 860.0;
-    let height = if tall { 236.0 } else { 180.0 };
-    let (_, rect) = ui.allocate_space(vec2(122.0, height));
+/// Height of the row above and below the slider (points).
+const ROW: f32 = 30.0;
+/// Room of the numbers at its left.
+const NUMBERS: f32 = 34.0;
+/// Width from which its marks have names.
+const NAMED: f32 = 90.0;
+
+/// The slider of what is driven, in the whole of the space: above it the target to be typed, below
+/// it one step down and up.
+pub fn driven(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let told = machine::told(state);
+    let rect = ui.max_rect();
+    let row = |top: f32| Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width() - 6.0, ROW));
+    let mut above = ui.new_child(UiBuilder::new().max_rect(row(rect.top())));
+    target(&mut above, state, &told, actions);
+    let mut below = ui.new_child(UiBuilder::new().max_rect(row(rect.bottom() - ROW)));
+    below.horizontal(|ui| {
+        for (face, name, hover, step) in [
+            (
+                "−",
+                "step down",
+                "one increment down (← ↓); Shift: fine",
+                -1.0,
+            ),
+            ("+", "step up", "one increment up (→ ↑); Shift: fine", 1.0),
+        ] {
+            let button = ui.add(Button::new(face).min_size(vec2(26.0, 24.0)));
+            if named(button, name).on_hover_text(hover).clicked() {
+                actions.push(Action::Step(step));
+            }
+        }
+    });
+    rail(ui, state, &told, actions, rect.shrink2(vec2(0.0, ROW)));
+}
+
+/// The target, to be typed.
+fn target(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 4.0;
+        ui.style_mut().drag_value_text_style = TextStyle::Small;
+        ui.label(told.symbol).on_hover_text(told.name);
+        let unit = told.unit;
+        let field = Entry {
+            name: "Target",
+            value: state.target / unit,
+            range: state.limits.0 / unit..=state.limits.1 / unit,
+            speed: 0.01 * told.measure.scale,
+            decimals: 6,
+            suffix: &told.suffix,
+        };
+        let (entered, response) = field.show(ui);
+        ui.ctx()
+            .accesskit_node_builder(response.id, |node| node.set_label("Target"));
+        actions.extend(entered.map(|value| Action::SetTarget(value * unit)));
+    });
+}
+
+/// Up is away, so dragging down lowers the body. Two marks: where it should go, and where it is.
+fn rail(ui: &Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>, rect: Rect) {
     let response = ui.interact(rect, driven_id(), Sense::click_and_drag());
     let rail = Rect::from_min_max(
-        pos2(rect.left() + 38.0, rect.top() + 10.0),
-        pos2(rect.left() + 47.0, rect.bottom() - 10.0),
+        pos2(rect.left() + NUMBERS, rect.top() + 10.0),
+        pos2(rect.left() + NUMBERS + 9.0, rect.bottom() - 10.0),
     );
     let (low, high) = state.limits;
     let y_of = |u0: f64| {
@@ -95,7 +150,7 @@ pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Act
     );
     painter.rect_filled(walked, 4.0, palette.elastomer);
     let actual = y_of(state.run.actual);
-    let tip = pos2(rail.center().x + 18.0, actual);
+    let tip = pos2(rail.center().x + 16.0, actual);
     let arrow = vec![tip, tip + vec2(9.0, -6.0), tip + vec2(9.0, 6.0)];
     painter.add(Shape::convex_polygon(
         arrow,
@@ -103,7 +158,7 @@ pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Act
         Stroke::NONE,
     ));
     let visuals = ui.style().interact(&response);
-    let thumb = Rect::from_center_size(pos2(rail.center().x, y_of(state.target)), vec2(30.0, 13.0));
+    let thumb = Rect::from_center_size(pos2(rail.center().x, y_of(state.target)), vec2(28.0, 13.0));
     painter.rect(
         thumb,
         5.0,
@@ -116,56 +171,64 @@ pub fn driven(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Act
         thumb.center().y,
         Stroke::new(1.5, ui.visuals().panel_fill),
     );
-    marks(ui, rail, thumb.center(), tip, state);
+    let [target, now] = [state.target, state.run.actual].map(|value| told.say(value, 4));
+    response.on_hover_text(format!("{}: target {target}, now {now}", told.name));
+    if rect.width() > NAMED {
+        marks(ui, rail, thumb.center(), tip, state);
+    }
 }
 
 /// "target" and "actual" beside their marks, pushed apart where they would overlap.
 fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
     let palette = theme::palette(ui);
-    let x = rail.center().x + 31.0;
+    let x = rail.center().x + 19.0;
     let (mut target_y, mut actual_y) = (target.y, actual.y);
-    if (target_y - actual_y).abs() < 14.0 {
+    // Each beside its mark's outer edge.
+    if (target_y - actual_y).abs() < 20.0 {
         let middle = 0.5 * (target_y + actual_y);
-        let up = if target_y <= actual_y { -7.0 } else { 7.0 };
+        let up = if target_y <= actual_y { -11.0 } else { 11.0 };
         (target_y, actual_y) = (middle + up, middle - up);
     }
+    let over = (target_y.max(actual_y) - rail.bottom()).max(0.0);
+    (target_y, actual_y) = (target_y - over, actual_y - over);
     ui.painter().text(
         pos2(x, target_y),
         Align2::LEFT_CENTER,
         "target",
-        theme::small(),
+        FontId::proportional(theme::LEAST),
         palette.approach,
     );
     let word = if state.run.paused {
         "paused"
     } else if state.run.is_busy() {
-        "actual …"
+        "now …"
     } else {
-        "actual"
+        "now"
     };
     ui.painter().text(
         pos2(x, actual_y),
         Align2::LEFT_CENTER,
         word,
-        theme::small(),
+        FontId::proportional(theme::LEAST),
         palette.retraction,
     );
 }
 
 fn ticks_of(ui: &Ui, state: &ViewState, unit: f64, rail: Rect, y_of: &dyn Fn(f64) -> f32) {
     let (low, high) = (state.limits.0 / unit, state.limits.1 / unit);
-    let (values, spacing) = ticks::within(low, high, 9.0);
+    let most = f64::from(rail.height() / 28.0).clamp(2.0, 9.0);
+    let (values, spacing) = ticks::within(low, high, most);
     let colour = ui.visuals().weak_text_color();
     for value in values {
         let y = y_of(value * unit);
         ui.painter().hline(
-            rail.left() - 9.0..=rail.left() - 4.0,
+            rail.left() - 8.0..=rail.left() - 4.0,
             y,
             Stroke::new(1.0, colour),
         );
         let text = ticks::label(value, spacing);
         ui.painter().text(
-            pos2(rail.left() - 15.0, y),
+            pos2(rail.left() - 11.0, y),
             Align2::RIGHT_CENTER,
             text,
             theme::small(),
@@ -225,7 +288,7 @@ const PLACES: [(usize, bool); 7] = [
 /// where the mesh lies.
 pub fn mu_rho(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let width = ui.available_width();
-    let (_, rect) = ui.allocate_space(vec2(width, 72.0));
+    let (_, rect) = ui.allocate_space(vec2(width, 80.0));
     let hit = Rect::from_min_max(rect.left_top(), pos2(rect.right(), rect.top() + 22.0));
     let response = ui.interact(hit, Id::unique("mu_rho_slider"), Sense::click_and_drag());
     let rail = Rect::from_min_max(
@@ -286,7 +349,7 @@ fn paint(ui: &Ui, state: &ViewState, rail: Rect, x_of: &dyn Fn(f64) -> f32, resp
 
 /// One named tick, a button on its name; true when clicked.
 fn tick(ui: &Ui, rail: Rect, x: f32, (name, mu): (&str, f64), (row, right): (usize, bool)) -> bool {
-    let y = rail.bottom() + 12.0 + 14.0 * row as f32;
+    let y = rail.bottom() + 13.0 + 16.0 * row as f32;
     let (anchor, at) = if right {
         (Align2::LEFT_CENTER, pos2(x + 3.0, y))
     } else {
@@ -294,7 +357,7 @@ fn tick(ui: &Ui, rail: Rect, x: f32, (name, mu): (&str, f64), (row, right): (usi
     };
     let galley = ui.painter().layout_no_wrap(
         name.to_owned(),
-        theme::small(),
+        FontId::proportional(theme::LEAST),
         ui.visuals().weak_text_color(),
     );
     let area = anchor.anchor_size(at, galley.size());
@@ -304,7 +367,7 @@ fn tick(ui: &Ui, rail: Rect, x: f32, (name, mu): (&str, f64), (row, right): (usi
     let colour = if response.hovered() || response.has_focus() {
         ui.visuals().strong_text_color()
     } else {
-        ui.visuals().text_color().gamma_multiply(0.75)
+        ui.visuals().weak_text_color()
     };
     ui.painter().vline(
         x,

@@ -1,61 +1,99 @@
-//! What is shown is an equilibrium, and stable, or is labelled otherwise: this is the label.
-//! Failures stand above it with their remedy.
+//! What is shown is an equilibrium, and stable, or is labelled otherwise: this is the label, one
+//! short line. What went wrong stands above it, over the panels, until it was read.
 
 use super::action::Action;
-use super::theme;
+use super::headline::stability;
+use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use crate::follow::record::StateRecord;
 use crate::lessons::Hidden;
 use crate::physics::grid::Grid;
-use crate::physics::parameter::Dimension;
 use crate::scene::part::{Part, Strategy};
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
-use egui::{RichText, Ui};
+use egui::{Align, Align2, Area, Color32, Frame, Id, Label, Layout, Order, RichText, Ui, vec2};
+use std::time::Duration;
 
-/// The bar; a failure takes a line of its own.
+/// Seconds for which a notice stays.
+const NOTICE: f64 = 8.0;
+/// Width of the card behind the chip (points).
+const CARD: f32 = 380.0;
+
+/// The bar.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    let palette = theme::palette(ui);
-    if let Some(failure) = &state.messages.failure {
-        ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new("⚠").color(palette.warn).strong());
-            ui.label(RichText::new(&failure.message).color(palette.warn).strong());
-            ui.label(&failure.remedy);
-            if ui.small_button("Dismiss").clicked() {
-                actions.push(Action::DismissFailure);
-            }
-            if state.history.can_undo() && ui.small_button("Undo edit").clicked() {
-                actions.push(Action::Undo);
-            }
-        });
-    } else if let Some(notice) = &state.messages.notice {
-        ui.horizontal_wrapped(|ui| {
-            ui.label(RichText::new("✔").color(palette.good));
-            ui.label(notice);
-        });
-    }
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 5.0;
-        let shown = state
-            .run
-            .shown
-            .as_ref()
-            .filter(|_| state.jumping().is_none());
+    ui.horizontal(|ui| {
+        ui.set_min_height(26.0);
+        ui.spacing_mut().item_spacing.x = 6.0;
+        let shown = state.run.shown.as_ref();
+        let shown = shown.filter(|_| state.jumping().is_none());
         let shown = shown.and_then(|frame| frame.state.as_ref());
         match shown.or(state.run.state.as_ref()) {
             Some(now) => facts(ui, state, now),
             None => {
-                ui.label(RichText::new("waiting for the solver").weak());
+                ui.label(RichText::new("waiting").weak());
             }
         }
-        model(ui, state);
-        let live = state.plots.live.as_ref();
-        if let Some(live) = live.filter(|_| !state.hides(Hidden::Forecast)) {
-            part(ui, "");
-            let colour = theme::palette(ui).live;
-            ui.label(RichText::new(live.words(&state.model)).color(colour));
-        }
+        let chip = ui.menu_button(chip(state), |ui| card(ui, state));
+        chip.response.on_hover_text("how it was computed");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            notice(ui, state, actions);
+        });
+    });
+    failure(ui, state, actions);
+}
+
+/// What went right, for some seconds.
+fn notice(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (id, now) = (Id::unique("notice"), ui.input(|input| input.time));
+    let Some(notice) = &state.messages.notice else {
+        return ui.data_mut(|data| data.remove::<(String, f64)>(id));
+    };
+    let known = ui.data(|data| data.get_temp::<(String, f64)>(id));
+    let since = known
+        .filter(|(words, _)| words == notice)
+        .map_or(now, |(_, since)| since);
+    ui.data_mut(|data| data.insert_temp(id, (notice.clone(), since)));
+    let left = NOTICE - (now - since);
+    if left <= 0.0 {
+        actions.push(Action::DropNotice);
+    } else {
+        ui.ctx()
+            .request_repaint_after(Duration::from_secs_f64(left));
+    }
+    let words = RichText::new(format!("✔ {notice}")).color(theme::palette(ui).good);
+    ui.add(Label::new(words).truncate()).on_hover_text(notice);
+}
+
+/// What went wrong and what to do about it, over the foot of the panels: nothing moves for it.
+fn failure(ui: &Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let Some(failure) = &state.messages.failure else {
+        return;
+    };
+    let warn = theme::palette(ui).warn;
+    let screen = ui.ctx().content_rect();
+    let area = Area::new(Id::unique("failure"))
+        .order(Order::Middle)
+        .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -44.0));
+    area.show(ui.ctx(), |ui| {
+        ui.set_max_width((screen.width() - 40.0).min(760.0));
+        let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, warn));
+        frame.show(ui, |ui| {
+            ui.label(
+                RichText::new(format!("⚠ {}", failure.message))
+                    .color(warn)
+                    .strong(),
+            );
+            ui.horizontal_wrapped(|ui| {
+                ui.label(&failure.remedy);
+                if ui.button("Dismiss").clicked() {
+                    actions.push(Action::DismissFailure);
+                }
+                if state.history.can_undo() && ui.button("Undo edit").clicked() {
+                    actions.push(Action::Undo);
+                }
+            });
+        });
     });
 }
 
@@ -64,84 +102,84 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
     let word = state
         .shown_word()
         .map_or_else(String::new, |word| word.to_owned() + " ");
-    let pattern = ui.label(RichText::new(word + now.pattern.word()).strong());
+    let pattern = ui.label(RichText::new(word + now.pattern.words()).strong());
     // Only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(pattern.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
         node.set_description(state.messages.announced.clone());
     });
-    let (text, colour) = match state.jumping() {
-        Some(frame) => {
-            let u0 = frame.mean_displacement / state.rho();
-            let unit = state.model.unit(Dimension::Length);
-            let what = if state.is_pressed() {
-                "pressed"
-            } else {
-                "jumping"
-            };
-            (
-                format!("{what} at u₀ = {}, no equilibrium", unit.say(u0, 3, "ρ")),
-                palette.jump,
-            )
-        }
-        None => stability(now, &palette),
+    let (words, colour) = match state.jumping() {
+        Some(_) if state.is_pressed() => ("pressed, no equilibrium", palette.jump),
+        Some(_) => ("jumping, no equilibrium", palette.jump),
+        None => (stability(now), stable_colour(now, &palette)),
     };
-    part(ui, "");
-    ui.label(RichText::new(text).color(colour).strong())
-        .on_hover_text(format!(
-            "stiffness_min: smallest eigenvalue of the energy's Hessian per area, ± {:.1e} E*/L; \
-         residual {:.1e} σₘₐₓ",
-            now.stiffness_error, now.residual
-        ));
-    part(ui, &now.part.to_string());
-    part(ui, state.method.title());
-    part(ui, "");
-    let plural = if now.iterations == 1 { "" } else { "s" };
-    ui.label(format!(
-        "{} iteration{plural}, {:.1} ms",
-        now.iterations, now.milliseconds
-    ))
-    .on_hover_text(format!(
-        "for the last increment: {} Fourier transforms",
-        now.transforms
-    ));
-}
-
-/// A dot and a word.
-fn part(ui: &mut Ui, text: &str) {
     ui.label(RichText::new("·").weak());
-    if !text.is_empty() {
-        ui.label(text);
+    ui.label(RichText::new(words).color(colour).strong());
+}
+
+fn stable_colour(now: &StateRecord, palette: &Palette) -> Color32 {
+    if now.stop == Stop::Stable {
+        palette.good
+    } else {
+        palette.warn
     }
 }
 
-/// The honest word on stability.
-fn stability(now: &StateRecord, palette: &theme::Palette) -> (String, egui::Color32) {
-    match now.stop {
-        Stop::Stable => (
-            format!("stable, stiffness_min {:.3} E*/L", now.stiffness_min),
-            palette.good,
-        ),
-        Stop::Unstable => (
-            format!("{}, stiffness_min {:.3} E*/L", now.stop, now.stiffness_min),
-            palette.warn,
-        ),
-        _ => (
-            format!("{}, residual {:.1e}", now.stop, now.residual),
-            palette.warn,
-        ),
+/// How exact what is shown is, in few words: that of the plan belongs to stable equilibria only.
+fn chip(state: &ViewState) -> String {
+    match &state.run.state {
+        None => "not computed yet".to_owned(),
+        Some(now) if now.stop == Stop::Stable && state.jumping().is_none() => {
+            promise(Some(state.predicted_error())).replace("expected error", "exact to")
+        }
+        Some(_) => "no equilibrium".to_owned(),
     }
 }
 
-/// The model in use and the error it is expected to have; the plan's sentence on hover.
-fn model(ui: &mut Ui, state: &ViewState) {
+/// Everything about the present state, line by line.
+fn card(ui: &mut Ui, state: &ViewState) {
+    ui.set_width(CARD.min(ui.ctx().content_rect().width() - 40.0));
+    ui.with_layout(Layout::top_down(Align::LEFT), |ui| {
+        for line in lines(state) {
+            ui.add(Label::new(line).wrap());
+        }
+        let live = state.plots.live.as_ref();
+        if let Some(live) = live.filter(|_| !state.hides(Hidden::Forecast)) {
+            let colour = theme::palette(ui).live;
+            ui.add(Label::new(RichText::new(live.words(&state.model)).color(colour)).wrap());
+        }
+    });
+}
+
+fn lines(state: &ViewState) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(now) = &state.run.state {
+        let plural = if now.iterations == 1 { "" } else { "s" };
+        lines = vec![
+            format!(
+                "{}, stiffness_min {:.3} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
+                 Hessian per area",
+                stability(now),
+                now.stiffness_min,
+                now.stiffness_error
+            ),
+            format!("residual {:.1e} σₘₐₓ", now.residual),
+            format!("{}, {}", now.part, state.method.title()),
+            format!(
+                "last increment: {} iteration{plural}, {} transforms, {:.1} ms",
+                now.iterations, now.transforms, now.milliseconds
+            ),
+        ];
+    }
     let grid = &state.model.grid;
-    let Some(ready) = &state.run.ready else {
-        return part(ui, &format!("mesh {} × {}", grid.nx, grid.ny));
-    };
-    part(ui, "");
-    ui.label(model_words(&ready.choice, grid))
-        .on_hover_text(model_sentence(ready));
+    match &state.run.ready {
+        None => lines.push(format!("mesh {} × {}", grid.nx, grid.ny)),
+        Some(ready) => {
+            lines.push(model_words(&ready.choice, grid));
+            lines.push(model_sentence(ready));
+        }
+    }
+    lines
 }
 
 /// In a few words: "quarter of 64 × 64, expected error 0.005 %".

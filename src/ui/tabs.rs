@@ -18,17 +18,18 @@ mod why;
 
 use super::action::{Action, ViewOptions};
 use super::view_state::ViewState;
+use super::widgets::named;
 use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use egui::{Context, Label, RichText, Role, Ui, WidgetInfo};
+use egui::{Color32, Context, Label, RichText, Role, TextStyle, Ui, WidgetInfo};
 
 /// What a tab is called, and the room that it wants.
 #[derive(Clone, Copy, Debug)]
 pub struct Title {
     /// Its name.
     pub name: &'static str,
-    /// Its name in a narrow strip.
+    /// Its name in the strip.
     pub short: &'static str,
     /// What it shows, while the pointer rests on it.
     pub what: &'static str,
@@ -142,32 +143,34 @@ impl Tabs {
             .is_some_and(|tab| tab.title().tall);
         let (share, least) = match tall {
             true => (0.36, 215.0),
-            false if whole < 600.0 => (0.48, 230.0),
-            false => (0.62, 230.0),
+            false if whole < 600.0 => (0.5, 230.0),
+            false => (0.6, 260.0),
         };
         (share * whole).max(least)
     }
 
     /// The strip, and the chosen view in the rest of the space.
     pub fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-        let narrow = ui.available_width() < 480.0;
-        ui.horizontal_wrapped(|ui| {
+        let titles: Vec<Title> = self.titles().collect();
+        ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
-            if narrow {
-                ui.spacing_mut().button_padding.x = 4.0;
+            ui.spacing_mut().button_padding.x = 5.0;
+            let shown = shown(ui, &titles, state.view.tab);
+            for &index in &shown {
+                offer(ui, state, (index, &titles[index]), actions);
             }
-            for (index, title) in self.titles().enumerate() {
-                let chosen = state.view.tab == index;
-                let face = if narrow { title.short } else { title.name };
-                let response = ui.selectable_label(chosen, face).on_hover_text(title.what);
-                response.widget_info(|| {
-                    let name = format!("{} tab", title.name);
-                    WidgetInfo::selected(Role::Tab, true, chosen, name)
-                });
-                if response.clicked() && !chosen {
-                    actions.push(choose(index, state));
+            if shown.len() == titles.len() {
+                return;
+            }
+            let more = ui.menu_button(MORE, |ui| {
+                let rest = titles.iter().enumerate();
+                for tab in rest.filter(|(index, _)| !shown.contains(index)) {
+                    if offer(ui, state, tab, actions) {
+                        ui.close();
+                    }
                 }
-            }
+            });
+            named(more.response, "More tabs").on_hover_text("the other tabs");
         });
         if let Some(tab) = self.0.get_mut(state.view.tab) {
             tab.show(ui, state, actions);
@@ -216,6 +219,67 @@ impl Tabs {
     fn titles(&self) -> impl Iterator<Item = Title> + '_ {
         self.0.iter().map(|tab| tab.title())
     }
+}
+
+/// The face of the menu of the tabs that have no room.
+const MORE: &str = "⋯";
+
+/// The tabs of a strip in one row: as many as it has room for, the `chosen` one among them.
+fn shown(ui: &Ui, titles: &[Title], chosen: usize) -> Vec<usize> {
+    let font = TextStyle::Button.resolve(ui.style());
+    let (padding, gap) = (
+        2.0 * ui.spacing().button_padding.x,
+        ui.spacing().item_spacing.x,
+    );
+    let width = |words: &str| {
+        let galley = ui
+            .painter()
+            .layout_no_wrap(words.to_owned(), font.clone(), Color32::WHITE);
+        galley.size().x + padding + gap
+    };
+    let widths: Vec<f32> = titles.iter().map(|title| width(title.short)).collect();
+    let room = ui.available_width();
+    if widths.iter().sum::<f32>() <= room {
+        return (0..titles.len()).collect();
+    }
+    let mut left = room - width(MORE) - widths.get(chosen).copied().unwrap_or_default();
+    let mut shown = Vec::new();
+    for (index, width) in widths
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| *index != chosen)
+    {
+        left -= width;
+        if left < 0.0 {
+            break;
+        }
+        shown.push(index);
+    }
+    shown.push(chosen);
+    shown.sort_unstable();
+    shown
+}
+
+/// A tab to choose; true when it was.
+fn offer(
+    ui: &mut Ui,
+    state: &ViewState,
+    (index, title): (usize, &Title),
+    actions: &mut Vec<Action>,
+) -> bool {
+    let chosen = state.view.tab == index;
+    let response = ui
+        .selectable_label(chosen, title.short)
+        .on_hover_text(title.what);
+    response.widget_info(|| {
+        let name = format!("{} tab", title.name);
+        WidgetInfo::selected(Role::Tab, true, chosen, name)
+    });
+    let asked = response.clicked() && !chosen;
+    if asked {
+        actions.push(choose(index, state));
+    }
+    asked
 }
 
 /// What is said of a button that ends a measurement.

@@ -11,6 +11,15 @@ use egui::{
 };
 use std::sync::Arc;
 
+/// Size of words (points). Only sub- and superscripts are smaller than [`LEAST`].
+pub const BODY: f32 = 15.0;
+/// Of numbers along axes.
+pub const TICK: f32 = 14.0;
+/// The least.
+pub const LEAST: f32 = 13.0;
+/// Of headings and the titles of dialogs.
+const HEADING: f32 = 17.0;
+
 const DEJAVU: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
 /// Colours with a meaning outside of diagrams; those of diagrams are [`crate::plot::style`]'s, here
@@ -109,11 +118,11 @@ pub fn install(ctx: &Context) {
     ctx.style_mut_of(Theme::Light, |style| style.visuals = visuals(Ground::Light));
     ctx.all_styles_mut(|style| {
         style.text_styles = [
-            (TextStyle::Small, FontId::proportional(11.0)),
-            (TextStyle::Body, FontId::proportional(13.0)),
-            (TextStyle::Button, FontId::proportional(13.0)),
-            (TextStyle::Heading, FontId::proportional(15.0)),
-            (TextStyle::Monospace, FontId::monospace(12.5)),
+            (TextStyle::Small, FontId::proportional(LEAST)),
+            (TextStyle::Body, FontId::proportional(BODY)),
+            (TextStyle::Button, FontId::proportional(BODY)),
+            (TextStyle::Heading, FontId::proportional(HEADING)),
+            (TextStyle::Monospace, FontId::monospace(TICK)),
         ]
         .into();
         style.spacing.item_spacing = egui::vec2(6.0, 5.0);
@@ -138,6 +147,7 @@ fn visuals(ground: Ground) -> Visuals {
     v.extreme_bg_color = rgb(ground.colour());
     v.faint_bg_color = pick([236, 239, 243], [34, 38, 45]);
     v.widgets.noninteractive.fg_stroke = stroke([42, 46, 54], [206, 211, 219]);
+    v.weak_text_color = Some(pick([84, 90, 100], [160, 166, 176]));
     v.widgets.noninteractive.bg_stroke = stroke([212, 216, 222], [52, 57, 66]);
     v.widgets.inactive.fg_stroke = stroke([38, 42, 50], [220, 224, 230]);
     v.widgets.inactive.weak_bg_fill = pick([226, 230, 236], [48, 53, 62]);
@@ -160,7 +170,7 @@ fn visuals(ground: Ground) -> Visuals {
 
 /// Font of tick labels and other small print inside pictures.
 pub fn small() -> FontId {
-    FontId::proportional(11.0)
+    FontId::proportional(TICK)
 }
 
 /// The line with Greek letters, sub- and superscripts.
@@ -188,5 +198,119 @@ pub fn append(job: &mut LayoutJob, text: &str, size: f32, colour: Color32) {
                 ..TextFormat::default()
             },
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::style::contrast;
+
+    const GROUNDS: [Ground; 2] = [Ground::Light, Ground::Dark];
+
+    fn of(colour: Color32) -> Rgb {
+        assert_eq!(
+            colour.a(),
+            255,
+            "a colour that is seen through has no contrast of its own"
+        );
+        [colour.r(), colour.g(), colour.b()]
+    }
+
+    /// `colour` upon an opaque ground.
+    fn upon(colour: Color32, ground: Color32) -> Rgb {
+        of(ground.blend(colour))
+    }
+
+    #[test]
+    fn every_text_stands_out_from_what_it_is_written_on() {
+        for ground in GROUNDS {
+            let (v, p) = (visuals(ground), palette_on(ground));
+            let fills = [
+                v.panel_fill,
+                v.window_fill,
+                v.extreme_bg_color,
+                v.faint_bg_color,
+            ];
+            let texts = [
+                ("text", v.text_color()),
+                ("strong", v.strong_text_color()),
+                ("weak", v.weak_text_color()),
+                ("approach", p.approach),
+                ("retraction", p.retraction),
+                ("jump", p.jump),
+                ("live", p.live),
+                ("warn", p.warn),
+                ("good", p.good),
+                ("now", p.now),
+            ];
+            for fill in fills {
+                for (name, text) in texts {
+                    let found = contrast(upon(text, fill), of(fill));
+                    assert!(found >= 4.5, "{name} on {fill:?}, {ground:?}: {found:.2}");
+                }
+            }
+            // On buttons, fields and what is chosen.
+            let chosen = v.panel_fill.blend(v.selection.bg_fill);
+            let card = v
+                .faint_bg_color
+                .blend(v.selection.bg_fill.gamma_multiply(0.55));
+            for (what, text, fill) in [
+                (
+                    "button",
+                    v.widgets.inactive.fg_stroke.color,
+                    v.widgets.inactive.weak_bg_fill,
+                ),
+                (
+                    "hovered",
+                    v.widgets.hovered.fg_stroke.color,
+                    v.widgets.hovered.weak_bg_fill,
+                ),
+                (
+                    "pressed",
+                    v.widgets.active.fg_stroke.color,
+                    v.widgets.active.weak_bg_fill,
+                ),
+                ("chosen", v.selection.stroke.color, chosen),
+                ("chosen card", v.strong_text_color(), card),
+            ] {
+                let found = contrast(upon(text, fill), of(fill));
+                assert!(found >= 4.5, "{what}, {ground:?}: {found:.2}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_mark_stands_out_from_what_it_is_drawn_on() {
+        for ground in GROUNDS {
+            let (v, p) = (visuals(ground), palette_on(ground));
+            // Of sliders, pictures and lists; those of diagrams are tested with their style.
+            for (name, mark) in [
+                ("approach", p.approach),
+                ("retraction", p.retraction),
+                ("jump", p.jump),
+                ("live", p.live),
+                ("now", p.now),
+                ("flat", p.flat),
+                ("warn", p.warn),
+            ] {
+                for fill in [v.panel_fill, v.extreme_bg_color, v.faint_bg_color] {
+                    let found = contrast(upon(mark, fill), of(fill));
+                    assert!(found >= 3.0, "{name} on {fill:?}, {ground:?}: {found:.2}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_words_are_smaller_than_thirteen_points() {
+        let ctx = Context::default();
+        install(&ctx);
+        for theme in [Theme::Light, Theme::Dark] {
+            let sizes = &ctx.style_of(theme).text_styles;
+            assert!(sizes.values().all(|font| font.size >= LEAST), "{sizes:?}");
+            assert_eq!(sizes[&TextStyle::Body].size, 15.0);
+        }
+        assert_eq!(small().size, 14.0);
     }
 }

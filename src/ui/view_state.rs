@@ -4,6 +4,7 @@ mod beside;
 mod films;
 mod foresight;
 mod hint;
+mod history;
 mod kept;
 mod lesson;
 mod plots;
@@ -16,6 +17,7 @@ pub use beside::Beside;
 pub use films::Films;
 pub use foresight::Foresight;
 pub use hint::Hint;
+pub use history::{History, Past};
 pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
 pub use plots::{LiveView, Plots};
@@ -28,7 +30,9 @@ use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Progress;
 use crate::numerics::cancel::Cancel;
+use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Dimension, Refusal};
+use crate::physics::theory::flat;
 use crate::plot::curve::{Curve, eigenvalue_scale};
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
@@ -44,6 +48,8 @@ use std::sync::Arc;
 
 /// Most states kept for the export; the oldest quarter goes when it is full.
 const STATES_MAX: usize = 200_000;
+/// How far before its first jump the window opens (ranges): a short drag away.
+const BEFORE_JUMP: f64 = 0.15;
 /// What the title of an edited scene begins with.
 const CHANGED: &str = "Changed: ";
 
@@ -52,8 +58,8 @@ const CHANGED: &str = "Changed: ";
 pub struct ViewState {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// How many scenes were opened; an edited one is still the one opened.
-    pub opened: usize,
+    /// Which scene was opened; an edited one is still the one opened.
+    pub opened: Opened,
     /// What the scene was decided to be.
     pub model: Model,
     /// The method.
@@ -91,6 +97,17 @@ pub struct ViewState {
     /// Stops the measurement under way.
     measurement: Cancel,
     told: Told,
+}
+
+/// The scene that was opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Opened {
+    /// How many were opened before it.
+    pub count: usize,
+    /// Its first run: what is told of older ones is another scene's.
+    first_run: RunId,
+    /// The window has opened with it, and nothing has snapped yet: where it will is left to guess.
+    guessing: bool,
 }
 
 /// What the window says in words.
@@ -141,7 +158,11 @@ impl ViewState {
                 window::of_u0(&scene, &model),
             )),
             scene: Arc::new(scene),
-            opened: 0,
+            opened: Opened {
+                count: 0,
+                first_run: 1,
+                guessing: false,
+            },
             model,
             method: MethodKind::default(),
             asked: None,
@@ -168,12 +189,38 @@ impl ViewState {
         })
     }
 
+    /// A window that opens a little before the first jump of a scene on flat ground, which it does
+    /// not tell of.
+    ///
+    /// # Errors
+    /// The scene's first value that is not allowed.
+    pub fn at_first_jump(scene: Scene) -> Result<Self, Refusal> {
+        let mut state = Self::new(scene)?;
+        state.opened.guessing = true;
+        let (law, length) = (state.model.law, state.model.equivalent_length);
+        let driven = !state.scene.control().frees_mean();
+        let limits = flat::limits(&law, length);
+        let is_flat = state.model.indenter == Indenter::Flat && driven;
+        if let Some((_, upper)) = limits.filter(|_| is_flat) {
+            let step = state.scene.drive.step;
+            let near = ((upper + BEFORE_JUMP * law.range) / step).round() * step;
+            state.target = near.clamp(state.limits.0, state.limits.1);
+            state.run = RunView::new(1, &state.scene, state.target);
+        }
+        Ok(state)
+    }
+
     /// The title of the scene that was opened, whatever was edited since.
     pub fn title_opened(&self) -> &str {
-        self.scene
-            .title
-            .strip_prefix(CHANGED)
-            .unwrap_or(&self.scene.title)
+        title_without(&self.scene.title)
+    }
+
+    /// Another scene comes, with this run: nothing of the present one is true of it.
+    fn forget_the_last_scene(&mut self, first_run: RunId) {
+        self.frame = None;
+        self.plots.live = None;
+        self.plots.ghosts.clear();
+        self.opened.first_run = first_run;
     }
 
     /// The range rho.
@@ -212,8 +259,13 @@ impl ViewState {
         if model != self.model {
             self.plots.ghosts.clear();
         }
+        if title_without(&scene.title) != self.title_opened() {
+            self.forget_the_last_scene(self.run.id + 1);
+        }
+        self.opened.guessing = false;
         self.plots.beneath.clear();
         self.plots.branches = None;
+        self.plots.preview = None;
         let ends = window::of_u0(&scene, &model);
         self.plots.flat_state = flat_state(&model, scene.control(), ends);
         self.scene = Arc::new(scene);
@@ -225,13 +277,15 @@ impl ViewState {
     }
 
     /// Replaces the scene by an edited one, remembering the old one for undo. Its title then says
-    /// that it is not the one opened.
+    /// that it is not the one opened; a scene that was there before comes back as it was.
     pub fn edit_scene(&mut self, mut scene: Scene) {
         let before = self.past();
         if scene == *before.scene {
             return;
         }
-        if !scene.title.starts_with(CHANGED) {
+        if let Some(known) = self.history.known(&scene, &before.scene) {
+            scene = known;
+        } else if !scene.title.starts_with(CHANGED) {
             scene.title.insert_str(0, CHANGED);
         }
         if self.set_scene(scene) {
@@ -244,9 +298,9 @@ impl ViewState {
         let before = self.past();
         self.target = self.limits.1;
         if self.set_scene(scene) {
-            // Another scene: nothing of the last one is true of it.
-            self.frame = None;
-            self.opened += 1;
+            self.forget_the_last_scene(self.run.id);
+            (self.method, self.asked) = Default::default();
+            self.opened.count += 1;
             self.history.end_gesture();
             self.history.remember(before);
             self.messages.hint.get_or_insert(Hint::Lower);
@@ -273,12 +327,20 @@ impl ViewState {
         let stored = self.run.store.newest();
         Past {
             scene: self.scene.clone(),
+            method: self.method,
+            asked: self.asked,
             surface: stored.filter(|s| !is_start(s)).cloned(),
         }
     }
 
     fn bring_back(&mut self, past: Option<Past>) {
-        let Some(Past { scene, surface }) = past else {
+        let Some(Past {
+            scene,
+            method,
+            asked,
+            surface,
+        }) = past
+        else {
             return;
         };
         if let Some(surface) = surface
@@ -287,6 +349,10 @@ impl ViewState {
         {
             // Nothing but the surface has changed.
             return self.resume(surface.clone());
+        }
+        (self.method, self.asked) = (method, asked);
+        if surface.is_none() {
+            self.target = self.limits.1;
         }
         if self.set_scene((*scene).clone())
             && let Some(surface) = surface
@@ -298,6 +364,7 @@ impl ViewState {
     /// Chooses the method, which begins a new run.
     pub fn set_method(&mut self, method: MethodKind) {
         if method != self.method {
+            self.history.remember(self.past());
             self.method = method;
             self.restart();
         }
@@ -306,6 +373,7 @@ impl ViewState {
     /// Lets the plan decide on the model, or overrules it, which begins a new run.
     pub fn set_strategy(&mut self, asked: Option<Strategy>) {
         if asked != self.asked {
+            self.history.remember(self.past());
             self.asked = asked;
             self.restart();
         }
@@ -404,6 +472,7 @@ impl ViewState {
             Event::Pressed { energy } => self.take_pressed(energy),
             Event::Stored(stored) => self.run.store.keep(stored),
             Event::Jump(jump) => {
+                self.opened.guessing = false;
                 self.hint_after_jump(&jump);
                 self.run.curve.cut();
                 self.run.stiffness.cut();
@@ -484,9 +553,8 @@ impl ViewState {
         let [length, energy] =
             [Dimension::Length, Dimension::SurfaceEnergy].map(|of| self.model.unit(of));
         format!(
-            "{} → {} at u₀ = {} on {}, released {} ({})",
-            jump.from,
-            jump.to,
+            "{} at u₀ = {} on {}, released {} ({})",
+            jump.change(),
             length.say(jump.mean_displacement / self.rho(), 3, "ρ"),
             jump.direction,
             energy.say(jump.released_energy, 4, "γ"),
@@ -495,69 +563,7 @@ impl ViewState {
     }
 }
 
-/// Most edits that can be taken back.
-const DEPTH: usize = 200;
-
-/// A scene, and where its surface was; `None` at the start of the drive.
-#[derive(Clone, Debug)]
-pub struct Past {
-    scene: Arc<Scene>,
-    surface: Option<Arc<Stored>>,
-}
-
-/// Undo and redo of scene edits: the scenes before and after the present one. One drag is one undo,
-/// however many values it passes.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    undo: Vec<Past>,
-    redo: Vec<Past>,
-    in_gesture: bool,
-}
-
-impl History {
-    /// Notes that `before` is about to be replaced. Within one gesture only the first call counts.
-    pub fn remember(&mut self, before: Past) {
-        if !self.in_gesture {
-            self.undo.push(before);
-            if self.undo.len() > DEPTH {
-                self.undo.remove(0);
-            }
-        }
-        self.in_gesture = true;
-        self.redo.clear();
-    }
-
-    /// The pointer is up: the next edit is another one.
-    pub fn end_gesture(&mut self) {
-        self.in_gesture = false;
-    }
-
-    /// What was before `present`, if anything.
-    pub fn undo(&mut self, present: Past) -> Option<Past> {
-        let past = self.undo.pop()?;
-        self.redo.push(present);
-        Some(past)
-    }
-
-    /// What came after `present`, if anything.
-    pub fn redo(&mut self, present: Past) -> Option<Past> {
-        let past = self.redo.pop()?;
-        self.undo.push(present);
-        Some(past)
-    }
-
-    /// The scene that an undo brings back.
-    pub fn before(&self) -> Option<&Arc<Scene>> {
-        self.undo.last().map(|past| &past.scene)
-    }
-
-    /// True if there is something to take back.
-    pub fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
-    }
-
-    /// True if there is something to do again.
-    pub fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
-    }
+/// The title of a scene without the words that say that it was edited.
+fn title_without(title: &str) -> &str {
+    title.strip_prefix(CHANGED).unwrap_or(title)
 }

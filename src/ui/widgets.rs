@@ -2,14 +2,17 @@
 //! and pictures with a name, jobs under way.
 
 use super::theme::{self, Palette};
-use crate::physics::parameter::{Dimension, Parameter, Value};
+use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
 use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
+use egui::emath::format_with_decimals_in_range;
 use egui::{
-    Align, Align2, DragValue, Id, Layout, Painter, ProgressBar, Rect, Response, Role, Sense,
-    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetText, pos2,
+    Align, Align2, DragValue, FontId, Id, Layout, Painter, ProgressBar, Rect, Response, Role,
+    Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
 };
+use std::cell::RefCell;
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 /// Largest seed that a number typed into a field still means exactly.
 pub const SEED_MAX: u64 = 1 << 53;
@@ -33,11 +36,110 @@ pub fn parse(text: &str) -> Option<f64> {
     plain.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// A field for a number, typed or dragged, with a point or a comma before its decimals.
-pub fn field<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
-    DragValue::new(value)
-        .custom_parser(parse)
-        .update_while_editing(false)
+/// Seconds for which a refusal stays at its field.
+const REFUSED: f64 = 6.0;
+
+/// A field for a number, typed or dragged. What is typed is taken exactly, or refused at the field in
+/// words; a field that is left as it stood rounds nothing.
+pub struct Entry<'a> {
+    /// What it is called in a refusal.
+    pub name: &'a str,
+    /// The present value.
+    pub value: f64,
+    /// What is allowed.
+    pub range: RangeInclusive<f64>,
+    /// How much a point of a drag is.
+    pub speed: f64,
+    /// Most decimals that are shown; 0 for whole numbers.
+    pub decimals: usize,
+    /// What stands behind the number.
+    pub suffix: &'a str,
+}
+
+impl Entry<'_> {
+    /// Draws it; the new value, if there is one.
+    pub fn show(self, ui: &mut Ui) -> (Option<f64>, Response) {
+        let (shown, refused) = (RefCell::new(String::new()), RefCell::new(None));
+        let mut edited = self.value;
+        let format = |value: f64, decimals: RangeInclusive<usize>| {
+            let text = format_with_decimals_in_range(value, decimals);
+            shown.replace(text.clone());
+            text
+        };
+        let read = |text: &str| {
+            if text == *shown.borrow() {
+                return None;
+            }
+            let whole = |x: &f64| self.decimals > 0 || x.fract() == 0.0;
+            let number = parse(text).filter(|x| whole(x) && self.range.contains(x));
+            if number.is_none() {
+                refused.replace(Some(self.refusal(text)));
+            }
+            number
+        };
+        let drag = DragValue::new(&mut edited)
+            .custom_formatter(format)
+            .custom_parser(read)
+            .update_while_editing(false)
+            .range(self.range.clone())
+            .clamp_existing_to_range(false)
+            .speed(self.speed)
+            .max_decimals(self.decimals)
+            .suffix(self.suffix);
+        let response = ui.add(drag);
+        say_refusal(ui, &response, refused.take());
+        let changed = response.changed() && edited != self.value;
+        (changed.then_some(edited), response)
+    }
+
+    fn refusal(&self, text: &str) -> String {
+        let end = |x: &f64| {
+            plain(if x.abs() < 1e-3 {
+                *x
+            } else {
+                (x * 1e6).round() / 1e6
+            })
+        };
+        let (low, high) = (end(self.range.start()), end(self.range.end()));
+        let kind = if self.decimals == 0 {
+            "a whole number"
+        } else {
+            "a number"
+        };
+        let what = if parse(text).is_some() {
+            ""
+        } else {
+            "no number: "
+        };
+        format!(
+            "{} = {}: {what}allowed is {kind} from {low} to {high}{}",
+            self.name,
+            text.trim(),
+            self.suffix
+        )
+    }
+}
+
+/// Shows why a value was refused, at its field, until it is taken or some seconds have passed.
+fn say_refusal(ui: &Ui, response: &Response, refused: Option<String>) {
+    let (id, now) = (response.id.with("refused"), ui.input(|input| input.time));
+    if let Some(words) = refused {
+        ui.data_mut(|data| data.insert_temp(id, (words, now)));
+    } else if response.changed() {
+        ui.data_mut(|data| data.remove::<(String, f64)>(id));
+    }
+    let Some((words, since)) = ui.data(|data| data.get_temp::<(String, f64)>(id)) else {
+        return;
+    };
+    let left = REFUSED - (now - since);
+    if left <= 0.0 {
+        return ui.data_mut(|data| data.remove::<(String, f64)>(id));
+    }
+    let colour = theme::palette(ui).warn;
+    let (ctx, layer) = (ui.ctx().clone(), response.layer_id);
+    Tooltip::always_open(ctx, layer, id, response.rect).show(|ui| ui.colored_label(colour, words));
+    ui.ctx()
+        .request_repaint_after(Duration::from_secs_f64(left));
 }
 
 /// A card of one choice among several of a `group`: a sketch over its name.
@@ -65,17 +167,27 @@ pub fn card(
     let edge = Stroke::new(1.0, edge);
     painter.rect(rect.shrink(0.5), 5.0, fill, edge, StrokeKind::Inside);
     sketch(&painter, rect, &palette);
-    painter.text(
-        pos2(rect.center().x, rect.bottom() - 2.0),
-        Align2::CENTER_BOTTOM,
-        name,
-        theme::small(),
+    let (font, ink) = (
+        FontId::proportional(theme::LEAST),
         ui.visuals().strong_text_color(),
     );
+    let words = |name: &str| painter.layout_no_wrap(name.to_owned(), font.clone(), ink);
+    let mut galley = words(name);
+    if galley.size().x > rect.width() - 4.0 {
+        // A long name gives its last word in short.
+        let short = name.rsplit_once(' ').map(|(first, last)| {
+            let last: String = last.chars().take(3).collect();
+            format!("{first} {last}.")
+        });
+        galley = words(short.as_deref().unwrap_or(name));
+    }
+    let place = pos2(rect.center().x, rect.bottom() - 2.0);
+    let area = Align2::CENTER_BOTTOM.anchor_size(place, galley.size());
+    painter.galley(area.min, galley, ink);
     response
 }
 
-/// A value with a name, typed or dragged; what is typed is taken exactly.
+/// A value with a name.
 pub fn number(
     ui: &mut Ui,
     parameter: &Parameter,
@@ -83,23 +195,27 @@ pub fn number(
     range: RangeInclusive<f64>,
     unit: &str,
 ) -> Option<f64> {
-    let mut edited = value;
-    let mut changed = false;
-    let speed = (value.abs() * 0.005).max(1e-4);
-    labelled(ui, parameter.title(), |ui| {
-        let drag = field(&mut edited).range(range).speed(speed).max_decimals(6);
-        let drag = drag
-            .clamp_existing_to_range(false)
-            .suffix(if unit.is_empty() {
-                String::new()
-            } else {
-                format!(" {unit}")
-            });
-        let response = ui.add(drag);
-        changed = response.changed();
+    let name = parameter.title();
+    let suffix = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    let entry = Entry {
+        name: &name,
+        value,
+        range,
+        speed: (value.abs() * 0.005).max(1e-4),
+        decimals: 6,
+        suffix: &suffix,
+    };
+    let mut entered = None;
+    labelled(ui, name.as_str(), |ui| {
+        let (value, response) = entry.show(ui);
+        entered = value;
         response
     });
-    (changed && edited != value).then_some(edited)
+    entered
 }
 
 /// The same of a number with E* = 1, which is shown as the scene's file gives it.
@@ -173,13 +289,23 @@ pub fn own(
     (edited != values).then_some(edited)
 }
 
-/// The same for a whole number.
+/// The same for a whole number, at most [`SEED_MAX`].
 pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
-    let mut edited = value;
+    let entry = Entry {
+        name,
+        value: value as f64,
+        range: *range.start() as f64..=*range.end() as f64,
+        speed: 0.05,
+        decimals: 0,
+        suffix: "",
+    };
+    let mut entered = None;
     labelled(ui, name, |ui| {
-        ui.add(field(&mut edited).range(range).speed(0.05))
+        let (value, response) = entry.show(ui);
+        entered = value;
+        response
     });
-    (edited != value).then_some(edited)
+    entered.map(|value| value as u64)
 }
 
 /// A name on the left, and on the right what it names.

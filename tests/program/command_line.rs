@@ -58,7 +58,7 @@ fn bad_toml_is_refused_with_line_and_column() {
     refused_line(
         "length = 256.0",
         "length = = 256.0",
-        &["line 8", "column 10", "not TOML"],
+        &["line 9", "column 10", "not TOML"],
     );
 }
 

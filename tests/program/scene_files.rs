@@ -77,10 +77,18 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
                 .lines()
                 .take_while(|line| line.starts_with('#'))
                 .count(),
-            2,
+            3,
             "{}",
             preset.name
         );
+        assert!(preset.question().ends_with('?'), "{}", preset.name);
+        assert!(!preset.hint().contains('?'), "{}", preset.hint());
+        // Its small picture has both directions, and spans what it shows.
+        for (direction, points) in preset.thumbnail() {
+            assert!(points.len() > 30, "{} {direction}", preset.name);
+            let shares = points.iter().flatten();
+            assert!(shares.copied().all(|share| (0.0..=1.0).contains(&share)));
+        }
         assert_eq!(
             scene_file::parse(&scene_file::to_text(&scene), NAME),
             Ok(scene)
@@ -218,7 +226,11 @@ fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
     ] {
         says(
             &refusal("points = 64", &format!("points = {n}")),
-            &[if n.len() > 9 { "line 9" } else { "cell.points" }],
+            &[if n.len() > 9 {
+                "line 10"
+            } else {
+                "cell.points"
+            }],
         );
     }
 }
@@ -432,11 +444,11 @@ fn another_format_is_refused_before_anything_else() {
 fn a_syntax_error_names_line_and_column() {
     says(
         &refusal("length = 256.0", "length = = 3"),
-        &["line 8", "column 10", "not TOML"],
+        &["line 9", "column 10", "not TOML"],
     );
     says(
         &refusal("points = 64", "length = 256.0"),
-        &["line 9", "duplicate"],
+        &["line 10", "duplicate"],
     );
 }
 

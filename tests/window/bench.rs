@@ -85,16 +85,27 @@ impl Bench {
     }
 
     pub fn sized(width: f32, height: f32) -> Self {
+        Self::showing(
+            ViewState::new(fig2()).expect("fig2 is allowed"),
+            (width, height),
+        )
+    }
+
+    /// Of the usual size, in this state.
+    pub fn opened(state: ViewState) -> Self {
+        Self::showing(state, (1280.0, 800.0))
+    }
+
+    fn showing(state: ViewState, (width, height): (f32, f32)) -> Self {
         let solver = FakeSolver::default();
-        let scene = fig2();
-        let model = scene.model().expect("fig2 is allowed");
-        let state = ViewState::new(scene).expect("fig2 is allowed");
+        let model = state.model.clone();
         // A desktop without a file chooser: every question is answered by nothing.
         let app = App::with_chooser(solver.clone(), state, |_| {
             Box::pin(std::future::ready(None::<PathBuf>))
         });
         let window = Harness::builder()
             .with_size(vec2(width, height))
+            .with_max_steps(12)
             .with_context_setup(theme::install)
             .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
         let mut bench = Self {
@@ -289,8 +300,76 @@ impl Bench {
     }
 
     pub fn click(&mut self, label: &str) {
+        self.unfold(label);
         self.window.get_by_label(label).click();
         self.settle();
+    }
+
+    /// Brings a control into sight as people do: it scrolls, and what is not there is looked for in
+    /// the menus and in the fold.
+    pub fn unfold(&mut self, label: &str) {
+        const FOLDS: [&str; 6] = [
+            "Advanced",
+            "More tabs",
+            "Files",
+            "Map options",
+            "Menu",
+            "Scene",
+        ];
+        for fold in FOLDS {
+            if self.scroll_to(label) {
+                return;
+            }
+            if self.scroll_to(fold) {
+                self.window.get_by_label(fold).click();
+                self.settle();
+                if !self.scroll_to(label) && fold != "Scene" {
+                    self.window.get_by_label(fold).click();
+                    self.settle();
+                }
+            }
+        }
+    }
+
+    /// Scrolls to a control that is there, above the status bar; false if there is none.
+    fn scroll_to(&mut self, label: &str) -> bool {
+        let sight = self
+            .window
+            .ctx
+            .content_rect()
+            .with_max_y(self.window.ctx.content_rect().max.y - 40.0);
+        let Some(node) = self.window.query_all_by_label(label).next() else {
+            return false;
+        };
+        if !sight.contains(node.rect().center()) {
+            node.scroll_to_me();
+            self.settle();
+        }
+        true
+    }
+
+    /// Everything that is said while the card behind the chip of the status bar is open.
+    pub fn status(&mut self) -> String {
+        const CHIPS: [&str; 4] = [
+            "exact to",
+            "no accuracy is promised",
+            "no equilibrium",
+            "not computed",
+        ];
+        let chip = |words: &&str| {
+            let mut all = self.window.query_all_by_label_contains(words);
+            all.next().is_some()
+        };
+        let chip = CHIPS.into_iter().find(chip).expect("a chip");
+        let open = |bench: &mut Self| {
+            let node = bench.window.query_all_by_label_contains(chip).next();
+            node.expect("the chip").click();
+            bench.settle();
+        };
+        open(self);
+        let names = self.names();
+        self.press(Modifiers::NONE, Key::Escape);
+        names
     }
 
     pub fn press(&mut self, modifiers: Modifiers, key: Key) {
@@ -300,6 +379,9 @@ impl Bench {
 
     /// Drags from the middle of the control with this label.
     pub fn drag(&mut self, label: &str, by: &[egui::Vec2]) {
+        self.unfold(label);
+        self.window.get_by_label(label).scroll_to_me();
+        self.settle();
         let from = self.window.get_by_label(label).rect().center();
         self.window.hover_at(from);
         self.window.step();
@@ -316,6 +398,7 @@ impl Bench {
 
     /// Types into the field with this label.
     pub fn enter(&mut self, label: &str, text: &str) {
+        self.unfold(label);
         let field = self
             .window
             .get_by_role_and_label(egui::Role::SpinButton, label);

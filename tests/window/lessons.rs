@@ -131,7 +131,7 @@ fn a_lesson_is_resumed_where_it_was_left() {
     later.get_by_label("Leave the lesson").click();
     later.run();
     assert!(later.state().state().lesson.is_none());
-    assert!(says(&later, "Cohesive law"), "the controls are back");
+    assert!(says(&later, "law morse"), "the controls are back");
 }
 
 #[test]
@@ -143,10 +143,10 @@ fn a_lecture_shows_map_curve_and_a_line_and_takes_guesses_first() {
     let names = bench.names();
     let line = "Flat at u₀ = 4.00 ρ, stable. Where will it snap?";
     assert!(names.contains(line), "{names}");
-    for gone in ["Cohesive law", "Why tab", "Play approach"] {
+    for gone in ["law morse", "Why tab", "Play approach"] {
         assert!(!names.contains(gone), "{gone}");
     }
-    assert_eq!(bench.window.ctx.zoom_factor(), 1.5);
+    assert_eq!(bench.window.ctx.zoom_factor(), 1.4);
     let plot = bench.plot_sentence();
     let plot = bench
         .window
@@ -161,5 +161,5 @@ fn a_lecture_shows_map_curve_and_a_line_and_takes_guesses_first() {
     assert!(names.contains("Flat → ridge set free 0.123 γ."), "{names}");
     bench.click("Leave (F11)");
     assert_eq!(bench.window.ctx.zoom_factor(), 1.0);
-    assert!(bench.names().contains("Cohesive law"));
+    assert!(bench.names().contains("law morse"));
 }

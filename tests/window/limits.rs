@@ -143,37 +143,6 @@ fn an_edited_scene_waits_for_its_picture_in_words() {
 }
 
 #[test]
-fn the_smallest_window_draws_and_keeps_what_moves_the_surface_inside() {
-    for (width, height) in [
-        (480.0, 320.0),
-        (640.0, 480.0),
-        (800.0, 480.0),
-        (1024.0, 600.0),
-    ] {
-        let mut bench = Bench::sized(width, height);
-        bench.reach(3.9, Direction::Approach);
-        for label in ["mean displacement u0", "Play approach"] {
-            let rect = bench.window.get_by_label(label).rect();
-            assert!(
-                rect.min.x >= 0.0 && rect.max.x <= width && rect.min.y < height,
-                "{label} at {rect:?} of {width}"
-            );
-        }
-        // What does not fit is beside it, and scrolls into view: nothing lies upon anything else.
-        let map = bench
-            .window
-            .get_by_label("Gap map: flat, gap from 3.900 to 3.900 rho")
-            .rect();
-        let [slider, fit] =
-            ["mean displacement u0", "Fit"].map(|label| bench.window.get_by_label(label).rect());
-        assert!(
-            slider.max.x < map.min.x && map.max.x < fit.min.x && map.width() > 80.0,
-            "{slider:?} {map:?} {fit:?}"
-        );
-    }
-}
-
-#[test]
 fn scenes_at_the_ends_of_their_ranges_are_drawn() {
     let extremes: [fn(&mut Scene); 8] = [
         |scene| scene.drive.start = 1e15,

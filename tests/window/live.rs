@@ -9,7 +9,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::study::live_loop::{Fineness, LiveLoop};
 use tackscope::worker::protocol::{Event, LiveState};
 
-fn live() -> Arc<LiveState> {
+pub fn live() -> Arc<LiveState> {
     let scene = fig2();
     let found =
         LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).map_err(|e| e.to_string());
@@ -28,10 +28,10 @@ fn the_live_loop_is_drawn_and_its_energy_and_milliseconds_are_in_the_status_bar(
     let live = live();
     let lost = live.found.as_ref().unwrap().dissipated_energy;
     bench.say(Event::Live(live));
-    let names = bench.names();
+    let names = bench.status();
     let status = format!("loop {lost:.4} γ in 7 ms (atlas, 40 points)");
-    let headline = format!("live loop: {lost:.4} γ lost in 8 jumps");
-    for words in ["live\n", &status, &headline] {
+    let headline = format!("{lost:.4} γ a loop");
+    for words in ["live\n", &status, &headline, "live loop, 8 jumps"] {
         assert!(names.contains(words), "{words} in {names}");
     }
 }
@@ -62,7 +62,7 @@ fn where_the_surface_will_stand_is_said_in_the_frame_in_which_the_slider_moves()
     let (pattern, sample) = bench.state().foreseen().expect("an answer from the atlas");
     assert_eq!((pattern, sample.control), (Pattern::Ridge, 2.0));
     assert!(
-        bench.names().contains("ahead: ridge, stable"),
+        bench.names().contains("ahead: ridge, stress"),
         "{}",
         bench.names()
     );
@@ -80,11 +80,7 @@ fn a_scene_the_atlas_does_not_hold_says_so_in_words() {
         fineness: Fineness::Coarse,
         milliseconds: 0.0,
     })));
-    assert!(
-        bench
-            .names()
-            .contains("no live loop: the atlas holds square cells on flat ground"),
-        "{}",
-        bench.names()
-    );
+    let names = bench.status();
+    let words = "no live loop: the atlas holds square cells on flat ground";
+    assert!(names.contains(words), "{names}");
 }

@@ -9,9 +9,11 @@ mod commands;
 mod dialogs;
 mod film;
 mod foreseen;
+mod frames;
 mod ground;
 mod kept;
 mod landscape;
+mod layout;
 mod lessons;
 mod limits;
 mod live;
@@ -19,6 +21,7 @@ mod machine;
 mod model;
 mod paper;
 mod push;
+mod random;
 mod select;
 mod session;
 mod stepped;
@@ -27,6 +30,7 @@ mod study;
 mod tabs;
 mod units;
 mod why;
+mod wrongs;
 
 use bench::{Bench, fig2};
 use egui::{Key, Modifiers, pos2, vec2};
@@ -65,17 +69,22 @@ fn every_control_is_found_by_its_label() {
     let bench = Bench::new();
     for label in [
         "mean displacement u0",
-        "mesh number mu_rho",
+        "ground flat",
+        "ground tip",
+        "ground waves",
+        "ground rough",
+        "ground measured",
         "law morse",
         "law mie",
         "law cosine",
         "law double exponential",
-        "mu_rho of Dugdale, 0.798",
-        "mu_rho of Hui, 1.09",
-        "range",
-        "mesh",
-        "Line cell (uniform along y)",
+        "machine stiff",
+        "machine spring",
+        "machine weight",
         "Advanced",
+        "Preset",
+        "What to look for",
+        "Lessons",
         "Play approach",
         "Play retract",
         "Play loop",
@@ -83,21 +92,70 @@ fn every_control_is_found_by_its_label() {
         "Stop",
         "Speed",
         "Reset",
-        "Open…",
-        "Save…",
-        "Export CSV…",
-        "Export PNG…",
         "Undo",
         "Redo",
+        "Files",
+        "Lecture mode",
         "Switch theme",
         "Help",
+        "Menu",
+        "Map options",
         "Fit",
-        "Centre the pattern",
-        "Smooth",
+        "More tabs",
     ] {
         assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
     }
-    for label in ["Target", "Mesh number μᵨ", "Length L"] {
+}
+
+#[test]
+fn what_is_folded_away_is_found_by_its_label() {
+    let mut bench = Bench::new();
+    for (fold, labels) in [
+        (
+            "Files",
+            &[
+                "Open…",
+                "Save…",
+                "Export data…",
+                "Export picture…",
+                "Copy scene",
+            ][..],
+        ),
+        (
+            "Map options",
+            &["Smooth", "Centre the pattern", "Soft mode"],
+        ),
+        (
+            "Menu",
+            &[
+                "Restore layout",
+                "Theme of the system",
+                "All commands…",
+                "Quit",
+            ],
+        ),
+        (
+            "More tabs",
+            &["Speed and accuracy tab", "Equations tab", "Paper tab"],
+        ),
+        (
+            "Advanced",
+            &[
+                "mesh number mu_rho",
+                "mu_rho of Dugdale, 0.798",
+                "mu_rho of Hui, 1.09",
+                "range",
+                "mesh",
+                "Line cell (uniform along y)",
+            ],
+        ),
+    ] {
+        bench.click(fold);
+        for label in labels {
+            assert_eq!(bench.window.query_all_by_label(label).count(), 1, "{label}");
+        }
+    }
+    for label in ["Target", "Mesh number μᵨ", "Length L", "Range ρ"] {
         assert!(
             bench
                 .window
@@ -106,15 +164,10 @@ fn every_control_is_found_by_its_label() {
             "{label}"
         );
     }
-    for label in ["Preset", "Points n"] {
-        assert!(
-            bench
-                .window
-                .query_by_role_and_label(egui::Role::ComboBox, label)
-                .is_some(),
-            "{label}"
-        );
-    }
+    let list = bench
+        .window
+        .query_by_role_and_label(egui::Role::ComboBox, "Points n");
+    assert!(list.is_some());
 }
 
 #[test]
@@ -300,7 +353,9 @@ fn a_named_mesh_of_table_1_sets_its_mu_rho_exactly_and_warns_above_one_half() {
     let mut bench = Bench::new();
     bench.click("mu_rho of Dugdale, 0.798");
     assert!((bench.state().model.mu_rho - 0.798).abs() < 1e-12);
-    assert!(bench.names().contains("Above 0.5 the mesh lies"));
+    assert!(bench.names().contains("Mesh: too coarse"));
+    bench.click("Refine");
+    assert!(bench.state().model.mu_rho <= 0.5 && bench.names().contains("Mesh: fine enough"));
 }
 
 #[test]
@@ -391,7 +446,7 @@ fn space_plays_and_pauses_period_goes_one_increment_and_r_turns_round() {
 #[test]
 fn keys_do_not_fire_while_something_is_typed() {
     let mut bench = Bench::new();
-    bench.click("Export CSV…");
+    bench.click("Export data…");
     bench.heard();
     bench.press(Modifiers::NONE, Key::Space);
     bench.press(Modifiers::NONE, Key::End);
@@ -478,13 +533,13 @@ fn the_map_and_the_plot_say_one_sentence_each() {
 fn the_status_bar_says_stability_model_and_cost() {
     let mut bench = Bench::new();
     bench.reach(3.9, Direction::Approach);
-    let names = bench.names();
+    let names = bench.status();
     for words in [
         "stable, stiffness_min",
         "flat, closed form",
         "Newton-Krylov",
         "0 iterations",
-        "mesh ",
+        "mesh 64 × 64",
     ] {
         assert!(names.contains(words), "{words} in {names}");
     }
@@ -548,13 +603,7 @@ fn a_closed_loop_shades_its_area_and_says_its_number() {
         bench.reach(u0, Direction::Retraction);
     }
     bench.say(Event::Loop(summary(ledger(0.4321, 0.4322))));
-    assert!(
-        bench
-            .names()
-            .contains("dissipated 0.4321 γ, expected error 0.005 %"),
-        "{}",
-        bench.names()
-    );
+    assert!(bench.names().contains("0.4321 γ lost"), "{}", bench.names());
     assert!(
         bench
             .state()
@@ -605,7 +654,7 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     bench.say(Event::Loop(summary(ledger(0.4321, 0.3))));
     let names = bench.names();
     assert!(
-        names.contains("dissipated 0.4321 γ")
+        names.contains("0.4321 γ lost")
             && names.contains("the loop integral, 0.3000 gamma, is not the sum"),
         "{names}"
     );
@@ -619,7 +668,8 @@ fn a_loss_whose_check_fails_is_shown_with_the_doubt_and_an_open_loop_has_none() 
     })));
     let names = bench.names();
     assert!(
-        names.contains("loop not closed: it ends as bulge and began as flat; raise drive.start"),
+        names.contains("Loop not closed")
+            && names.contains("it ends as bulge and began as flat; raise drive.start"),
         "{names}"
     );
     assert!(!names.contains("0.4321"), "{names}");
@@ -685,9 +735,9 @@ fn a_small_window_keeps_every_panel_inside() {
     for label in [
         "mean displacement u0",
         "Play loop",
-        "Help",
+        "Menu",
         "Fit",
-        "Centre the pattern",
+        "Map options",
     ] {
         let rect = bench.window.get_by_label(label).rect();
         assert!(

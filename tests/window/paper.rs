@@ -286,7 +286,7 @@ fn a_page_has_a_window_of_its_own_and_every_panel_stays_inside() {
     bench.click("Paper tab");
     let report = asked(&bench, Page::Figure(first()));
     done(&mut bench, &report, figure(first()));
-    for label in ["Play loop", "Help", "Fit", "Open this scene", "Enlarge"] {
+    for label in ["Play loop", "Menu", "Fit", "Open this scene", "Enlarge"] {
         let rect = bench.window.get_by_label(label).rect();
         assert!(
             rect.min.x >= 0.0 && rect.max.x <= 900.0 && rect.max.y <= 600.0,

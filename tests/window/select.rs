@@ -103,6 +103,7 @@ fn a_click_on_a_row_of_the_events_shows_the_state_after_that_jump() {
 #[test]
 fn the_scene_goes_to_the_clipboard_as_text_and_comes_back() {
     let mut bench = Bench::new();
+    bench.unfold("Copy scene");
     bench.window.get_by_label("Copy scene").click();
     bench.window.step();
     let copied = bench
@@ -147,7 +148,7 @@ fn an_exported_picture_opens_again_as_its_scene() {
     let scene = bench.state().scene.clone();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("loop.png");
-    bench.click("Export PNG…");
+    bench.click("Export picture…");
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
     bench.window.run();
     bench

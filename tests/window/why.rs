@@ -187,7 +187,9 @@ fn the_present_point_goes_down_the_drop_while_it_jumps() {
             bench.plot_sentence()
         );
         assert!(
-            bench.names().contains("jumping at u₀ = 3.100 ρ"),
+            bench
+                .names()
+                .contains("Jumping, no equilibrium, u₀ = 3.1000 ρ"),
             "{}",
             bench.names()
         );

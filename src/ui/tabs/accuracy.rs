@@ -42,7 +42,7 @@ impl Tab for Accuracy {
     fn title(&self) -> Title {
         let what = "what every method costs, and how far off it is";
         Title {
-            short: "Chart",
+            short: "Accuracy",
             ..Title::new("Speed and accuracy", what)
         }
     }

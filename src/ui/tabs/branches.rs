@@ -86,7 +86,7 @@ impl Tab for Branches {
     fn update(&mut self, with: Update<'_>) {
         let state = with.state;
         let asked = self.asked.take();
-        let (opened, scene) = (state.opened, &state.scene);
+        let (opened, scene) = (state.opened.count, &state.scene);
         let before = self.scene.as_ref();
         if before.is_none_or(|(_, before)| !Arc::ptr_eq(before, scene)) {
             let edited = before.is_some_and(|(before, _)| *before == opened);

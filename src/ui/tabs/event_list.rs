@@ -134,8 +134,7 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                         {
                             actions.push(Action::SelectJump(index));
                         }
-                        ui.label(format!("{} → {}", jump.from, jump.to))
-                            .on_hover_text(state.say_jump(jump));
+                        ui.label(jump.change()).on_hover_text(state.say_jump(jump));
                         ui.label(energy.number(jump.released_energy, 4));
                         // A narrow list is cut at its right: first what is unusual.
                         let cause = jump.contested_words().map_or_else(

@@ -210,7 +210,7 @@ impl Paper {
         if let Some(entry) = entry(self.page) {
             let text = ui.visuals().text_color();
             ui.label(RichText::new(format!("Fig. {}: {}", entry.number, entry.title)).strong());
-            ui.label(set(entry.look_for, 12.5, text));
+            ui.label(set(entry.look_for, theme::LEAST, text));
         }
         self.under_way(ui);
         match self.known.get(&self.page) {
@@ -265,7 +265,7 @@ fn words(ui: &mut Ui, figure: &Figure) {
     let (text, palette) = (ui.visuals().text_color(), theme::palette(ui));
     if !figure.words.is_empty() {
         ui.add_space(4.0);
-        ui.label(set(&figure.words, 12.5, text));
+        ui.label(set(&figure.words, theme::LEAST, text));
     }
     for finding in &figure.findings {
         ui.add_space(3.0);
@@ -283,7 +283,7 @@ fn finding(ui: &mut Ui, finding: &Finding, palette: &Palette) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         ui.label(RichText::new(mark).color(colour).strong());
-        ui.label(set(&finding.quantity, 12.0, text));
+        ui.label(set(&finding.quantity, theme::LEAST, text));
     });
     let numbers = format!(
         "{}, expected {} ({}): {word}",
@@ -291,7 +291,7 @@ fn finding(ui: &mut Ui, finding: &Finding, palette: &Palette) {
         number(finding.expected),
         finding.source
     );
-    ui.indent("numbers", |ui| ui.label(set(&numbers, 12.0, text)));
+    ui.indent("numbers", |ui| ui.label(set(&numbers, theme::LEAST, text)));
 }
 
 fn errata(ui: &mut Ui, errata: &[Erratum]) {
@@ -305,15 +305,15 @@ fn errata(ui: &mut Ui, errata: &[Erratum]) {
         ui.label(RichText::new(erratum.place).strong());
         ui.label(set(
             &format!("printed: {}", erratum.printed),
-            12.0,
+            theme::LEAST,
             palette.warn,
         ));
         ui.label(set(
             &format!("right: {}", erratum.right),
-            12.0,
+            theme::LEAST,
             palette.good,
         ));
-        ui.label(set(erratum.because, 12.0, text));
+        ui.label(set(erratum.because, theme::LEAST, text));
         for evidence in &erratum.evidence {
             let [found, printed, right] =
                 [evidence.found, evidence.printed, evidence.right].map(number);
@@ -321,7 +321,7 @@ fn errata(ui: &mut Ui, errata: &[Erratum]) {
                 "{}: {found}; print {printed}, right {right}",
                 evidence.quantity
             );
-            ui.indent("evidence", |ui| ui.label(set(&words, 12.0, text)));
+            ui.indent("evidence", |ui| ui.label(set(&words, theme::LEAST, text)));
         }
     }
 }
@@ -357,7 +357,7 @@ fn diagrams(ui: &mut Ui, figure: &Figure) {
 
 fn panel(ui: &mut Ui, panel: &Panel, heading: &str, name: &str, key: (usize, usize)) {
     if !heading.is_empty() {
-        ui.label(set(heading, 12.5, ui.visuals().text_color()));
+        ui.label(set(heading, theme::LEAST, ui.visuals().text_color()));
     }
     let height = (0.66 * ui.available_width())
         .min(0.5 * ui.ctx().content_rect().height())
@@ -454,7 +454,7 @@ fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
         }
         let galley = painter.layout_no_wrap(
             letter.clone(),
-            egui::FontId::proportional(11.0),
+            egui::FontId::proportional(theme::LEAST),
             visuals.text_color(),
         );
         painter.rect_filled(

@@ -12,7 +12,7 @@ use crate::study::sweep::{COLUMNS, Point, Row, Study};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, field, progress};
+use crate::ui::widgets::{Entry, described, progress};
 use crate::worker::job::{Job, Reporter};
 use egui::{ComboBox, Pos2, Response, RichText, Role, Ui, WidgetInfo};
 use egui_plot::PlotPoint;
@@ -252,16 +252,30 @@ impl StudyTab {
         let speed = 0.01 * (span.to - span.from).abs().max(1e-6);
         for (name, end) in [("from", &mut span.from), ("to", &mut span.to)] {
             let label = ui.label(name);
-            let drag = field(end)
-                .range(parameter.range.clone())
-                .speed(speed)
-                .max_decimals(6);
-            ui.add(drag.clamp_existing_to_range(false))
-                .labelled_by(label.id);
+            let entry = Entry {
+                name,
+                value: *end,
+                range: parameter.range.clone(),
+                speed,
+                decimals: 6,
+                suffix: "",
+            };
+            let (entered, response) = entry.show(ui);
+            response.labelled_by(label.id);
+            *end = entered.unwrap_or(*end);
         }
         let label = ui.label("loops");
-        ui.add(field(&mut self.count).range(2..=COUNT_MAX).speed(0.1))
-            .labelled_by(label.id);
+        let entry = Entry {
+            name: "loops",
+            value: self.count as f64,
+            range: 2.0..=COUNT_MAX as f64,
+            speed: 0.1,
+            decimals: 0,
+            suffix: "",
+        };
+        let (entered, response) = entry.show(ui);
+        response.labelled_by(label.id);
+        self.count = entered.map_or(self.count, |count| count as usize);
         let mut logarithmic = span.spacing == Spacing::Logarithmic;
         ui.checkbox(&mut logarithmic, "log")
             .on_hover_text("values by equal factors, where both ends are above zero");

@@ -3,6 +3,7 @@
 
 use super::{Tab, Title, Update};
 use crate::follow::record::JumpRecord;
+use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
@@ -95,14 +96,17 @@ impl Tab for Why {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| match &self.told {
+                None if state.hides(Hidden::Forecast) => {
+                    ui.label("Where will it snap? Guess, then drag the body down and see.");
+                }
                 None => {
                     ui.label(ahead(&state.scene, &state.model, &state.run.record));
                 }
                 Some(told) => {
                     headline(ui, told);
                     ui.label(&told.why.sentence);
-                    pictures(ui, state, told, actions);
                     replay(ui, state, told, &mut self.replay);
+                    pictures(ui, state, told, actions);
                 }
             });
     }
@@ -198,9 +202,9 @@ impl Told {
                 texture: ctx.load_texture(name, image, options),
                 contour: picture.map_or_else(Vec::new, shares),
             };
-            let from = format!("Gap before the jump: {}", jump.from);
+            let from = format!("Gap before the jump: {}", jump.from.words());
             let first = map("before", from, before.image(top), Some(&before));
-            let to = format!("Gap after the jump: {}", jump.to);
+            let to = format!("Gap after the jump: {}", jump.to.words());
             let last = map("after", to, after.image(top), Some(&after));
             let mode = mode.as_ref().map(|mode| {
                 let [x, y] = why.wave.unwrap_or_default();
@@ -234,7 +238,7 @@ fn shares(picture: &GapPicture) -> Vec<Vec<[f32; 2]>> {
 /// What happened.
 fn headline(ui: &mut Ui, told: &Told) {
     let jump = &told.jump;
-    let words = format!("{} → {} on {}", jump.from, jump.to, jump.direction);
+    let words = format!("{} on {}", jump.change(), jump.direction);
     ui.label(RichText::new(words).strong());
 }
 

@@ -24,7 +24,8 @@ impl ViewState {
     /// moves by itself.
     pub fn hint(&self) -> Option<String> {
         let hint = self.messages.hint?;
-        if self.lesson.is_some() || self.run.sweep().is_some() {
+        let moves = self.run.sweep().is_some() || self.jumping().is_some();
+        if self.lesson.is_some() || moves {
             return None;
         }
         Some(match hint {

@@ -26,12 +26,12 @@ impl ViewState {
         Some((progress.asks(lesson)?, progress.answer))
     }
 
-    /// True if the lesson, or a lecture before its first jump, hides this.
+    /// True if the lesson hides this, or a lecture or the window itself before the first jump.
     pub fn hides(&self, what: Hidden) -> bool {
         let step = self
             .lesson()
             .and_then(|(lesson, progress)| progress.step(lesson));
-        let waits = self.view.lecture && self.run.record.jumps.is_empty();
+        let waits = self.opened.guessing || self.view.lecture && self.run.record.jumps.is_empty();
         step.is_some_and(|step| step.hide.contains(&what)) || waits && what == Hidden::Forecast
     }
 

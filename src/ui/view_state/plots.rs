@@ -227,12 +227,8 @@ impl ViewState {
 
     /// While a parameter is dragged every loop is late by a few frames; it is drawn all the same.
     pub(super) fn take_live(&mut self, run: RunId, live: Arc<LiveState>) {
-        if self
-            .plots
-            .live
-            .as_ref()
-            .is_none_or(|shown| run >= shown.run)
-        {
+        let shown = self.plots.live.as_ref().map(|shown| shown.run);
+        if run >= shown.unwrap_or(self.opened.first_run) {
             self.plots.live = Some(LiveView::new(run, live));
         }
     }

@@ -1,0 +1,292 @@
+//! The two headlines: the pattern, whether it is stable and where, over the map; what is lost, over
+//! the plot.
+
+use super::action::{Action, ViewOptions};
+use super::flick;
+use super::machine;
+use super::theme::{self, Palette};
+use super::view_state::ViewState;
+use super::widgets::named;
+use crate::follow::record::{JumpRecord, StateRecord};
+use crate::lessons::Hidden;
+use crate::physics::indenter::Indenter;
+use crate::physics::parameter::Dimension;
+use crate::solver::Stop;
+use crate::study::plan::promise;
+use egui::{Align, Color32, FontId, Label, Layout, Response, RichText, Ui, vec2};
+
+/// Sizes of the two, and the least to which they shrink where the column is narrow.
+const SURFACE: f32 = 22.0;
+const LOSS: f32 = 28.0;
+const LEAST: f32 = 16.0;
+/// Width of what stands at the right of each (points).
+const MENU: f32 = 40.0;
+const FIT: f32 = 60.0;
+
+/// A line as large as its width allows; what does not fit at the least size is cut.
+fn line(ui: &mut Ui, words: &str, size: f32, room: f32, colour: Color32) -> Response {
+    let font = FontId::proportional(size);
+    let painter = ui.painter();
+    let wide = painter
+        .layout_no_wrap(words.to_owned(), font, colour)
+        .size()
+        .x;
+    let size = (size * room / wide.max(1.0)).clamp(LEAST, size).floor();
+    let words = RichText::new(words).size(size).strong().color(colour);
+    ui.add(Label::new(words).truncate())
+}
+
+/// Over the map, with the options of the map at its right.
+pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let (words, colour) =
+        surface_words(state, &theme::palette(ui), ui.visuals().strong_text_color());
+    let size = vec2(ui.available_width(), SURFACE + 8.0);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_height(SURFACE + 8.0);
+        let presses = flick::is_on(ui, state);
+        let room = if presses { 0.4 * size.x } else { size.x - MENU };
+        line(ui, &words, SURFACE, room, colour);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if presses {
+                return flick::options(ui, state, actions);
+            }
+            let menu = ui.menu_button("⚙", |ui| options(ui, state, actions));
+            named(menu.response, "Map options").on_hover_text("how the map is drawn");
+        });
+    });
+}
+
+fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let mut view: ViewOptions = state.view;
+    ui.checkbox(&mut view.smooth, "Smooth");
+    if state.model.indenter == Indenter::Flat {
+        ui.checkbox(&mut view.centred, "Centre the pattern");
+    }
+    ui.checkbox(&mut view.soft_mode, "Soft mode");
+    if view != state.view {
+        actions.push(Action::SetView(view));
+    }
+}
+
+/// What map and profile show, in one line.
+pub fn surface_words(state: &ViewState, palette: &Palette, plain: Color32) -> (String, Color32) {
+    let length = state.model.unit(Dimension::Length);
+    let at = |u0: f64| format!("u₀ = {}", length.say(u0 / state.rho(), 4, "ρ"));
+    if let Some(frame) = &state.run.replayed {
+        return (
+            format!("Replay, {}", at(frame.mean_displacement)),
+            palette.jump,
+        );
+    }
+    let old = state.run.shown.as_ref();
+    if let Some(frame) = old.or_else(|| state.jumping()) {
+        let words = match &frame.state {
+            Some(stored) => {
+                let word = state.shown_word().unwrap_or("stored");
+                format!("{}: {}", capital(word), equilibrium(stored))
+            }
+            None if frame.relaxing => capital(flick::word(state).unwrap_or("no equilibrium")),
+            None => "Of a branch".to_owned(),
+        };
+        let colour = if frame.relaxing { palette.jump } else { plain };
+        return (format!("{words}, {}", at(frame.mean_displacement)), colour);
+    }
+    match &state.run.state {
+        None => {
+            let told = machine::told(state);
+            let at = told.say(state.run.actual, 4);
+            (format!("Waiting, {} = {at}", told.symbol), plain)
+        }
+        Some(now) => {
+            let words = format!(
+                "{}, {}",
+                capital(&equilibrium(now)),
+                at(now.mean_displacement)
+            );
+            let stable = now.stop == Stop::Stable;
+            (words, if stable { plain } else { palette.warn })
+        }
+    }
+}
+
+/// "ridge, stable".
+fn equilibrium(state: &StateRecord) -> String {
+    format!("{}, {}", state.pattern.words(), stability(state))
+}
+
+/// The honest word on stability.
+pub fn stability(state: &StateRecord) -> &'static str {
+    match state.stop {
+        Stop::Stable => "stable",
+        Stop::Unstable => "unstable",
+        Stop::NotConverged => "not converged",
+        Stop::ReadOff => "read off",
+        Stop::Cancelled => "cancelled",
+    }
+}
+
+/// With a capital letter.
+pub fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
+}
+
+/// What is lost, in words.
+#[derive(Clone, Debug, PartialEq)]
+struct Lost {
+    /// Large.
+    headline: String,
+    /// Below it: of what, and how exactly.
+    detail: String,
+    /// What speaks against it.
+    doubt: Option<String>,
+}
+
+/// Over the plot, with the fit of its axes at its right; below it a line on what is lost.
+pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
+    let palette = theme::palette(ui);
+    let lost = lost(state);
+    let size = vec2(ui.available_width(), LOSS + 8.0);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_height(LOSS + 8.0);
+        let colour = ui.visuals().strong_text_color();
+        line(ui, &lost.headline, LOSS, size.x - FIT, colour);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            fit(ui, state, actions, &palette);
+        });
+    });
+    let (words, colour) = match &lost.doubt {
+        Some(doubt) => (format!("⚠ {doubt}"), palette.warn),
+        None => (lost.detail, ui.visuals().text_color()),
+    };
+    let label = Label::new(RichText::new(&words).color(colour)).truncate();
+    ui.add(label).on_hover_text(words);
+}
+
+fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
+    if state.plots.fit.is_some() {
+        let button = named(ui.button("Scene"), "Scene axes");
+        if button
+            .on_hover_text("the axes of the scene again")
+            .clicked()
+        {
+            actions.push(Action::FitScene);
+        }
+        return;
+    }
+    let leaves = state.data_leave_view();
+    let (text, hover) = if leaves {
+        let text = RichText::new("Fit").color(palette.warn).strong();
+        (text, "Data lie outside the axes")
+    } else {
+        (RichText::new("Fit"), "Fit the axes to the data")
+    };
+    if ui.button(text).on_hover_text(hover).clicked() {
+        actions.push(Action::FitData);
+    }
+}
+
+/// What a walked loop lost, or the live one will, or the jumps so far.
+fn lost(state: &ViewState) -> Lost {
+    let plain = |headline: String, detail: String| Lost {
+        headline,
+        detail,
+        doubt: None,
+    };
+    if let Some(closed) = &state.run.closed_loop {
+        let ledger = &closed.summary.ledger;
+        let contested = contested(&state.run.record.jumps);
+        let detail = format!(
+            "in one loop, {}",
+            promise(ledger.stated_error(state.predicted_error()))
+        );
+        let headline = match (ledger.dissipated_energy(), &ledger.open) {
+            (Some(loss), _) if contested.is_some() => format!("{} lost", either(state, loss)),
+            (Some(loss), _) => format!("{} lost", energy(state, loss)),
+            (None, Some(_)) => "Loop not closed".to_owned(),
+            (None, None) => "Loss not known".to_owned(),
+        };
+        let open = ledger
+            .open
+            .as_ref()
+            .map(|open| format!("{}; {}", open.reason, open.remedy));
+        return Lost {
+            headline,
+            detail,
+            doubt: open.or_else(|| ledger.warning()).or(contested),
+        };
+    }
+    let live = state.plots.live.as_ref();
+    let live = live.filter(|_| !state.hides(Hidden::Forecast));
+    let fresh = live.is_some_and(|live| live.run == state.run.id);
+    if let Some(Ok(live)) = live.map(|live| &live.state.found) {
+        let contested = contested(&live.jumps);
+        let loss = live.dissipated_energy;
+        let told = match contested {
+            Some(_) => either(state, loss),
+            None => energy(state, loss),
+        };
+        let detail = if fresh {
+            let promise = promise(Some(live.predicted_error));
+            format!("live loop, {} jumps, {promise}", live.jumps.len())
+        } else {
+            "live loop before the edit; the new one is computed …".to_owned()
+        };
+        return Lost {
+            doubt: contested,
+            ..plain(format!("{told} a loop"), detail)
+        };
+    }
+    let record = &state.run.record;
+    if record.jumps.is_empty() {
+        let detail = "play a loop to see what one cycle dissipates";
+        return plain("Nothing lost yet".to_owned(), detail.to_owned());
+    }
+    let freed = energy(state, record.released_energy_sum());
+    plain(
+        format!("{freed} lost so far"),
+        format!("in {}", record.tally()),
+    )
+}
+
+/// Where a surface may land that has several places to land.
+fn contested(jumps: &[JumpRecord]) -> Option<String> {
+    jumps.iter().find_map(JumpRecord::contested_words)
+}
+
+/// An energy per area (gamma) as it is told.
+pub fn energy(state: &ViewState, energy: f64) -> String {
+    let unit = state.model.unit(Dimension::SurfaceEnergy);
+    unit.say(energy, 4, "γ")
+}
+
+/// The `loss` of a loop, and what it would lose by its other landing, as the live loop knows it:
+/// "0.1175 or 0.1292 γ".
+fn either(state: &ViewState, loss: f64) -> String {
+    let unit = state.model.unit(Dimension::SurfaceEnergy);
+    let other = other_loss(state, loss);
+    let other =
+        other.map(|other| format!("{} or ", unit.number(loss, 4)) + &unit.say(other, 4, "γ"));
+    other.unwrap_or_else(|| unit.say(loss, 4, "γ"))
+}
+
+/// What a loop that loses `loss` would lose by its other landing, as the live loop knows it.
+fn other_loss(state: &ViewState, loss: f64) -> Option<f64> {
+    let Some(Ok(live)) = state.plots.live.as_ref().map(|live| &live.state.found) else {
+        return None;
+    };
+    let mut known: Vec<f64> = live
+        .rivals
+        .iter()
+        .filter_map(|rival| rival.dissipated_energy)
+        .collect();
+    if known.is_empty() {
+        return None;
+    }
+    // The live loop may take the other of two; of both values the farther one is not this loop's.
+    known.push(live.dissipated_energy);
+    known
+        .into_iter()
+        .max_by(|a, b| (a - loss).abs().total_cmp(&(b - loss).abs()))
+}

@@ -1,0 +1,305 @@
+//! Kinds of things that were wrong once: what belongs to another scene, keys that are lost, values
+//! that are refused without a word.
+
+use super::bench::{Bench, fig2};
+use super::live::live;
+use egui::{Event as Input, Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tackscope::follow::record::Direction;
+use tackscope::physics::pattern::Pattern;
+use tackscope::scene::Range;
+use tackscope::solver::methods::MethodKind;
+use tackscope::storage::scene_file;
+use tackscope::ui::view_state::ViewState;
+use tackscope::worker::protocol::Event;
+
+#[test]
+fn the_method_stays_with_the_scene_that_chose_it_and_is_taken_back() {
+    let mut bench = Bench::new();
+    bench.click(MethodKind::Lbfgs.title());
+    assert_eq!(bench.state().method, MethodKind::Lbfgs);
+    bench.press(Modifiers::NONE, Key::Num2);
+    assert_eq!(bench.state().method, MethodKind::NewtonKrylov);
+    bench.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.state().method, MethodKind::Lbfgs);
+    bench.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.state().method, MethodKind::NewtonKrylov);
+    assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn another_scene_shows_nothing_of_the_last_one_not_for_a_frame() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Direction::Approach);
+    bench.say(Event::Live(live()));
+    bench.jump(3.102);
+    bench.reach(3.0, Direction::Approach);
+    assert!(bench.names().contains("γ a loop"));
+    bench.window.key_press(Key::Num3);
+    // The frame in which the key is heard ends with the new scene.
+    bench.window.step();
+    bench.window.step();
+    let state = bench.state();
+    assert!(state.scene.title.starts_with("Below the critical length"));
+    assert!(state.frame.is_none() && state.plots.live.is_none() && state.plots.ghosts.is_empty());
+    let names = bench.names();
+    for old in ["3.0000", "γ a loop", "live\n", "0.1234", "flat → ridge"] {
+        assert!(!names.contains(old), "{old} in {names}");
+    }
+    // A live loop of the last scene that comes late.
+    bench.say_of(1, Event::Live(live()));
+    assert!(bench.state().plots.live.is_none());
+}
+
+/// A file as a desktop drops it.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads files by their path".to_owned())
+    }
+}
+
+#[test]
+fn a_scene_dropped_on_the_window_opens() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("mine.toml");
+    let mut scene = fig2();
+    (scene.title, scene.cell.length) = ("Mine".to_owned(), 300.0);
+    scene_file::save(&path, &scene).expect("saved");
+    let mut bench = Bench::new();
+    let files = &mut bench.window.input_mut().dropped_files;
+    files.push(Arc::new(Dropped(path)));
+    for _ in 0..500 {
+        bench.window.step();
+        if bench.state().scene.title == "Mine" {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(*bench.state().scene, scene);
+}
+
+#[test]
+fn a_digit_pressed_by_mistake_is_taken_back() {
+    let mut bench = Bench::new();
+    bench.reach(3.9, Direction::Approach);
+    bench.press(Modifiers::NONE, Key::Num5);
+    assert_ne!(*bench.state().scene, fig2());
+    bench.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn the_sign_that_opens_the_sheet_does_so_wherever_it_lies_and_is_typed_where_one_types() {
+    let mut bench = Bench::new();
+    // A layout on which it is neither Shift and slash nor a key of its own.
+    bench.window.event(Input::Text("?".to_owned()));
+    bench.settle();
+    assert!(bench.names().contains("Keys and marks"));
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.names().contains("Keys and marks"));
+    bench.press(Modifiers::COMMAND, Key::K);
+    bench.window.event(Input::Text("?".to_owned()));
+    bench.settle();
+    assert!(!bench.names().contains("Keys and marks"));
+}
+
+#[test]
+fn letters_typed_while_the_palette_opens_are_not_lost_and_do_nothing_else() {
+    let mut bench = Bench::new();
+    bench.heard();
+    let key = |key, modifiers| Input::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    };
+    // All of it before the window draws once.
+    let together = [
+        key(Key::K, Modifiers::COMMAND),
+        key(Key::L, Modifiers::NONE),
+        Input::Text("l".to_owned()),
+        key(Key::A, Modifiers::NONE),
+        Input::Text("a".to_owned()),
+    ];
+    bench.window.input_mut().events.extend(together);
+    bench.window.step();
+    for letters in ["w", ": c", "os"] {
+        bench.window.event(Input::Text(letters.to_owned()));
+    }
+    bench.settle();
+    let names = bench.names();
+    assert!(
+        names.contains("law: cos\n") && names.contains("Cohesive law: cosine"),
+        "{names}"
+    );
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().scene.law.shape.word(), "cosine");
+    assert!(bench.state().messages.notice.is_none(), "L keeps no loop");
+}
+
+#[test]
+fn escape_closes_what_is_on_top_and_only_that() {
+    let mut bench = Bench::new();
+    bench.click("Play loop");
+    bench.click("Files");
+    assert!(bench.window.query_by_label("Copy scene").is_some());
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(bench.window.query_by_label("Copy scene").is_none());
+    assert!(bench.state().run.is_busy(), "the sweep goes on");
+    bench.press(Modifiers::NONE, Key::F1);
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.names().contains("Keys and marks") && bench.state().run.is_busy());
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.state().run.is_busy());
+    bench.press(Modifiers::NONE, Key::F11);
+    bench.press(Modifiers::NONE, Key::Escape);
+    assert!(!bench.state().view.lecture);
+}
+
+#[test]
+fn a_typed_value_that_is_refused_says_why_at_the_field() {
+    let mut bench = Bench::new();
+    bench.heard();
+    for (field, text, words) in [
+        (
+            "Target",
+            "17",
+            "Target = 17: allowed is a number from 0.2 to 4.2 ρ",
+        ),
+        ("Target", "soon", "Target = soon: no number: allowed is"),
+        ("Length L", "-3", "Length L = -3: allowed is a number from"),
+        (
+            "Seed",
+            "1.5",
+            "Seed = 1.5: allowed is a whole number from 0",
+        ),
+    ] {
+        bench.enter(field, text);
+        assert!(
+            bench.names().contains(words),
+            "{words} in {}",
+            bench.names()
+        );
+        assert!(bench.heard().is_empty(), "{field} = {text}");
+        let field = bench
+            .window
+            .get_by_role_and_label(egui::Role::SpinButton, field);
+        let below = bench
+            .window
+            .query_all_by_label_contains(words)
+            .next()
+            .expect("shown");
+        assert!(
+            field.rect().distance_to_pos(below.rect().center()) < 260.0,
+            "{words}"
+        );
+    }
+    bench.enter("Target", "3.5");
+    assert!(
+        !bench.names().contains("Target = "),
+        "what is taken says nothing"
+    );
+}
+
+#[test]
+fn a_field_that_is_left_as_it_stands_rounds_nothing() {
+    let mut scene = fig2();
+    scene.law.range = Range::Length(1.0 / 3.0);
+    let mut bench = Bench::new();
+    bench
+        .window
+        .event(Input::Paste(scene_file::to_text(&scene)));
+    bench.settle();
+    assert_eq!(*bench.state().scene, scene);
+    let field = || egui::Role::SpinButton;
+    bench
+        .window
+        .get_by_role_and_label(field(), "Range ρ")
+        .click();
+    bench.settle();
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(*bench.state().scene, scene);
+}
+
+#[test]
+fn up_and_down_move_the_upright_slider() {
+    let mut bench = Bench::new();
+    let (high, step) = (bench.state().limits.1, bench.state().scene.drive.step);
+    for _ in 0..2 {
+        bench.press(Modifiers::NONE, Key::ArrowDown);
+    }
+    bench.press(Modifiers::NONE, Key::ArrowUp);
+    assert!((bench.state().target - (high - step)).abs() < 1e-9);
+    bench.window.get_by_label("mean displacement u0").focus();
+    bench.settle();
+    bench.press(Modifiers::NONE, Key::ArrowDown);
+    assert!((bench.state().target - (high - 2.0 * step)).abs() < 1e-9);
+}
+
+#[test]
+fn from_law_to_law_and_back_ends_where_it_began() {
+    let mut bench = Bench::new();
+    for way in [
+        ["law cosine", "law mie", "law morse"],
+        ["law double exponential", "law cosine", "law morse"],
+        ["machine spring", "machine weight", "machine stiff"],
+        ["ground tip", "ground waves", "ground flat"],
+    ] {
+        for label in way {
+            bench.click(label);
+        }
+        assert_eq!(*bench.state().scene, fig2(), "{way:?}");
+    }
+}
+
+#[test]
+fn a_change_that_has_one_name_on_both_sides_gets_words() {
+    let mut bench = Bench::new();
+    bench.jump(3.102);
+    let mut jump = bench.state().run.record.jumps[0].clone();
+    (jump.from, jump.to) = (Pattern::Contact, Pattern::Contact);
+    assert_eq!(jump.change(), "contact spreads");
+    jump.direction = Direction::Retraction;
+    assert_eq!(jump.change(), "contact shrinks");
+    jump.to = Pattern::Other;
+    assert_eq!(jump.change(), "contact → apart");
+}
+
+#[test]
+fn the_window_opens_before_the_first_jump_and_tells_of_it_only_afterwards() {
+    let state = ViewState::at_first_jump(fig2()).expect("allowed");
+    let (_, upper) = tackscope::physics::theory::flat::limits(&state.model.law, 256.0).unwrap();
+    let before = (state.target - upper) / state.rho();
+    assert!(
+        (0.05..0.3).contains(&before),
+        "{before} ranges before the jump"
+    );
+    assert_eq!(*state.scene, fig2(), "the scene stays what it is");
+    let mut bench = Bench::opened(state);
+    bench.reach(4.2, Direction::Approach);
+    bench.reach(3.25, Direction::Approach);
+    bench.say(Event::Live(live()));
+    let names = bench.names();
+    for told in ["γ a loop", "live\n", "foreseen", "3.1023", "next jump"] {
+        assert!(!names.contains(told), "{told} in {names}");
+    }
+    assert!(names.contains("Where will it snap?"));
+    bench.jump(3.102);
+    bench.reach(3.1, Direction::Approach);
+    let names = bench.names();
+    assert!(
+        names.contains("γ a loop") && names.contains("foreseen"),
+        "{names}"
+    );
+}
