@@ -47,8 +47,8 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         response
     });
     sliders::mu_rho(ui, state, actions);
-    ui.horizontal(|ui| {
-        ui.label("What follows:");
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Follows:");
         for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
             if ui.radio(state.follows == follows, word).clicked() {
                 actions.push(Action::SetFollows(follows));

@@ -16,6 +16,7 @@ use crate::solver::methods::MethodKind;
 use crate::storage::film::FilmKind;
 use crate::storage::presets;
 use crate::worker::protocol::Sweep;
+use egui::text_edit::TextEditState;
 use egui::{
     Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui,
     Window,
@@ -388,6 +389,8 @@ impl Palette {
         if !heard {
             // What is typed before the field listens is not lost.
             self.words += &typed(ui.ctx());
+            // Without a place of its own the cursor stands at the end.
+            TextEditState::default().store(ui.ctx(), field_id());
             field.request_focus();
         }
         if field.changed() {

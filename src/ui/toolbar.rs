@@ -8,7 +8,7 @@ use super::view_state::ViewState;
 use super::widgets::named;
 use crate::lessons;
 use crate::worker::protocol::{Speed, Sweep};
-use egui::{Button, Id, Response, RichText, Ui, vec2};
+use egui::{Button, Id, RichText, Ui, vec2};
 
 /// Size of the faces of play, and of the other buttons without words.
 const PLAY: f32 = 18.0;
@@ -120,9 +120,8 @@ fn learn(ui: &mut Ui, actions: &mut Vec<Action>) {
 }
 
 /// A button with a large face.
-fn large(ui: &mut Ui, face: &str, enabled: bool, selected: bool) -> Response {
-    let button = Button::new(RichText::new(face).size(PLAY)).selected(selected);
-    ui.add_enabled(enabled, button.min_size(vec2(32.0, 28.0)))
+fn large(face: &str) -> Button<'_> {
+    Button::new(RichText::new(face).size(PLAY)).min_size(vec2(32.0, 28.0))
 }
 
 fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
@@ -136,7 +135,8 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         } else {
             face.to_owned()
         };
-        let button = large(ui, &face, true, state.run.sweep() == Some(sweep));
+        let chosen = state.run.sweep() == Some(sweep);
+        let button = ui.add(large(&face).selected(chosen));
         if named(button, name).on_hover_text(name).clicked() {
             actions.push(Action::Play(sweep));
         }
@@ -154,7 +154,7 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
         if room == Room::Least && action == Action::Stop {
             continue;
         }
-        let button = named(large(ui, face, enabled, false), name);
+        let button = named(ui.add_enabled(enabled, large(face)), name);
         if button.on_hover_text(format!("{name} ({key})")).clicked() {
             actions.push(action);
         }
@@ -196,7 +196,7 @@ fn undo(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ("↶", "Undo", "Ctrl+Z", history.can_undo(), Action::Undo),
         ("↷", "Redo", "Ctrl+Y", history.can_redo(), Action::Redo),
     ] {
-        let button = named(large(ui, face, enabled, false), name);
+        let button = named(ui.add_enabled(enabled, large(face)), name);
         if button.on_hover_text(format!("{name} ({keys})")).clicked() {
             actions.push(action);
         }
@@ -248,7 +248,7 @@ fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
         (theme, "Switch theme", "light or dark", Action::ToggleTheme),
         ("?", "Help", "keys and marks (?)", Action::ToggleHelp),
     ] {
-        let button = named(large(ui, face, true, false), name);
+        let button = named(ui.add(large(face)), name);
         if button.on_hover_text(hover).clicked() {
             actions.push(action);
         }

@@ -23,7 +23,7 @@ fn open(bench: &mut Bench, path: &Path) {
         let messages = &bench.state().messages;
         let waits = |notice: &String| notice.starts_with("opening");
         if messages.failure.is_some() || !messages.notice.as_ref().is_some_and(waits) {
-            return;
+            return bench.settle();
         }
         std::thread::sleep(Duration::from_millis(10));
     }

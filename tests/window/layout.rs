@@ -165,7 +165,9 @@ fn nothing_moves_when_a_word_comes() {
 #[test]
 fn a_mesh_that_becomes_too_coarse_moves_nothing() {
     let mut bench = Bench::new();
+    let map = place(&bench, "Map options");
     bench.click("Advanced");
+    assert_eq!(place(&bench, "Map options"), map, "the fold widens nothing");
     let before = place(&bench, "Advanced");
     bench.click("mu_rho of Hui, 1.09");
     assert!(bench.names().contains("Mesh: too coarse"));
