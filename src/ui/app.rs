@@ -319,19 +319,22 @@ impl App {
             }
             Action::Guess(u0) => state.plots.guess(u0),
             Action::ToggleLecture => self.toggle_lecture(ctx),
-            Action::RestoreLayout => {
-                ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
-                state.view = ViewOptions {
-                    lecture: state.view.lecture,
-                    ..ViewOptions::default()
-                };
-                state.plots.fit = None;
-                self.tabs.restore();
-            }
+            Action::RestoreLayout => self.restore_layout(ctx),
             Action::DropNotice => state.messages.notice = None,
             Action::DismissFailure => state.messages.failure = None,
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
         }
+    }
+
+    fn restore_layout(&mut self, ctx: &Context) {
+        ctx.data_mut(egui::util::IdTypeMap::remove_by_type::<PanelState>);
+        let state = &mut self.state;
+        state.view = ViewOptions {
+            lecture: state.view.lecture,
+            ..ViewOptions::default()
+        };
+        state.plots.fit = None;
+        self.tabs.restore();
     }
 
     fn copy_picture(&mut self, ctx: &Context) {

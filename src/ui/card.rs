@@ -8,10 +8,12 @@ use super::view_state::ViewState;
 use super::widgets::named;
 use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
-use egui::{Area, Frame, Id, Order, Rect, RichText, Ui, pos2};
+use egui::{Align2, Area, AreaState, Frame, Id, Order, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2};
 
 /// Width of the card.
 const WIDTH: f32 = 216.0;
+/// About the room of the numbers along the axes.
+const AXIS: f32 = 40.0;
 
 /// The numbers of a stored state, on a card in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
@@ -20,18 +22,12 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
     };
     let s = &selection.state;
     let palette = theme::palette(ui);
-    // In the corner that the curve of a loop leaves free, unless the state itself is there.
-    let ([left, bottom], [right, top]) = state.axes();
-    let there = s.mean_displacement / state.rho() > 0.5 * (left + right)
-        && s.stress_over_max > 0.45 * (bottom + top);
-    let x = if there {
-        plot.left() + 46.0
-    } else {
-        plot.right() - WIDTH - 6.0
-    };
-    let area = Area::new(Id::unique("inspected"))
+    let id = Id::unique("inspected");
+    let known = AreaState::load(ui.ctx(), id).map(|area| area.size);
+    let size = known.flatten().unwrap_or(vec2(WIDTH, 200.0));
+    let area = Area::new(id)
         .order(Order::Middle)
-        .fixed_pos(pos2(x, plot.top() + 6.0));
+        .fixed_pos(corner(state, s, plot, size));
     area.constrain(false).show(ui.ctx(), |ui| {
         let fill = ui.visuals().window_fill.gamma_multiply(0.94);
         Frame::popup(ui.style())
@@ -88,6 +84,40 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                 });
             });
     });
+}
+
+/// Where a card of this size lets the state be seen: the corner that the curve of a loop leaves
+/// free, or another one.
+fn corner(state: &ViewState, s: &StateRecord, plot: Rect, size: Vec2) -> Pos2 {
+    let ([left, bottom], [right, top]) = state.axes();
+    let share = |value: f64, low: f64, high: f64| ((value - low) / (high - low)) as f32;
+    let inside = Rect::from_min_max(
+        pos2(plot.left() + AXIS, plot.top()),
+        pos2(plot.right(), plot.bottom() - AXIS),
+    );
+    let point = pos2(
+        egui::lerp(
+            inside.x_range(),
+            share(s.mean_displacement / state.rho(), left, right),
+        ),
+        egui::lerp(
+            inside.y_range(),
+            1.0 - share(s.stress_over_max, bottom, top),
+        ),
+    );
+    let room = inside.shrink(6.0);
+    let corners = [
+        Align2::RIGHT_TOP,
+        Align2::LEFT_TOP,
+        Align2::RIGHT_BOTTOM,
+        Align2::LEFT_BOTTOM,
+    ];
+    let mut places = corners
+        .map(|corner| corner.align_size_within_rect(size, room))
+        .into_iter();
+    let first = places.clone().next().map_or(room.min, |place| place.min);
+    let free = places.find(|place| !place.expand(10.0).contains(point));
+    free.map_or(first, |place| place.min)
 }
 
 /// The numbers, one a line.

@@ -131,8 +131,8 @@ pub fn command(state: &ViewState, sign: f64) -> Vec<Action> {
 /// The word over the map while the surface is no equilibrium.
 pub fn word(state: &ViewState) -> Option<&'static str> {
     state.jumping().map(|_| match state.run.play {
-        Play::Pressed(_) => "pressed (no equilibrium)",
-        Play::LetGo(_) => "let go … (no equilibrium)",
-        _ => "jumping … (no equilibrium)",
+        Play::Pressed(_) => "pressed, no equilibrium",
+        Play::LetGo(_) => "let go, no equilibrium",
+        _ => "jumping, no equilibrium",
     })
 }

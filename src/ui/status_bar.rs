@@ -2,6 +2,7 @@
 //! short line. What went wrong stands above it, over the panels, until it was read.
 
 use super::action::Action;
+use super::flick;
 use super::headline::stability;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
@@ -109,8 +110,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         node.set_description(state.messages.announced.clone());
     });
     let (words, colour) = match state.jumping() {
-        Some(_) if state.is_pressed() => ("pressed, no equilibrium", palette.jump),
-        Some(_) => ("jumping, no equilibrium", palette.jump),
+        Some(_) => (flick::word(state).unwrap_or_default(), palette.jump),
         None => (stability(now), stable_colour(now, &palette)),
     };
     ui.label(RichText::new("·").weak());

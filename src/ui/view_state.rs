@@ -82,8 +82,6 @@ pub struct ViewState {
     pub plots: Plots,
     /// The scene beside this one.
     pub beside: Option<Beside>,
-    /// Somebody looks at what is made of the branches.
-    pub wants_branches: bool,
     /// What is said in words.
     pub messages: Messages,
     /// What somebody wrote, saved with the session.
@@ -173,7 +171,6 @@ impl ViewState {
             run,
             frame: None,
             beside: None,
-            wants_branches: false,
             messages: Messages {
                 failure: None,
                 notice: None,

@@ -328,8 +328,7 @@ fn the_fields_of_a_diagram_are_in_equilibrium_on_every_branch() {
     for branch in branches {
         let of = |what: &str| array::<f64>(&file, &format!("{branch}_{what}"));
         let (shape, displacement) = of("displacement");
-        let [(_, gap), (_, u0s), (_, stress)] =
-            ["gap", "mean_displacement", "stress"].map(|what| of(what));
+        let [(_, gap), (_, u0s), (_, stress)] = ["gap", "mean_displacement", "stress"].map(of);
         let (ny, nx) = (shape[1] as usize, shape[2] as usize);
         let grid = if ny == 1 {
             Grid::line(model.grid.length, nx)

@@ -111,7 +111,7 @@ impl Tab for Branches {
             seen.show_mode(state);
         }
         self.take_in(state);
-        if (with.seen || state.wants_branches) && self.job.is_none() {
+        if (with.seen || state.plots.wants_branches) && self.job.is_none() {
             self.job = Some(with.solver.job(state.scene.clone(), background::diagram));
         }
     }

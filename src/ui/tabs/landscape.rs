@@ -124,7 +124,7 @@ impl Tab for LandscapeTab {
 
     fn update(&mut self, with: Update<'_>) {
         let state = with.state;
-        state.wants_branches = with.seen;
+        state.plots.wants_branches = with.seen;
         if self
             .scene
             .as_ref()

@@ -150,6 +150,14 @@ impl Tab for StudyTab {
         }
     }
 
+    fn panels(&self, _: &ViewState) -> Vec<Panel> {
+        let drawn = self
+            .running
+            .as_ref()
+            .and_then(|running| running.drawn.as_ref());
+        drawn.map(|(.., panel)| panel.clone()).into_iter().collect()
+    }
+
     fn update(
         &mut self,
         Update {

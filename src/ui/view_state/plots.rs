@@ -42,6 +42,8 @@ pub struct Plots {
     pub preview: Option<Series>,
     /// The branches of this very scene.
     pub branches: Option<Arc<Diagram>>,
+    /// Somebody looks at what is made of them.
+    pub wants_branches: bool,
     /// The lowest barrier that is known, per area (E* times length), and of which state.
     pub barrier: Option<(Standing, f64)>,
     /// Where the next jump is guessed to be (ranges), in a lecture.
@@ -64,6 +66,7 @@ impl Plots {
             beneath: Vec::new(),
             preview: None,
             branches: None,
+            wants_branches: false,
             barrier: None,
             guesses: Vec::new(),
             overlay: false,
