@@ -2,6 +2,7 @@
 //! of small range, and the limits of the flat state.
 
 use super::panel::{Axis, Colour, Page, Panel, Role, Series, Symbol};
+use super::scale::ends;
 use crate::physics::body::Body;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Parameter, number};
@@ -82,7 +83,7 @@ pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
             known.push(one.name.clone());
         }
     }
-    let [least, _] = extent(&ys);
+    let (least, _) = ends(ys.iter().copied());
     let floor = if least.is_finite() { least } else { 0.0 };
     let without = |row: &&Row| study.numbers(row, y).is_empty();
     let open = |row: &&Row| without(row) && row.is_complete() && !row.reason.is_empty();
@@ -102,7 +103,7 @@ pub fn panel(study: &Study, rows: &[Row], [x, y]: &[String; 2]) -> Panel {
     }
     let way = way(study, x);
     let mut across = axis(x, way.as_ref().unwrap_or(&xs));
-    across.range = way.and_then(|way| ends(&way, across.logarithmic));
+    across.range = way.and_then(|way| shown(&way, &across));
     Panel {
         x: across,
         y: axis(y, &ys),
@@ -150,23 +151,17 @@ fn way(study: &Study, name: &str) -> Option<Vec<f64>> {
 }
 
 /// What an axis shows of a number that goes: all of its way, from the first loop on.
-fn ends(way: &[f64], logarithmic: bool) -> Option<[f64; 2]> {
-    let [low, high] = extent(way);
+fn shown(way: &[f64], axis: &Axis) -> Option<[f64; 2]> {
+    let (low, high) = ends(way.iter().copied());
     let room = MARGIN * (high - low);
     let factor = (high / low).powf(MARGIN);
     (low < high).then(|| {
-        if logarithmic {
+        if axis.logarithmic {
             [low / factor, high * factor]
         } else {
             [low - room, high + room]
         }
     })
-}
-
-fn extent(values: &[f64]) -> [f64; 2] {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    [low, high]
 }
 
 /// True of values that were chosen by equal factors, or go over decades.
@@ -213,7 +208,7 @@ fn theory(
         "dissipated_energy" => "flat to ridge and back, small range",
         _ => "flat limit, Eq. 8",
     };
-    let [[from, to], [_, high]] = shown.map(extent);
+    let [(from, to), (_, high)] = shown.map(|values| ends(values.iter().copied()));
     if !(from < to) {
         return Vec::new();
     }

@@ -130,7 +130,12 @@ fn chip(state: &ViewState) -> String {
     match &state.run.state {
         None => "not computed yet".to_owned(),
         Some(now) if now.stop == Stop::Stable && state.jumping().is_none() => {
-            promise(Some(state.predicted_error())).replace("expected error", "exact to")
+            // The headline's number, once there is one.
+            let predicted = state.predicted_error();
+            let closed = state.run.closed_loop.as_ref();
+            let stated = closed.and_then(|closed| closed.summary.ledger.stated_error(predicted));
+            let error = stated.unwrap_or(predicted);
+            promise(Some(error)).replace("expected error", "exact to")
         }
         Some(_) => "no equilibrium".to_owned(),
     }

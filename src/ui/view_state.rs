@@ -38,7 +38,7 @@ use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::scene::window;
-use crate::scene::{Model, Scene};
+use crate::scene::{Drive, Model, Scene};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
@@ -319,8 +319,10 @@ impl ViewState {
 
     /// What an undo brings back. The start of the drive is come to by itself.
     fn past(&self) -> Past {
-        let start = self.scene.drive.start;
-        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && s.record.control == start;
+        let Drive { start, step, .. } = self.scene.drive;
+        // Behind a spring it may be a rounding off.
+        let at_start = |control: f64| (control - start).abs() < 1e-6 * step;
+        let is_start = |s: &&Arc<Stored>| s.before == [0, 0] && at_start(s.record.control);
         let stored = self.run.store.newest();
         Past {
             scene: self.scene.clone(),
@@ -343,6 +345,7 @@ impl ViewState {
         if let Some(surface) = surface
             .as_ref()
             .filter(|_| Arc::ptr_eq(&scene, &self.scene))
+            .filter(|_| (method, asked) == (self.method, self.asked))
         {
             // Nothing but the surface has changed.
             return self.resume(surface.clone());

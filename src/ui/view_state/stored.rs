@@ -185,7 +185,8 @@ impl ViewState {
     /// Takes a stored state of this scene as the present one; the solver is told at the end of the
     /// frame.
     pub(super) fn resume(&mut self, stored: Arc<Stored>) {
-        self.target = stored.record.control;
+        // Behind a spring the control may be a rounding beyond its end.
+        self.target = stored.record.control.clamp(self.limits.0, self.limits.1);
         self.run.resume(stored);
     }
 
