@@ -10,10 +10,9 @@ use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
 use egui::{Align2, Area, AreaState, Frame, Id, Order, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2};
 
-/// Width of the card.
-const WIDTH: f32 = 216.0;
-/// About the room of the numbers along the axes.
-const AXIS: f32 = 40.0;
+/// Width of the card, and about its height: low, so that above or below it the state is seen.
+const WIDTH: f32 = 296.0;
+const HEIGHT: f32 = 150.0;
 
 /// The numbers of a stored state, on a card in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
@@ -24,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
     let palette = theme::palette(ui);
     let id = Id::unique("inspected");
     let known = AreaState::load(ui.ctx(), id).map(|area| area.size);
-    let size = known.flatten().unwrap_or(vec2(WIDTH, 200.0));
+    let size = known.flatten().unwrap_or(vec2(WIDTH, HEIGHT));
     let area = Area::new(id)
         .order(Order::Middle)
         .fixed_pos(corner(state, s, plot, size));
@@ -34,7 +33,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
             .fill(fill)
             .inner_margin(6.0)
             .show(ui, |ui| {
-                ui.set_width(WIDTH - 14.0);
+                ui.set_width(WIDTH.min(plot.width() - 12.0) - 14.0);
                 ui.spacing_mut().item_spacing.y = 1.0;
                 ui.horizontal(|ui| {
                     let words = format!("{} on {}", s.pattern.words(), s.direction);
@@ -52,9 +51,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                             .color(palette.live),
                     );
                 }
-                for line in numbers(state, s) {
-                    ui.label(RichText::new(line).small());
-                }
+                ui.label(RichText::new(numbers(state, s).join("  ·  ")).small());
                 if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
                     let words = format!(
                         "{} released {}",
@@ -63,7 +60,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                     );
                     ui.label(RichText::new(words).small().color(palette.jump));
                 }
-                ui.vertical(|ui| {
+                ui.horizontal_wrapped(|ui| {
                     let kept = state.looked_at().is_some();
                     let button = ui.add_enabled(kept, egui::Button::new("Go on from here"));
                     let button = button.on_hover_text(
@@ -74,10 +71,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                     if button.on_disabled_hover_text(gone).clicked() {
                         actions.push(Action::GoOn);
                     }
-                    if ui.small_button("Walk to this u₀").clicked() {
+                    if ui.button("Walk to this u₀").clicked() {
                         actions.push(Action::SetTarget(s.control));
                     }
-                    let copy = named(ui.small_button("Copy"), "Copy these numbers");
+                    let copy = named(ui.button("Copy"), "Copy these numbers");
                     if copy.clicked() {
                         actions.push(Action::CopyText(numbers(state, s).join("\n")));
                     }
@@ -91,21 +88,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
 fn corner(state: &ViewState, s: &StateRecord, plot: Rect, size: Vec2) -> Pos2 {
     let ([left, bottom], [right, top]) = state.axes();
     let share = |value: f64, low: f64, high: f64| ((value - low) / (high - low)) as f32;
-    let inside = Rect::from_min_max(
-        pos2(plot.left() + AXIS, plot.top()),
-        pos2(plot.right(), plot.bottom() - AXIS),
-    );
     let point = pos2(
         egui::lerp(
-            inside.x_range(),
+            plot.x_range(),
             share(s.mean_displacement / state.rho(), left, right),
         ),
-        egui::lerp(
-            inside.y_range(),
-            1.0 - share(s.stress_over_max, bottom, top),
-        ),
+        egui::lerp(plot.y_range(), 1.0 - share(s.stress_over_max, bottom, top)),
     );
-    let room = inside.shrink(6.0);
+    let room = plot.shrink(6.0);
     let corners = [
         Align2::RIGHT_TOP,
         Align2::LEFT_TOP,
