@@ -12,7 +12,7 @@ use egui::{Align2, Area, AreaState, Frame, Id, Order, Pos2, Rect, RichText, Ui, 
 
 /// Width of the card, and about its height: low, so that above or below it the state is seen.
 const WIDTH: f32 = 296.0;
-const HEIGHT: f32 = 150.0;
+const HEIGHT: f32 = 124.0;
 
 /// The numbers of a stored state, on a card in an upper corner of `plot`.
 pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rect) {
@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                     if button.on_disabled_hover_text(gone).clicked() {
                         actions.push(Action::GoOn);
                     }
-                    if ui.button("Walk to this u₀").clicked() {
+                    if ui.button("Walk to it").clicked() {
                         actions.push(Action::SetTarget(s.control));
                     }
                     let copy = named(ui.button("Copy"), "Copy these numbers");
@@ -106,7 +106,7 @@ fn corner(state: &ViewState, s: &StateRecord, plot: Rect, size: Vec2) -> Pos2 {
         .map(|corner| corner.align_size_within_rect(size, room))
         .into_iter();
     let first = places.clone().next().map_or(room.min, |place| place.min);
-    let free = places.find(|place| !place.expand(10.0).contains(point));
+    let free = places.find(|place| !place.expand(6.0).contains(point));
     free.map_or(first, |place| place.min)
 }
 

@@ -50,11 +50,11 @@ fn a_click_on_the_curve_shows_the_numbers_of_the_state_there() {
     });
     assert!(found, "no click found the state at 3.5");
     let names = bench.names();
-    for words in ["flat on approach", "u₀ 3.50000 ρ", "Walk to this u₀"] {
+    for words in ["flat on approach", "u₀ 3.50000 ρ", "Walk to it"] {
         assert!(names.contains(words), "{words} in {names}");
     }
     bench.heard();
-    bench.click("Walk to this u₀");
+    bench.click("Walk to it");
     assert_eq!(bench.targets(), [3.5]);
     bench.click("Close the card");
     assert_eq!(bench.state().run.selection, None);

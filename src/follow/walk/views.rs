@@ -1,6 +1,6 @@
 //! What a walk shows: the gap, and the mode that gives way first.
 
-use super::symmetry::slides_on;
+use super::symmetry::{slides_on, with_coarse};
 use super::{Phase, Walk};
 use crate::follow::record::StateRecord;
 use crate::numerics::cancel::Cancel;
@@ -31,7 +31,7 @@ pub fn soft_mode(
     z[0] = mean;
     let at = mechanics.at(z, control);
     mechanics.refresh(&at.fields);
-    let mut tracker = Tracker::new(Pcg64::seed_from_u64(0));
+    let mut tracker = with_coarse(Tracker::new(Pcg64::seed_from_u64(0)), &mechanics);
     let (stiffness, mode) = tracker.check(&mut mechanics, &at.state.amplitudes, &at.fields);
     (!stiffness.value.is_nan()).then(|| mechanics.field(&mode).clone())
 }
