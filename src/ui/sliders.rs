@@ -100,7 +100,7 @@ fn target(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             value: state.target / unit,
             range: state.limits.0 / unit..=state.limits.1 / unit,
             speed: 0.01 * told.measure.scale,
-            decimals: 6,
+            decimals: 4,
             suffix: &told.suffix,
         };
         let (entered, response) = field.show(ui);
