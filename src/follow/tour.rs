@@ -14,10 +14,7 @@ use crate::scene::{Model, Scene};
 use crate::solver::Stop;
 use crate::solver::mechanics::Mechanics;
 use crate::solver::sector::{Measured, Node};
-use crate::solver::stability::Tracker;
 use ndarray::Array2;
-use rand::SeedableRng;
-use rand_pcg::Pcg64;
 use std::time::Instant;
 
 /// Distance from a jump of the last state before it, in units of the control: half the walk's
@@ -49,7 +46,6 @@ impl Atlas {
         observe: &mut dyn FnMut(Report<'_>),
     ) -> Result<LoopRun, Unmapped> {
         let law = model.law;
-        let tracker = Tracker::new(Pcg64::seed_from_u64(scene.seed));
         let start = scene.drive.start;
         let mut traversal = Traversal::new(self, start, turn)?;
         self.obey(cancel);
@@ -58,12 +54,15 @@ impl Atlas {
             slides_on(model),
         );
         whole.cancel = cancel.clone();
+        let even = self.square.system().clone().with_control(scene.control());
         let mut tour = Tour {
             atlas: self,
             model,
-            guard: Guard::new(whole, tracker),
+            guard: Guard::new(&even, whole.slides, scene.seed),
+            whole,
             last: None,
         };
+        tour.guard.cancel = cancel.clone();
         let mut run = LoopRun::empty();
         while let Some(leg) = traversal.leg(tour.atlas) {
             let edge = traversal
@@ -125,6 +124,8 @@ struct Tour<'a> {
     atlas: &'a mut Atlas,
     model: &'a Model,
     guard: Guard,
+    /// Of flat states.
+    whole: Mechanics,
     /// Place and node of the state before.
     last: Option<(Place, Node)>,
 }
@@ -166,7 +167,7 @@ impl Tour<'_> {
     }
 
     fn flat(&mut self, record: &mut StateRecord) -> Array2<f64> {
-        let mechanics = &mut self.guard.mechanics;
+        let mechanics = &mut self.whole;
         let u0 = record.mean_displacement;
         let flat = if mechanics.system.control().is_apart(&self.model.law, u0) {
             apart(mechanics, record.control)
@@ -249,7 +250,8 @@ impl Tour<'_> {
             node,
             residual,
             mut stiffness,
-            ..
+            known,
+            mut fields,
         } = self.found(i, before.as_ref(), record)?;
         let (u0, is_ridge) = (record.mean_displacement, self.atlas.branches[i].is_ridge);
         let driven = self.atlas.meshes().control;
@@ -260,9 +262,15 @@ impl Tour<'_> {
         let all = if is_ridge && !driven.frees_mean() {
             stiffness
         } else {
-            self.guard.check(stiffness, &gap, [u0, node.state.stress])
+            let mut z = z;
+            let [control, mean] = driven.balanced(u0, node.state.stress);
+            z[0] = mean;
+            if is_ridge {
+                fields = self.guard.fields(&z, control);
+            }
+            self.guard.check(stiffness, &known, &z, &fields)
         };
-        let cancelled = self.guard.mechanics.cancel.requested();
+        let cancelled = self.guard.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the
         // branch.
         let edge = 2.0 * HAIR * driven.unit(&self.model.law);

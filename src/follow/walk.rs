@@ -215,7 +215,7 @@ impl Walk {
         let slides = slides_on(&model);
         let tracker = |salt: u64| Tracker::new(Pcg64::seed_from_u64(scene.seed ^ salt));
         let watched = part.is_even() && part != Part::Mirrored;
-        let guard = watched.then(|| Guard::of_even(&system, slides, tracker(0x9a4d)));
+        let guard = watched.then(|| Guard::new(&system, slides, scene.seed ^ 0x9a4d));
         let mut mechanics = Mechanics::new(
             system,
             if part.is_even() {

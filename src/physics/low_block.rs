@@ -44,6 +44,16 @@ pub enum Class {
 }
 
 impl Class {
+    /// Of all fields of a system of even or odd ones.
+    pub fn of(system: &System) -> Self {
+        match system.is_odd() {
+            [false, false] => Class::Even,
+            [true, false] => Class::OddAlongX,
+            [false, true] => Class::OddAlongY,
+            [true, true] => Class::Odd,
+        }
+    }
+
     /// 1 where modes are even along x and along y, -1 where they are odd.
     pub fn parity(self) -> [f64; 2] {
         match self {
@@ -101,9 +111,14 @@ pub struct LowBlock {
     weights: Vec<f64>,
     /// The body's stiffness of the waves (E* per length).
     elastic: Vec<f64>,
+    /// The least of all others on the mesh.
+    beyond: f64,
     ny: usize,
+    nx: usize,
     /// Lower triangle, row by row; empty before the first [`LowBlock::assemble`].
     hessian: Vec<f64>,
+    /// The same of what joins it to all other waves, for [`LowBlock::most_below`].
+    joined: Vec<f64>,
     /// The sliding mode that is left out.
     slide: Option<Vec<f64>>,
     factor: Factor,
@@ -144,10 +159,14 @@ impl LowBlock {
         waves.sort_by_key(|[k, l]| std::cmp::Reverse(k * k + l * l));
         let waves_of = |w: &[usize; 2]| (w[0] as f64).hypot((w[1] + class.modulation()) as f64);
         let body = system.body();
-        let elastic = waves
-            .iter()
-            .map(|w| body.elastic().stiffness(system.grid().q1() * waves_of(w)))
-            .collect();
+        let stiffness = |w: &[usize; 2]| body.elastic().stiffness(system.grid().q1() * waves_of(w));
+        let elastic = waves.iter().map(stiffness).collect();
+        // On the points of the mesh there is a sine of nx or ny waves, and no cosine.
+        let beyond = (0..=nx)
+            .flat_map(|k| (0..=ny).map(move |l| [k, l]))
+            .filter(|w| w[0] == nx || w[1] == ny || (w[0] as f64).hypot(w[1] as f64) > reach)
+            .map(|w| stiffness(&w))
+            .fold(f64::INFINITY, f64::min);
         // A wave (k, k) stands alone where the class joins others in pairs.
         let alone = |w: &[usize; 2]| class.exchange() == Some(1.0) && w[0] == w[1];
         let single = |w: &[usize; 2]| if alone(w) { FRAC_1_SQRT_2 } else { 1.0 };
@@ -160,12 +179,20 @@ impl LowBlock {
             waves,
             weights,
             elastic,
+            beyond,
             ny,
+            nx,
             hessian: Vec::new(),
+            joined: Vec::new(),
             slide: None,
             factor: Factor::default(),
             floor: 0.0,
         }
+    }
+
+    /// The symmetry of its modes.
+    pub fn class(&self) -> Class {
+        self.class
     }
 
     /// True once assembled.
@@ -340,10 +367,18 @@ impl LowBlock {
     }
 
     fn fill(&mut self, system: &System, d: &[f64], mean: f64) {
+        self.hessian = self.multiplication(system, d, mean);
+        for (i, elastic) in self.elastic.iter().enumerate() {
+            self.hessian[i * (i + 3) / 2] += elastic;
+        }
+    }
+
+    /// Multiplication by a field with amplitudes `d` and this `mean`, among the waves of the block:
+    /// the lower triangle, row by row.
+    fn multiplication(&self, system: &System, d: &[f64], mean: f64) -> Vec<f64> {
         let table = Table::new(system, d, mean, &self.waves);
         let (n, parity) = (self.waves.len(), self.class.parity());
-        self.hessian.clear();
-        self.hessian.reserve(n * (n + 1) / 2);
+        let mut lower = Vec::with_capacity(n * (n + 1) / 2);
         for (i, (&a, &weight)) in self.waves.iter().zip(&self.weights).enumerate() {
             for (&b, &other) in self.waves[..=i].iter().zip(&self.weights) {
                 let mut sum = table.products(a, b, parity);
@@ -351,10 +386,60 @@ impl LowBlock {
                 if let Some(sign) = self.class.exchange() {
                     sum += sign * table.products(a, [b[1], b[0]], parity);
                 }
-                self.hessian.push(weight * other * sum);
+                lower.push(weight * other * sum);
             }
-            *self.hessian.last_mut().expect("just pushed") += self.elastic[i];
         }
+        lower
+    }
+
+    /// Assembles for [`LowBlock::most_below`]: over the pattern `z`, if it slides, whose sliding
+    /// mode is left out. Amplitudes and means are those of gamma'' and of its square. No transform.
+    pub fn bound(
+        &mut self,
+        system: &System,
+        z: Option<&[f64]>,
+        [once, twice]: [&[f64]; 2],
+        [mean, mean_square]: [f64; 2],
+    ) {
+        let n = self.waves.len();
+        self.hessian = self.multiplication(system, once, mean);
+        self.joined = self.multiplication(system, twice, mean_square);
+        let mut full = vec![0.0; n * n];
+        for i in 0..n {
+            for (j, entry) in self.hessian[i * (i + 1) / 2..][..=i].iter().enumerate() {
+                (full[i * n + j], full[j * n + i]) = (*entry, *entry);
+            }
+        }
+        for (i, row) in full.chunks_exact(n).enumerate() {
+            let joined = &mut self.joined[i * (i + 1) / 2..][..=i];
+            for (entry, other) in joined.iter_mut().zip(full.chunks_exact(n)) {
+                *entry -= dot(row, other);
+            }
+            self.hessian[i * (i + 3) / 2] += self.elastic[i];
+        }
+        self.slide = z.and_then(|z| self.sliding(z));
+    }
+
+    /// An upper bound of the number of eigenvalues below `shift` (E* per length) of the Hessian
+    /// over *all* waves of the class, the sliding mode left out, after [`LowBlock::bound`]; `least`
+    /// is the least gamma'' on the mesh (E* per length). Factorises.
+    ///
+    /// With A the block, C the Hessian among the waves beyond it and B what joins them, it is the
+    /// number of negative eigenvalues of A - shift - B (C - shift)^-1 B^T where C > shift (E. V.
+    /// Haynsworth, Linear Algebra Appl. 1, 73 (1968)). C is no less than its softest wave and the
+    /// least gamma'' together, and B B^T needs no wave beyond the block: with M multiplication by
+    /// gamma'' among its waves it is multiplication by the square of gamma'' less M^2.
+    pub fn most_below(&mut self, least: f64, shift: f64) -> usize {
+        let stiffer = self.beyond + least - shift;
+        if !(stiffer > 0.0) {
+            return usize::MAX;
+        }
+        let entries = self.hessian.iter().zip(&self.joined);
+        let bounded = entries.map(|(a, bb)| a - bb / stiffer).collect();
+        let exact = std::mem::replace(&mut self.hessian, bounded);
+        let most = self.negative_below(shift);
+        self.hessian = exact;
+        most
     }
 
     /// Number of waves.
@@ -473,8 +558,16 @@ impl LowBlock {
         self.scatter(&x, out);
     }
 
+    /// Where the amplitude of a wave is stored ([`System::odd`]).
+    fn place(&self, k: usize, l: usize) -> usize {
+        let [x, y] = self.class.parity();
+        let k = if x < 0.0 { self.nx - k } else { k };
+        let l = if y < 0.0 { self.ny - l } else { l };
+        k * self.ny + l
+    }
+
     fn gather(&self, z: &[f64]) -> Vec<f64> {
-        let at = |k: usize, l: usize| z[k * self.ny + l];
+        let at = |k: usize, l: usize| z[self.place(k, l)];
         let pick = |&[k, l]: &[usize; 2]| match self.class.exchange() {
             Some(sign) if k != l => FRAC_1_SQRT_2 * (at(k, l) + sign * at(l, k)),
             _ => at(k, l),
@@ -485,11 +578,11 @@ impl LowBlock {
     fn scatter(&self, x: &[f64], z: &mut [f64]) {
         for (&[k, l], &x) in self.waves.iter().zip(x) {
             let Some(mirrored) = self.class.exchange().filter(|_| k != l) else {
-                z[k * self.ny + l] = x;
+                z[self.place(k, l)] = x;
                 continue;
             };
-            z[k * self.ny + l] = FRAC_1_SQRT_2 * x;
-            z[l * self.ny + k] = mirrored * FRAC_1_SQRT_2 * x;
+            z[self.place(k, l)] = FRAC_1_SQRT_2 * x;
+            z[self.place(l, k)] = mirrored * FRAC_1_SQRT_2 * x;
         }
     }
 }

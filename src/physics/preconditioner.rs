@@ -69,7 +69,7 @@ impl Preconditioner {
                 (_, m) if m < FINE => WAVES,
                 _ => FINE_WAVES,
             };
-            return Self::of_class(system, stiffness, Class::Even, reach);
+            return Self::of_class(system, stiffness, Class::of(system), reach);
         }
         let mut diagonal: Vec<f64> = system
             .elastic()

@@ -108,7 +108,7 @@ pub enum Symmetry {
 
 impl Symmetry {
     /// The classes of modes, the pattern's own first, and how many times the whole cell has each.
-    fn classes(self, periods: f64) -> Vec<(Class, usize)> {
+    pub(super) fn classes(self, periods: f64) -> Vec<(Class, usize)> {
         match self {
             Symmetry::Line => vec![(Class::Even, 1), (Class::Sinuous(0), 1)],
             Symmetry::Ridge => {

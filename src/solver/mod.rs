@@ -6,6 +6,7 @@
 //! and `numerics`.
 
 pub mod branch;
+pub mod class_proof;
 pub mod continuation;
 pub mod descent;
 pub mod equilibrium;

@@ -8,6 +8,7 @@
 mod fold;
 
 use super::Lost;
+use super::class_proof::Known;
 use super::equilibrium::Stiffness;
 use super::mechanics::{Mechanics, Rates};
 use super::newton::{NewtonEnd, NewtonLimits, Residual, descend, solve};
@@ -140,6 +141,8 @@ pub struct Measured {
     pub residual: f64,
     /// Smallest eigenvalue among the modes that [`Sector::measure`] knows (E* per length).
     pub stiffness: Stiffness,
+    /// The softest mode of each class of a square state.
+    pub known: Vec<Known>,
 }
 
 /// Solver of the equilibria of one symmetry.
@@ -492,6 +495,7 @@ impl Sector {
             value: node.own.min(node.breaking),
             error: 1e-4 * node.own.abs().min(node.breaking.abs()),
         };
+        let mut known = Vec::new();
         if let Some(odd) = &mut self.odd {
             let (d, mean) = (&rates.forces, rates.stress);
             odd.assemble_beside(&self.mechanics.system, d, mean, &node.state.amplitudes);
@@ -532,6 +536,13 @@ impl Sector {
                 limits,
             );
             (node.own, node.breaking) = (own.0, breaking.0);
+            known = [(Class::Symmetric, &own), (Class::Antisymmetric, &breaking)]
+                .map(|(class, &(value, _, residual))| Known {
+                    class,
+                    value,
+                    residual,
+                })
+                .into();
             let softest = if own.0 < breaking.0 { own } else { breaking };
             stiffness = Stiffness {
                 value: softest.0,
@@ -543,6 +554,7 @@ impl Sector {
             fields,
             residual,
             stiffness,
+            known,
         })
     }
 }

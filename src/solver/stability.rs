@@ -41,7 +41,7 @@ struct Place<'a> {
 /// What is proved, as a share of the value from above. A larger share costs more products and is
 /// more often refuted by the inexact value; a smaller one leaves less room for drift. From 0.5 to
 /// 0.8 a loop of Fig. 2 costs 116, 104 and 113 transforms a state.
-const PROVED: f64 = 0.65;
+pub(super) const PROVED: f64 = 0.65;
 /// The first cap. The softest modes of a tip lose less than a third of their stiffness by it; from
 /// 5 to 10 a proof takes as many products, with 20 a third more, with 3 most are refuted and run
 /// again.
