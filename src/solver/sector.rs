@@ -36,6 +36,8 @@ const SETTLING: f64 = 0.2;
 const DESCENTS: usize = 12;
 /// Newton steps of one solve.
 const STEPS: usize = 9;
+/// Error of a soft mode that is followed, over its eigenvalue.
+const FOLLOWED: f64 = 0.02;
 /// Products of one linear solve.
 const PRODUCTS: usize = 40;
 /// Longest reach of the blocks: at most 180 waves of one class, whose factorisation costs as much
@@ -429,6 +431,48 @@ impl Sector {
         )
     }
 
+    /// The softest eigenpair of one class over all waves of the mesh, with its residual, at a `node`
+    /// whose blocks were refreshed: from the mode `before`, or from that of the block where there is
+    /// none or where it has become another.
+    fn followed(
+        &mut self,
+        fields: &Fields,
+        class: Class,
+        node: &Node,
+        before: Option<&Vec<f64>>,
+    ) -> (f64, Vec<f64>, f64) {
+        let block = if class == Class::Symmetric {
+            self.mechanics
+                .preconditioner
+                .low_block()
+                .expect("an even system has a block")
+        } else {
+            &self.breaking[0]
+        };
+        let (waves, of_block) = if class == Class::Symmetric {
+            (&node.own_waves, node.own)
+        } else {
+            (&node.breaking_waves[0], node.breaking)
+        };
+        let afresh = block.mode(waves, self.system());
+        let mut limits = EigenLimits {
+            pairs: 1,
+            least: 0,
+            most: 12,
+            relative: FOLLOWED,
+            absolute: 1e-4 * self.system().grid().q1(),
+        };
+        if let Some(mode) = before.filter(|mode| !mode.is_empty()) {
+            let found = self.refine(fields, class, vec![mode.clone()], limits);
+            // The block is stiffer than all waves together, as far as it is known.
+            if found.0 <= of_block + FOLLOWED * of_block.abs() {
+                return found;
+            }
+        }
+        limits.least = 1;
+        self.refine(fields, class, vec![afresh], limits)
+    }
+
     /// The eigenvalue `breaking` of a `node` with these `fields` over all waves of the mesh, not
     /// only the longest, and closely. On a line the block is complete already.
     pub fn sharpen(&mut self, node: &mut Node, fields: &Fields) {
@@ -515,27 +559,16 @@ impl Sector {
                 };
             }
         } else {
-            let limits = EigenLimits {
-                pairs: 1,
-                least: 1,
-                most: 12,
-                relative: 0.02,
-                absolute: 1e-4 * self.system().grid().q1(),
-            };
-            let block = self
-                .mechanics
-                .preconditioner
-                .low_block()
-                .expect("an even system has a block");
-            let start = vec![block.mode(&node.own_waves, self.system())];
-            let own = self.refine(&fields, Class::Symmetric, start, limits);
-            let breaking = self.refine(
+            let own = self.followed(
                 &fields,
-                Class::Antisymmetric,
-                vec![node.breaking_mode.clone()],
-                limits,
+                Class::Symmetric,
+                &node,
+                before.map(|n| &n.own_mode),
             );
-            (node.own, node.breaking) = (own.0, breaking.0);
+            let breaking_before = before.map(|n| &n.breaking_mode);
+            let breaking = self.followed(&fields, Class::Antisymmetric, &node, breaking_before);
+            (node.own, node.own_mode) = (own.0, own.1.clone());
+            (node.breaking, node.breaking_mode) = (breaking.0, breaking.1.clone());
             known = [(Class::Symmetric, &own), (Class::Antisymmetric, &breaking)]
                 .map(|(class, &(value, _, residual))| Known {
                     class,
