@@ -8,6 +8,11 @@ use tackscope::physics::theory::circular::{self, Part};
 use tackscope::physics::theory::discs::{self, Kind};
 use tackscope::physics::theory::{flat, ridge, units};
 
+/// L/L_c = 1/(4 pi rho~^2) of the Morse law.
+fn length_ratio(range: f64) -> f64 {
+    1.0 / (4.0 * PI * range * range)
+}
+
 /// L/L_c, rho~, upper and lower limit of the Morse law over rho, lower limit of the cosine law of
 /// equal softening over rho.
 ///
@@ -149,7 +154,7 @@ fn the_limits_follow_figure_4_for_morse_and_cosine() {
             (found_lower / lower - 1.0).abs() < 6e-8,
             "{ratio}: {found_lower}"
         );
-        assert!((units::length_ratio(rho) / ratio - 1.0).abs() < 2e-7);
+        assert!((length_ratio(rho) / ratio - 1.0).abs() < 2e-7);
         // The cosine law with the same largest softening has g_c = sqrt2 pi rho, and so the same
         // L_c.
         let cosine = Law {
@@ -383,9 +388,9 @@ fn the_numbers_of_figure_2_in_reduced_units() {
     };
     // 0.16137 and 3.06 are printed in the project's notes.
     assert!((units.reduce(1.0) - 0.16137).abs() < 5e-6);
-    assert!((units::length_ratio(units.reduce(1.0)) - 3.06).abs() < 5e-3);
+    assert!((length_ratio(units.reduce(1.0)) - 3.06).abs() < 5e-3);
     let ratio = 256.0 / flat::critical_length(&morse());
-    assert!((units::length_ratio(units.reduce(1.0)) / ratio - 1.0).abs() < 1e-14);
+    assert!((length_ratio(units.reduce(1.0)) / ratio - 1.0).abs() < 1e-14);
     // A stress of -p: p~ = p u0/gamma.
     assert!((units.pressure(0.03, 2.0) + 0.4).abs() < 1e-15);
 }

@@ -40,12 +40,6 @@ impl Units {
     }
 }
 
-/// L/L_c = 1/(4 pi rho~^2) for the Morse law; other laws: length over
-/// [`super::flat::critical_length`].
-pub fn length_ratio(range: f64) -> f64 {
-    1.0 / (4.0 * std::f64::consts::PI * range * range)
-}
-
 /// mu_rho = 1/(2 rho~ sqrt(n)) of the Morse law on a mesh with n = L/da points along a side.
 pub fn mu_rho(range: f64, points: f64) -> f64 {
     0.5 / (range * points.sqrt())
