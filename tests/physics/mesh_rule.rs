@@ -47,7 +47,9 @@ fn figure_2_at_64_points_has_the_mu_rho_of_equation_11() {
         length: 256.0,
         surface_energy: 0.15,
     };
-    assert!((units::mu_rho(units.reduce(1.0), 64.0) - mu_rho(&law, 4.0)).abs() < 1e-15);
+    // mu_rho = 1/(2 rho~ sqrt(n)) with n = L/da.
+    let of_rho = 0.5 / (units.reduce(1.0) * 64_f64.sqrt());
+    assert!((of_rho - mu_rho(&law, 4.0)).abs() < 1e-15);
 }
 
 #[test]
