@@ -36,7 +36,9 @@ impl Tab for GroundTab {
     }
 
     fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {
-        if let Some((_, job)) = &self.job {
+        // No empty row where there is nothing to tell.
+        let telling = |(_, job): &&(_, Job<_>)| job.is_running() || job.failed.is_some();
+        if let Some((_, job)) = self.job.as_ref().filter(telling) {
             ui.horizontal_wrapped(|ui| under_way(ui, job));
         }
         let Some((report, texture)) = &mut self.shown else {
