@@ -13,8 +13,6 @@ pub struct EigenPairs {
     pub vectors: Vec<Vec<f64>>,
     /// |A x - value x| of the first pair: some eigenvalue lies within it of the first value.
     pub residual: f64,
-    /// Products with the operator spent.
-    pub products: usize,
 }
 
 /// Budget of one call of [`smallest`].
@@ -47,9 +45,7 @@ pub fn smallest(
     limits: EigenLimits,
     cancel: &Cancel,
 ) -> EigenPairs {
-    let mut products = 0;
     let mut image = |v: &Vec<f64>| {
-        products += 1;
         let mut out = vec![0.0; v.len()];
         apply(v, &mut out);
         out
@@ -121,7 +117,6 @@ pub fn smallest(
         values,
         vectors: x,
         residual,
-        products,
     }
 }
 

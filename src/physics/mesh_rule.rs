@@ -96,12 +96,6 @@ pub fn points_for_mu_rho(law: &Law, length: f64, mu_rho: f64) -> f64 {
     law.softening_max() * length / (mu_rho * mu_rho)
 }
 
-/// The wavelength pi da/mu_rho^2 (length) above which a flat surface can be unstable on a mesh of
-/// `spacing` da.
-pub fn shortest_unstable_wave(spacing: f64, mu_rho: f64) -> f64 {
-    PI * spacing / (mu_rho * mu_rho)
-}
-
 /// mu_rho = 1/(2 sqrt(M)) of a model whose cohesive zone is l_cz = M E* gamma/sigma_max^2 long.
 ///
 /// With Eq. 11 that is rho = sqrt(M gamma da/E*). All six entries of [`TABLE_1`] follow so from the

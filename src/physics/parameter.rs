@@ -197,20 +197,6 @@ impl Parameter {
     pub fn refuse(&self, value: impl std::fmt::Display) -> Refusal {
         Refusal::new(self.key, value, &self.allowed())
     }
-
-    /// Its row in the guide's table.
-    pub fn row(&self) -> String {
-        let default = self
-            .default
-            .map_or_else(|| "must be given".to_owned(), |value| value.to_string());
-        format!(
-            "| `{}` | {} | {} | {default} | {} |\n",
-            self.key,
-            self.title(),
-            self.unit.word(),
-            self.allowed()
-        )
-    }
 }
 
 impl std::fmt::Display for Value {

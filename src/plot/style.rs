@@ -138,7 +138,8 @@ pub fn pointing(direction: Direction) -> Symbol {
 }
 
 /// Contrast ratio of two colours (WCAG 2.2, 1 to 21).
-pub fn contrast(a: Rgb, b: Rgb) -> f64 {
+#[cfg(test)]
+pub(crate) fn contrast(a: Rgb, b: Rgb) -> f64 {
     let linear = |c: u8| {
         let c = f64::from(c) / 255.0;
         if c <= 0.04045 {

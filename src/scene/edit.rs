@@ -66,51 +66,46 @@ pub fn with_mu_rho(scene: &Scene, model: &Model, mu_rho: f64, follows: Follows) 
     scene
 }
 
-/// The scene with another cohesive law of the same range and surface energy.
-pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
+/// The decided scene after an `edit` of body, law or cell, which its drive follows.
+fn with(scene: &Scene, model: &Model, edit: impl FnOnce(&mut Scene)) -> Scene {
     let mut scene = decided(scene, model);
-    scene.law.shape = shape;
+    edit(&mut scene);
     fit_drive(&mut scene);
     scene
+}
+
+/// The scene with another cohesive law of the same range and surface energy.
+pub fn with_shape(scene: &Scene, model: &Model, shape: Shape) -> Scene {
+    with(scene, model, |scene| scene.law.shape = shape)
 }
 
 /// The scene with another surface energy.
 pub fn with_surface_energy(scene: &Scene, model: &Model, surface_energy: f64) -> Scene {
-    let mut scene = decided(scene, model);
-    scene.law.surface_energy = surface_energy;
-    fit_drive(&mut scene);
-    scene
+    with(scene, model, |scene| {
+        scene.law.surface_energy = surface_energy;
+    })
 }
 
 /// The scene of a body of another modulus, in units of its file.
 pub fn with_contact_modulus(scene: &Scene, model: &Model, contact_modulus: f64) -> Scene {
-    let mut scene = decided(scene, model).with_contact_modulus(contact_modulus);
-    fit_drive(&mut scene);
-    scene
+    with(scene, model, |scene| {
+        *scene = scene.with_contact_modulus(contact_modulus);
+    })
 }
 
 /// The scene with another elastic body.
 pub fn with_body(scene: &Scene, model: &Model, body: Body) -> Scene {
-    let mut scene = decided(scene, model);
-    scene.body = body;
-    fit_drive(&mut scene);
-    scene
+    with(scene, model, |scene| scene.body = body)
 }
 
 /// The scene with another range of its law.
 pub fn with_range(scene: &Scene, model: &Model, range: f64) -> Scene {
-    let mut scene = decided(scene, model);
-    scene.law.range = Range::Length(range);
-    fit_drive(&mut scene);
-    scene
+    with(scene, model, |scene| scene.law.range = Range::Length(range))
 }
 
 /// The scene in another cell.
 pub fn with_length(scene: &Scene, model: &Model, length: f64) -> Scene {
-    let mut scene = decided(scene, model);
-    scene.cell.length = length;
-    fit_drive(&mut scene);
-    scene
+    with(scene, model, |scene| scene.cell.length = length)
 }
 
 /// The scene on another mesh; the range stays what it is.

@@ -88,13 +88,3 @@ pub fn all() -> Vec<&'static Parameter> {
     );
     all
 }
-
-/// The guide's table of all parameters (Markdown).
-pub fn table() -> String {
-    let head =
-        "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n"
-            .to_owned();
-    all()
-        .into_iter()
-        .fold(head, |text, parameter| text + &parameter.row())
-}

@@ -5,17 +5,13 @@
 //! sigma_max, E*/L) stay ratios. Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
-mod barriers;
-mod convergence;
 mod diagram;
 mod ground;
-mod map;
+mod studies;
 
-pub use barriers::{BARRIER_COLUMNS, write_barriers_csv};
-pub use convergence::write_convergence_csv;
-pub use diagram::{write_branches_csv, write_points_csv};
+pub use diagram::{BARRIER_COLUMNS, write_barriers_csv, write_branches_csv, write_points_csv};
 pub use ground::{write_ground_json, write_heights_csv, write_spectrum_csv};
-pub use map::{MAP_COLUMNS, write_map_csv};
+pub use studies::{MAP_COLUMNS, write_convergence_csv, write_map_csv};
 
 use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};

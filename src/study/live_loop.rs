@@ -239,14 +239,6 @@ fn meshes_of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<(Meshes
 }
 
 impl LiveLoop {
-    /// The loop of a scene's drive.
-    ///
-    /// # Errors
-    /// As of [`LiveLoops::next`].
-    pub fn of(scene: &Scene, model: &Model, fineness: Fineness) -> Result<Self, Unmapped> {
-        LiveLoops::default().next(scene, model, fineness)
-    }
-
     fn read(atlas: &Arc<Atlas>, cycle: &Cycle, start: f64, turn: f64) -> Self {
         let Meshes {
             law,

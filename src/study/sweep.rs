@@ -6,7 +6,7 @@
 
 mod columns;
 
-pub use columns::{COLUMNS, Cell, Column, DEFAULT, Measured, column, table};
+pub use columns::{COLUMNS, Cell, Column, DEFAULT, Measured, column};
 
 use super::map::enclose;
 use super::plan::{plan, run_planned};

@@ -64,11 +64,6 @@ impl TimeStepMap {
     pub fn fraction(&self) -> f64 {
         self.stable.len() as f64 / (self.columns * self.time_steps.len()) as f64
     }
-
-    /// Ratio of two neighbouring time steps.
-    pub fn ratio(&self) -> f64 {
-        self.time_steps[1] / self.time_steps[0]
-    }
 }
 
 /// How a piece of work ended.

@@ -136,76 +136,41 @@ fn pushes(state: &ViewState) -> [Command; 2] {
 }
 
 /// What reads and writes scenes and results.
-fn files() -> Vec<Command> {
-    let one = Command::new;
-    vec![
-        one(
-            "Open a scene",
-            "Ctrl+O",
-            Action::AskFile(FileTask::OpenScene),
-        ),
-        one(
-            "Save the scene",
-            "Ctrl+S",
-            Action::AskFile(FileTask::SaveScene),
-        ),
-        one(
-            "Save the session",
+fn files() -> impl Iterator<Item = Command> {
+    use FileTask::*;
+    let tasks = [
+        ("Open a scene", "Ctrl+O", OpenScene),
+        ("Save the scene", "Ctrl+S", SaveScene),
+        ("Save the session", "", SaveSession),
+        ("Open a height file as measured ground", "", OpenHeights),
+        ("Export states as CSV", "", ExportLoopCsv),
+        ("Export jumps as CSV", "", ExportEventsCsv),
+        ("Export the curves of the plot as CSV", "", ExportCurvesCsv),
+        ("Export the curves of the tab as CSV", "", ExportTabCsv),
+        ("Export the stress curve as PNG", "S", ExportLoopPng),
+        ("Export the gap map as PNG", "", ExportGapPng),
+        (
+            "Export the path as a film (GIF)",
             "",
-            Action::AskFile(FileTask::SaveSession),
+            ExportFilm(FilmKind::Gif),
         ),
-        one(
-            "Open a height file as measured ground",
+        (
+            "Export the path as a film (animated PNG)",
             "",
-            Action::AskFile(FileTask::OpenHeights),
+            ExportFilm(FilmKind::Apng),
         ),
-        one("Copy the scene as text", "Ctrl+C", Action::CopyScene),
-        one(
-            "Export states as CSV",
-            "",
-            Action::AskFile(FileTask::ExportLoopCsv),
-        ),
-        one(
-            "Export jumps as CSV",
-            "",
-            Action::AskFile(FileTask::ExportEventsCsv),
-        ),
-        one(
-            "Export the curves of the plot as CSV",
-            "",
-            Action::AskFile(FileTask::ExportCurvesCsv),
-        ),
-        one(
-            "Export the curves of the tab as CSV",
-            "",
-            Action::AskFile(FileTask::ExportTabCsv),
-        ),
-        one(
+    ];
+    let copies = [
+        ("Copy the scene as text", "Ctrl+C", Action::CopyScene),
+        (
             "Copy the picture of the stress curve",
             "",
             Action::CopyPicture,
         ),
-        one(
-            "Export the stress curve as PNG",
-            "S",
-            Action::AskFile(FileTask::ExportLoopPng),
-        ),
-        one(
-            "Export the gap map as PNG",
-            "",
-            Action::AskFile(FileTask::ExportGapPng),
-        ),
-        one(
-            "Export the path as a film (GIF)",
-            "",
-            Action::AskFile(FileTask::ExportFilm(FilmKind::Gif)),
-        ),
-        one(
-            "Export the path as a film (animated PNG)",
-            "",
-            Action::AskFile(FileTask::ExportFilm(FilmKind::Apng)),
-        ),
-    ]
+    ];
+    let tasks = tasks.map(|(name, keys, task)| (name, keys, Action::AskFile(task)));
+    let all = tasks.into_iter().chain(copies);
+    all.map(|(name, keys, action)| Command::new(name, keys, action))
 }
 
 /// What changes how things are shown.

@@ -7,7 +7,6 @@ use super::widgets::{card, labelled, own};
 use crate::physics::indenter::{Indenter, Measured};
 use crate::scene::edit;
 use egui::{Mesh, Painter, Rect, Stroke, Ui, pos2, vec2};
-use std::f32::consts::TAU;
 
 /// Height of a picture, and the room between two (points).
 const HEIGHT: f32 = 50.0;
@@ -78,27 +77,12 @@ fn height_file(ui: &mut Ui, measured: &Measured, actions: &mut Vec<Action>) {
 pub fn sketch(kind: &Indenter, painter: &Painter, rect: Rect, palette: &Palette) {
     let (left, right) = (rect.left() + 8.0, rect.right() - 8.0);
     let (top, low) = (rect.top() + 8.0, rect.bottom() - 20.0);
-    // Height from 0 to 1 at a share of the width.
-    let height = |x: f32| match kind {
-        Indenter::Flat => 0.45,
-        Indenter::Hertz(_) => 1.0 - (2.0 * x - 1.0).powi(2),
-        Indenter::Wave(_) => 0.5 - 0.5 * (2.0 * TAU * x).cos(),
-        Indenter::Rough(_) | Indenter::Measured(_) => {
-            let waves = [
-                (1.0, 0.30, 0.3),
-                (2.0, 0.17, 2.1),
-                (5.0, 0.11, 4.0),
-                (9.0, 0.08, 1.2),
-            ];
-            let sum = |f: f32, (k, a, phase): &(f32, f32, f32)| f + a * (TAU * k * x + phase).sin();
-            waves.iter().fold(0.5, sum)
-        }
-    };
     let mut filled = Mesh::default();
     let mut line = Vec::new();
     for i in 0..=POINTS {
         let x = i as f32 / POINTS as f32;
-        let at = pos2(left + x * (right - left), low - height(x) * (low - top));
+        let height = kind.ground().outline(f64::from(x)) as f32;
+        let at = pos2(left + x * (right - left), low - height * (low - top));
         filled.colored_vertex(at, palette.indenter);
         filled.colored_vertex(pos2(at.x, low + 2.0), palette.indenter);
         line.push(at);

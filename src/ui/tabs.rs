@@ -17,12 +17,14 @@ mod study;
 mod why;
 
 use super::action::{Action, ViewOptions};
+use super::diagram;
 use super::view_state::ViewState;
-use super::widgets::named;
+use super::widgets::{named, progress};
 use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use egui::{Color32, Context, Label, RichText, Role, TextStyle, Ui, WidgetInfo};
+use egui::{Color32, Context, Label, RichText, Role, TextStyle, Ui, Vec2, WidgetInfo};
+use egui_plot::PlotResponse;
 
 /// What a tab is called, and the room that it wants.
 #[derive(Clone, Copy, Debug)]
@@ -292,6 +294,29 @@ fn choose(tab: usize, state: &ViewState) -> Action {
 /// What a job is doing, small, cut where there is no room.
 fn doing<T>(ui: &mut Ui, job: &Job<T>) {
     ui.add(Label::new(RichText::new(&job.doing).small()).truncate());
+}
+
+/// How far a job is and what it does, or why it could not be finished.
+fn under_way<T>(ui: &mut Ui, job: &Job<T>) {
+    if job.is_running() {
+        progress(ui, job);
+        doing(ui, job);
+    } else if let Some(why) = &job.failed {
+        ui.label(RichText::new(why).small());
+    }
+}
+
+/// One of several diagrams in a tab, in so much room, under these words.
+fn small(ui: &mut Ui, panel: &Panel, words: &str, size: Vec2) -> PlotResponse<()> {
+    ui.allocate_ui(size, |ui| {
+        ui.vertical(|ui| {
+            ui.small(words);
+            let height = ui.available_height().max(60.0);
+            diagram::show(ui, panel, words, height, |_, _| None)
+        })
+        .inner
+    })
+    .inner
 }
 
 /// Takes in what a measurement has found; one that ends early says why.

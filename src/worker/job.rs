@@ -24,6 +24,8 @@ pub struct Job<T> {
     pub fraction: f64,
     /// What is being done, in words.
     pub doing: String,
+    /// Why it could not be finished.
+    pub failed: Option<String>,
     running: bool,
     reports: Receiver<Report<T>>,
     cancel: Cancel,
@@ -100,6 +102,7 @@ impl<T> Job<T> {
                 so_far: None,
                 fraction: 0.0,
                 doing: "beginning".to_owned(),
+                failed: None,
                 running: true,
                 reports,
                 cancel,
@@ -120,6 +123,7 @@ impl<T> Job<T> {
                 Report::End(end) => {
                     let heard = self.is_running();
                     self.running = false;
+                    self.failed = end.as_ref().err().filter(|_| heard).cloned();
                     return heard.then_some(end);
                 }
             }
@@ -253,6 +257,7 @@ mod tests {
         );
         let mut job = Job::<()>::start(Arc::new(|| {}), |_| Err("no".to_owned()));
         assert_eq!(ended(&mut job), Err("no".to_owned()));
+        assert_eq!(job.failed.as_deref(), Some("no"));
         let mut job = Job::<()>::start(Arc::new(|| {}), |_| panic!("for the test"));
         assert_eq!(ended(&mut job), Err(FAULT.to_owned()));
     }

@@ -1,5 +1,6 @@
 //! The gallery: every figure computes, agrees with its theory, and can be stopped.
 
+use std::sync::OnceLock;
 use std::time::Instant;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::figure::Figure;
@@ -36,24 +37,36 @@ fn check_panel(number: usize, panel: &Panel) {
     }
 }
 
-fn check(entry: &Entry) {
-    let began = Instant::now();
-    let cancel = Cancel::default();
-    let mut last = 0.0;
-    let mut observe = |share: f64, _: &str| {
-        assert!(
-            (last..=1.0).contains(&share),
-            "figure {}: progress went from {last} to {share}",
-            entry.number
-        );
-        last = share;
-    };
-    let figure = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut observe)).unwrap();
-    println!(
-        "figure {}: {:.2} s",
-        entry.number,
-        began.elapsed().as_secs_f64()
-    );
+/// Every figure, those under a load last.
+fn all() -> impl Iterator<Item = &'static Entry> {
+    GALLERY.iter().chain(UNDER_LOAD)
+}
+
+/// The figure at a place among all, computed once for all tests; its progress only grows.
+fn computed(place: usize) -> &'static Figure {
+    static FIGURES: [OnceLock<Figure>; 32] = [const { OnceLock::new() }; 32];
+    FIGURES[place].get_or_init(|| {
+        let entry = all().nth(place).unwrap();
+        let began = Instant::now();
+        let (cancel, mut last) = (Cancel::default(), 0.0);
+        let mut observe = |share: f64, _: &str| {
+            assert!(
+                (last..=1.0).contains(&share),
+                "figure {}: progress went from {last} to {share}",
+                entry.number
+            );
+            last = share;
+        };
+        let task = &mut Task::new(Size::Quick, &cancel, &mut observe);
+        let figure = (entry.compute)(task).unwrap();
+        let seconds = began.elapsed().as_secs_f64();
+        println!("figure {}: {seconds:.2} s", entry.number);
+        figure
+    })
+}
+
+fn check((place, entry): (usize, &Entry)) {
+    let figure = computed(place);
     assert_eq!(figure.number, entry.number);
     assert!(!figure.words.is_empty() && !figure.findings.is_empty());
     for panel in &figure.panels {
@@ -76,7 +89,7 @@ fn check(entry: &Entry) {
 
 #[test]
 fn every_figure_agrees_with_its_theory_and_its_progress_only_grows() {
-    GALLERY.iter().chain(UNDER_LOAD).for_each(check);
+    all().enumerate().for_each(check);
 }
 
 #[test]
@@ -86,7 +99,7 @@ fn the_gallery_is_in_the_papers_order_and_its_scenes_are_allowed() {
             .windows(2)
             .all(|pair| pair[0].number < pair[1].number)
     );
-    for entry in GALLERY.iter().chain(UNDER_LOAD) {
+    for entry in all() {
         (entry.scene)()
             .validate()
             .unwrap_or_else(|error| panic!("figure {}: {error}", entry.number));
@@ -102,7 +115,7 @@ fn the_gallery_is_in_the_papers_order_and_its_scenes_are_allowed() {
 fn a_figure_that_is_stopped_says_so() {
     let cancel = Cancel::default();
     cancel.request();
-    for entry in GALLERY.iter().chain(UNDER_LOAD) {
+    for entry in all() {
         let stopped = (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut |_, _| ()));
         assert_eq!(
             stopped.err(),
@@ -153,14 +166,8 @@ fn every_table_is_full_and_agrees_with_the_print() {
     }
 }
 
-fn figure(number: usize) -> Figure {
-    let entry = GALLERY.iter().find(|entry| entry.number == number).unwrap();
-    let (cancel, mut last) = (Cancel::default(), 0.0);
-    let mut observe = |done: f64, _: &str| {
-        assert!(done >= last && done <= 1.0, "{last} {done}");
-        last = done;
-    };
-    (entry.compute)(&mut Task::new(Size::Quick, &cancel, &mut observe)).unwrap()
+fn figure(number: usize) -> &'static Figure {
+    computed(all().position(|entry| entry.number == number).unwrap())
 }
 
 /// Asserts that all judged findings agree, and that there are at least `count` of them.
@@ -202,7 +209,7 @@ fn pairs(figure: &Figure, begin: &str, source: &str) -> Vec<(f64, f64)> {
 #[test]
 fn noise_on_a_flat_surface_begins_to_grow_where_eq_8_says_from_just_above_l_c_to_a_hundred() {
     let figure = figure(4);
-    assert_agrees(&figure, 17);
+    assert_agrees(figure, 17);
     let cells: Vec<f64> = figure.panels[0]
         .series
         .iter()
@@ -219,15 +226,15 @@ fn noise_on_a_flat_surface_begins_to_grow_where_eq_8_says_from_just_above_l_c_to
 #[test]
 fn the_ridge_comes_closer_to_the_exact_one_and_to_its_end_with_half_the_range() {
     let figure = figure(7);
-    assert_agrees(&figure, 3);
-    let middle = pairs(&figure, "largest |p̃", "exact");
+    assert_agrees(figure, 3);
+    let middle = pairs(figure, "largest |p̃", "exact");
     // Half the range: at least as much as the first order would give.
     assert!(
         middle.len() == 2 && middle[1].0 < 0.5 * middle[0].0,
         "{middle:?}"
     );
     for end in ["ũ₀ where the ridge flattens", "ũ₀ where the ridge closes"] {
-        let off: Vec<f64> = pairs(&figure, end, "exact")
+        let off: Vec<f64> = pairs(figure, end, "exact")
             .iter()
             .map(|(found, exact)| (found - exact).abs())
             .collect();
@@ -238,15 +245,15 @@ fn the_ridge_comes_closer_to_the_exact_one_and_to_its_end_with_half_the_range() 
 #[test]
 fn sixteen_points_carry_a_ridge_up_to_mu_rho_one_half_and_pin_it_above() {
     let figure = figure(8);
-    assert_agrees(&figure, 6);
-    let jumps: Vec<f64> = pairs(&figure, "jumps from ridge to ridge", "")
+    assert_agrees(figure, 6);
+    let jumps: Vec<f64> = pairs(figure, "jumps from ridge to ridge", "")
         .iter()
         .map(|p| p.0)
         .collect();
     assert_eq!(jumps[..2], [0.0, 0.0]);
     assert!(jumps[2..].iter().all(|n| *n > 0.0), "{jumps:?}");
     // The two limits that the text quotes ask for the same mu_rho, and that is not 0.5.
-    let asked = pairs(&figure, "μ_ρ at which", "");
+    let asked = pairs(figure, "μ_ρ at which", "");
     assert!(
         (asked[0].0 - asked[1].0).abs() < 0.02 && asked[0].0 > 0.6,
         "{asked:?}"
@@ -257,8 +264,8 @@ fn sixteen_points_carry_a_ridge_up_to_mu_rho_one_half_and_pin_it_above() {
 fn the_loss_tends_to_that_of_the_exact_ridge_as_the_range_shrinks_and_never_reaches_the_printed_one()
  {
     let figure = figure(11);
-    assert_agrees(&figure, 15);
-    let cosine = pairs(&figure, "γ_hys/γ, cosine", "exact ridge");
+    assert_agrees(figure, 15);
+    let cosine = pairs(figure, "γ_hys/γ, cosine", "exact ridge");
     let off: Vec<f64> = cosine
         .iter()
         .map(|(found, theory)| (found / theory - 1.0).abs())
@@ -267,7 +274,7 @@ fn the_loss_tends_to_that_of_the_exact_ridge_as_the_range_shrinks_and_never_reac
         off.len() >= 3 && off.windows(2).all(|w| w[0] < w[1]),
         "shorter ranges come first: {off:?}"
     );
-    let zero = pairs(&figure, "γ_hys/γ without range", "printed");
+    let zero = pairs(figure, "γ_hys/γ without range", "printed");
     assert!(
         (zero[0].0 - 1.087557).abs() < 1e-6 && (zero[0].1 - 1.365).abs() < 5e-4,
         "{zero:?}"

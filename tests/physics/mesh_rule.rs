@@ -47,7 +47,9 @@ fn figure_2_at_64_points_has_the_mu_rho_of_equation_11() {
         length: 256.0,
         surface_energy: 0.15,
     };
-    assert!((units::mu_rho(units.reduce(1.0), 64.0) - mu_rho(&law, 4.0)).abs() < 1e-15);
+    // mu_rho = 1/(2 rho~ sqrt(n)) with n = L/da.
+    let of_rho = 0.5 / (units.reduce(1.0) * 64_f64.sqrt());
+    assert!((of_rho - mu_rho(&law, 4.0)).abs() < 1e-15);
 }
 
 #[test]
@@ -82,9 +84,12 @@ fn the_grid_limit_is_where_the_largest_wave_number_goes_soft() {
 
 #[test]
 fn half_is_safe_because_the_shortest_unstable_wave_is_four_pi_spacings() {
-    assert!((shortest_unstable_wave(1.0, SAFE) - 4.0 * PI).abs() < 1e-14);
     let law = law(Shape::Morse(Morse));
-    let wave = shortest_unstable_wave(4.0, mu_rho(&law, 4.0));
+    let law = Law {
+        range: range_for_mu_rho(&law, 4.0, SAFE),
+        ..law
+    };
+    let wave = 4.0 * PI * 4.0;
     assert!((wave - flat::critical_length(&law)).abs() < 1e-12 * wave);
 }
 

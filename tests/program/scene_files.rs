@@ -708,11 +708,18 @@ const GUIDE: &str = "assets/guide/scene-files.md";
 #[test]
 fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
     let page = std::fs::read_to_string(GUIDE).expect("the page is there");
-    assert!(
-        page.contains(&parameter::table()),
-        "{GUIDE} should contain:\n\n{}",
-        parameter::table()
+    let row = |parameter: &Parameter| {
+        let default = parameter.default.map(|value| value.to_string());
+        let default = default.unwrap_or_else(|| "must be given".to_owned());
+        let (key, unit) = (parameter.key, parameter.unit.word());
+        let (title, allowed) = (parameter.title(), parameter.allowed());
+        format!("| `{key}` | {title} | {unit} | {default} | {allowed} |\n")
+    };
+    let rows: String = parameter::all().into_iter().map(row).collect();
+    let table = format!(
+        "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n{rows}"
     );
+    assert!(page.contains(&table), "{GUIDE} should contain:\n\n{table}");
     let readme = std::fs::read_to_string("README.md").expect("the README is there");
     assert!(readme.contains(GUIDE), "the README links {GUIDE}");
 }

@@ -23,7 +23,9 @@ fn fig2() -> Scene {
 }
 
 fn live(scene: &Scene, fineness: Fineness) -> LiveLoop {
-    LiveLoop::of(scene, &scene.model().unwrap(), fineness).unwrap()
+    LiveLoops::default()
+        .next(scene, &scene.model().unwrap(), fineness)
+        .unwrap()
 }
 
 #[test]
@@ -126,7 +128,8 @@ fn a_leg_is_drawn_in_the_direction_it_is_gone() {
 fn what_the_atlas_does_not_hold_is_refused_in_words() {
     let mut scene = fig2();
     scene.cell.points = Points::Line(64);
-    let words = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse)
+    let words = LiveLoops::default()
+        .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
         .unwrap_err()
         .to_string();
     assert!(words.contains("square cells on flat ground"), "{words}");
@@ -152,7 +155,9 @@ fn a_loop_taken_over_from_a_law_a_little_different_is_the_loop_made_afresh() {
             Duration::ZERO
         };
         let began = Instant::now();
-        let slow = LiveLoop::of(&scene, &model, Fineness::Coarse).unwrap();
+        let slow = LiveLoops::default()
+            .next(&scene, &model, Fineness::Coarse)
+            .unwrap();
         afresh += if i > 0 {
             began.elapsed()
         } else {

@@ -5,7 +5,7 @@ use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
-use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::study::map::{PatternMap, Vary};
 
 fn map(key: &str, from: f64, to: f64, count: usize) -> PatternMap {
@@ -63,7 +63,9 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
         let limits = flat::limits(&row.law.unwrap(), 256.0).unwrap();
         scene.drive.start = limits.1 + 8.0 * row.value;
         scene.drive.turn = tackscope::scene::Turn::At(limits.0 - row.value);
-        let fresh = LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).unwrap();
+        let fresh = LiveLoops::default()
+            .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
+            .unwrap();
         let found = row.found.as_ref().unwrap();
         assert_eq!(order(&found.jumps), order(&fresh.jumps), "{}", row.value);
         for (a, b) in found.jumps.iter().zip(&fresh.jumps) {

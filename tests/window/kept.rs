@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tackscope::follow::record::Direction;
 use tackscope::plot::panel::Role;
-use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::App;
 use tackscope::ui::view_state::Kept;
 
@@ -153,7 +153,8 @@ fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
     // What is said of the losses is what both live loops lose.
     let loss = |scene: &tackscope::scene::Scene| {
         let model = scene.model().unwrap();
-        LiveLoop::of(scene, &model, Fineness::Fine)
+        LiveLoops::default()
+            .next(scene, &model, Fineness::Fine)
             .unwrap()
             .dissipated_energy
     };

@@ -6,13 +6,14 @@ use egui::{Key, Modifiers};
 use std::sync::Arc;
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
-use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::worker::protocol::{Event, LiveState};
 
 pub fn live() -> Arc<LiveState> {
     let scene = fig2();
-    let found =
-        LiveLoop::of(&scene, &scene.model().unwrap(), Fineness::Coarse).map_err(|e| e.to_string());
+    let found = LiveLoops::default()
+        .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
+        .map_err(|e| e.to_string());
     assert!(found.is_ok(), "{found:?}");
     Arc::new(LiveState {
         found,

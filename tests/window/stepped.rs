@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::scene::{Points, Scene};
-use tackscope::study::live_loop::{Fineness, LiveLoop};
+use tackscope::study::live_loop::{Fineness, LiveLoops};
 use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
@@ -35,7 +35,8 @@ struct Stepped {
 impl Stepped {
     /// The live loop of a scene.
     fn foretell(&self, run: RunId, scene: &Scene) {
-        let found = LiveLoop::of(scene, &scene.model().expect("allowed"), Fineness::Fine);
+        let found =
+            LiveLoops::default().next(scene, &scene.model().expect("allowed"), Fineness::Fine);
         let live = LiveState {
             found: found.map_err(|why| why.to_string()),
             fineness: Fineness::Fine,

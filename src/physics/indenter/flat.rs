@@ -13,6 +13,10 @@ impl Ground for Flat {
         "flat"
     }
 
+    fn outline(&self, _share: f64) -> f64 {
+        0.45
+    }
+
     fn suited(&self, _law: &Law, _grid: &Grid) -> Indenter {
         Indenter::Flat
     }

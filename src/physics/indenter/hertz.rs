@@ -48,6 +48,10 @@ impl Ground for Hertz {
         "tip"
     }
 
+    fn outline(&self, share: f64) -> f64 {
+        1.0 - (2.0 * share - 1.0).powi(2)
+    }
+
     fn suited(&self, _law: &Law, grid: &Grid) -> Indenter {
         Indenter::Hertz(Self {
             radius: grid.length,

@@ -16,6 +16,7 @@ use super::law::Law;
 use super::parameter::{Own, Parameter, Refusal, Value, kinds};
 use flat::Flat;
 use ndarray::Array2;
+use std::f64::consts::TAU;
 
 kinds! {
     /// Shape of the rigid counter-surface.
@@ -31,6 +32,18 @@ kinds! {
 pub trait Ground {
     /// Its name on the screen.
     fn name(&self) -> &'static str;
+
+    /// Height, 0 to 1, of a sketch of its kind at a share of the width; here of any uneven ground.
+    fn outline(&self, share: f64) -> f64 {
+        let waves = [
+            (1.0, 0.30, 0.3),
+            (2.0, 0.17, 2.1),
+            (5.0, 0.11, 4.0),
+            (9.0, 0.08, 1.2),
+        ];
+        let heights = waves.map(|(k, height, phase)| height * (TAU * k * share + phase).sin());
+        0.5 + heights.iter().sum::<f64>()
+    }
 
     /// The same kind with numbers that suit a law and a mesh.
     fn suited(&self, law: &Law, grid: &Grid) -> Indenter;

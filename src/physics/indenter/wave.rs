@@ -82,6 +82,10 @@ impl Ground for Wave {
         "waves"
     }
 
+    fn outline(&self, share: f64) -> f64 {
+        0.5 - 0.5 * (2.0 * TAU * share).cos()
+    }
+
     /// One crest in the cell, two ranges high.
     fn suited(&self, law: &Law, grid: &Grid) -> Indenter {
         Indenter::Wave(Self {

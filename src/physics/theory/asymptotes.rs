@@ -98,20 +98,9 @@ impl Flattening {
     }
 }
 
-/// Neighbours of a square lattice raise 1/vhat of a bulge by this, twice: 1/(2 vhat) = 1/abar -
-/// this + ...
-const LATTICE: f64 = 1.2414929;
-/// The next order for either pattern: the field of the neighbours.
-const NEIGHBOURS: f64 = 0.2396265;
-
 /// vhat of a small dimple (Eq. 28 corrected): 3/(2 alpha^3).
 pub fn dimple(alpha: f64) -> f64 {
     1.5 / alpha.powi(3)
-}
-
-/// The same with its next term: 3/(2 alpha^3) - 0.35944.
-pub fn dimple_next(alpha: f64) -> f64 {
-    1.5 / alpha.powi(3) - 1.5 * NEIGHBOURS
 }
 
 /// vhat of a small dimple as printed in Eq. 28: 8/(sqrt(3 pi) alpha^3), 1.74 times too large.
@@ -122,11 +111,6 @@ pub fn dimple_printed(alpha: f64) -> f64 {
 /// vhat of a small bulge (Eq. 28 corrected): abar/2.
 pub fn bulge(abar: f64) -> f64 {
     0.5 * abar
-}
-
-/// The same with its next terms.
-pub fn bulge_next(abar: f64) -> f64 {
-    0.5 / (1.0 / abar - LATTICE + NEIGHBOURS * abar * abar)
 }
 
 /// vhat of a small bulge as printed in Eq. 28: sqrt(2) abar^(3/2).

@@ -40,17 +40,6 @@ impl Units {
     }
 }
 
-/// L/L_c = 1/(4 pi rho~^2) for the Morse law; other laws: length over
-/// [`super::flat::critical_length`].
-pub fn length_ratio(range: f64) -> f64 {
-    1.0 / (4.0 * std::f64::consts::PI * range * range)
-}
-
-/// mu_rho = 1/(2 rho~ sqrt(n)) of the Morse law on a mesh with n = L/da points along a side.
-pub fn mu_rho(range: f64, points: f64) -> f64 {
-    0.5 / (range * points.sqrt())
-}
-
 /// mu_T = (R gamma^2/E*^2)^(1/3)/rho of a tip of `radius` R (length), work of adhesion
 /// `surface_energy` (E* times length) and Morse `range` rho (length): the definition behind Eq. 32.
 pub fn tabor(radius: f64, surface_energy: f64, range: f64) -> f64 {

@@ -94,15 +94,6 @@ pub fn column(name: &str) -> Option<&'static Column> {
     COLUMNS.iter().find(|column| column.name == name)
 }
 
-/// The guide's table of all columns (Markdown).
-pub fn table() -> String {
-    let head = "| column | is |\n|---|---|\n".to_owned();
-    let row = |column: &Column| format!("| `{}` | {} |\n", column.name, column.what);
-    COLUMNS
-        .iter()
-        .fold(head, |text, column| text + &row(column))
-}
-
 macro_rules! columns {
     ($($name:literal, $what:literal, $of:expr;)*) => {
         /// Everything that can be recorded.

@@ -1,15 +1,15 @@
 //! The ground before anything runs: its map, how its heights are distributed, its power spectrum,
 //! and its root mean squares.
 
-use super::{Tab, Title, Update};
+use super::{Tab, Title, Update, small, under_way};
 use crate::plot::ground_panel::{distribution_panel, map_panel, numbers, spectrum_panel};
 use crate::plot::panel::Panel;
 use crate::scene::Scene;
 use crate::study::ground::GroundReport;
 use crate::ui::action::Action;
+use crate::ui::gap_picture;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, progress};
-use crate::ui::{diagram, gap_picture};
+use crate::ui::widgets::described;
 use crate::worker::job::{Job, Reporter};
 use egui::{RichText, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use std::sync::Arc;
@@ -24,8 +24,6 @@ pub struct GroundTab {
     job: Option<(Arc<Scene>, Job<GroundReport>)>,
     /// What was seen, and its map once it was drawn.
     shown: Option<(GroundReport, Option<TextureHandle>)>,
-    /// Why there is nothing to see.
-    missing: Option<String>,
 }
 
 impl Tab for GroundTab {
@@ -38,15 +36,12 @@ impl Tab for GroundTab {
     }
 
     fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {
-        if let Some((_, job)) = self.job.as_ref().filter(|(_, job)| job.is_running()) {
-            progress(ui, job);
+        // No empty row where there is nothing to tell.
+        let telling = |(_, job): &&(_, Job<_>)| job.is_running() || job.failed.is_some();
+        if let Some((_, job)) = self.job.as_ref().filter(telling) {
+            ui.horizontal_wrapped(|ui| under_way(ui, job));
         }
         let Some((report, texture)) = &mut self.shown else {
-            let words = self
-                .missing
-                .as_deref()
-                .unwrap_or("The ground is being read.");
-            ui.label(RichText::new(words).weak());
             return;
         };
         let told = numbers("On the mesh", &report.cell, report.unit);
@@ -94,9 +89,8 @@ impl Tab for GroundTab {
         }: Update<'_>,
     ) {
         if let Some((_, job)) = &mut self.job {
-            if let Some(Err(why)) = job.poll() {
-                (self.shown, self.missing) = (None, Some(why));
-            }
+            job.poll();
+            self.shown.take_if(|_| job.failed.is_some());
             if let Some(report) = job.so_far.take() {
                 self.shown = Some((report, None));
             }
@@ -125,12 +119,8 @@ fn compute(scene: &Arc<Scene>, report: &Reporter<GroundReport>) -> Result<(), St
 fn panel(ui: &mut Ui, mut panel: Panel, x: &str, size: Vec2) {
     x.clone_into(&mut panel.x.label);
     panel.y.label.clear();
-    ui.allocate_ui(size, |ui| {
-        ui.vertical(|ui| {
-            ui.small(&panel.title);
-            let height = ui.available_height().max(60.0);
-            let shown = diagram::show(ui, &panel, &panel.title, height, |_, _| None);
-            described(&shown.response, &panel.title);
-        });
-    });
+    described(
+        &small(ui, &panel, &panel.title, size).response,
+        &panel.title,
+    );
 }

@@ -1,7 +1,7 @@
 //! The energy landscape: the paths from the present state over its saddles, the ball where the
 //! surface is, and how the barriers change along the control.
 
-use super::{Tab, Title, Update};
+use super::{Tab, Title, Update, small};
 use crate::follow::diagram::Diagram;
 use crate::follow::record::StateRecord;
 use crate::numerics::cancel::Cancel;
@@ -54,8 +54,6 @@ pub struct LandscapeTab {
     pointed: Option<[usize; 2]>,
     /// What is pictured of it, and what was pictured before.
     pictured: Option<[Arc<Frame>; 2]>,
-    /// Why there is nothing.
-    missing: Option<String>,
 }
 
 /// A jump that is shown: the state that gave way, since when its landscape is seen (seconds of the
@@ -106,7 +104,8 @@ impl Tab for LandscapeTab {
         let size = ui.available_size();
         ui.horizontal_top(|ui| {
             for (k, panel) in [paths, barriers].into_iter().enumerate() {
-                let drawn = side(ui, panel, vec2(SHARES[k] * size.x - 6.0, size.y - 4.0));
+                let size = vec2(SHARES[k] * size.x - 6.0, size.y - 4.0);
+                let drawn = small(ui, &panel, &panel.title, size);
                 described(&drawn.response, &format!("Landscape: {words}"));
                 if k == 0 {
                     self.pointed = pointed(&drawn, &landscape, law);
@@ -137,9 +136,7 @@ impl Tab for LandscapeTab {
         }
         self.picture(state);
         if let Some((of, job)) = &mut self.job {
-            if let Some(Err(why)) = job.poll() {
-                self.missing = Some(why);
-            }
+            job.poll();
             if let Some(found) = job.so_far.take() {
                 let lowest = found.passes.first();
                 state.plots.barrier = lowest.map(|pass| (*of, pass.barrier()));
@@ -166,7 +163,7 @@ impl Tab for LandscapeTab {
         if stale {
             let input = (state.scene.clone(), diagram, here, self.shown.clone());
             self.job = Some((here, with.solver.job(input, compute)));
-            (self.told, self.missing) = (false, None);
+            self.told = false;
         }
     }
 }
@@ -259,7 +256,8 @@ impl LandscapeTab {
     /// What holds the surface, in one line.
     fn words(&self, state: &ViewState) -> String {
         let Some(shown) = &self.shown else {
-            let why = self.missing.clone();
+            let job = self.job.as_ref();
+            let why = job.and_then(|(_, job)| job.failed.clone());
             return why
                 .unwrap_or_else(|| "The branches come first: saddles are on them.".to_owned());
         };
@@ -335,20 +333,6 @@ fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> Vec<Series> {
     let symbols = [Symbol::Ring, Symbol::Circle];
     let [ring, dot] = symbols.map(|symbol| Series::symbols("", symbol, Colour::Ink, place.clone()));
     vec![ring, dot.filled()]
-}
-
-/// One of the two diagrams.
-fn side(ui: &mut Ui, panel: Panel, size: egui::Vec2) -> PlotResponse<()> {
-    let title = panel.title.clone();
-    ui.allocate_ui(size, |ui| {
-        ui.vertical(|ui| {
-            ui.small(&title);
-            let height = ui.available_height().max(60.0);
-            diagram::show(ui, &panel, &title, height, |_, _| None)
-        })
-        .inner
-    })
-    .inner
 }
 
 /// The pass and the place of its path that are nearest to the pointer.

@@ -1,7 +1,7 @@
 //! The map of patterns: the loop of the scene while its range goes, with the present scene as a
 //! cross; a click opens the scene there.
 
-use super::{Tab, Title, Update, doing};
+use super::{Tab, Title, Update, small, under_way};
 use crate::physics::parameter::{Parameter, Value};
 use crate::plot::map_panel::{loop_of, map_panels};
 use crate::plot::panel::{Colour, Panel, Series, Symbol};
@@ -10,7 +10,7 @@ use crate::study::map::{PatternMap, Row, Vary};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{described, progress};
+use crate::ui::widgets::described;
 use crate::worker::job::{Job, Reporter};
 use egui::{RichText, Ui};
 use std::sync::Arc;
@@ -53,7 +53,6 @@ pub struct Map {
     key: &'static str,
     /// The map, around which model and under which machine.
     job: Option<(Around, Job<Arc<PatternMap>>)>,
-    missing: Option<String>,
     /// The value under the pointer, and whether its scene is to be opened.
     pointed: Option<(f64, bool)>,
 }
@@ -63,7 +62,6 @@ impl Default for Map {
         Self {
             key: parameter::RANGE.key,
             job: None,
-            missing: None,
             pointed: None,
         }
     }
@@ -132,15 +130,8 @@ impl Tab for Map {
             for (parameter, _) in numbers(state) {
                 ui.radio_value(&mut self.key, parameter.key, parameter.label.to_lowercase());
             }
-            match (&self.job, &self.missing) {
-                (Some((_, job)), _) if job.is_running() => {
-                    progress(ui, job);
-                    doing(ui, job);
-                }
-                (_, Some(why)) => {
-                    ui.label(RichText::new(why).small());
-                }
-                _ => {}
+            if let Some((_, job)) = &self.job {
+                under_way(ui, job);
             }
         });
         self.pointed = None;
@@ -176,21 +167,13 @@ impl Tab for Map {
                     panel.y.label.clear();
                 }
                 let size = egui::vec2(share * size.x - 6.0, size.y - 4.0);
-                ui.allocate_ui(size, |ui| {
-                    ui.vertical(|ui| {
-                        ui.small(name);
-                        let height = ui.available_height().max(60.0);
-                        let drawn = diagram::show(ui, &panel, name, height, |_, _| None);
-                        let place = drawn.response.hover_pos();
-                        let place = place.map(|p| drawn.transform.value_from_position(p).y);
-                        described(&drawn.response, &format!("Map of patterns: {name}"));
-                        let geometric = panel.y.logarithmic;
-                        let value = |y: f64| if geometric { 10f64.powf(y) } else { y };
-                        place.map(|y| (value(y), drawn.response.clicked()))
-                    })
-                    .inner
-                })
-                .inner
+                let drawn = small(ui, &panel, name, size);
+                let place = drawn.response.hover_pos();
+                let place = place.map(|p| drawn.transform.value_from_position(p).y);
+                described(&drawn.response, &format!("Map of patterns: {name}"));
+                let geometric = panel.y.logarithmic;
+                let value = |y: f64| if geometric { 10f64.powf(y) } else { y };
+                place.map(|y| (value(y), drawn.response.clicked()))
             };
             for (panel, name, share) in [
                 (approach, "approach", 0.38),
@@ -233,7 +216,7 @@ impl Tab for Map {
         }
         let holds = |(around, _): &(Around, _)| around.holds(state, self.key, REACH);
         if !self.job.as_ref().is_some_and(holds) {
-            (self.job, self.missing) = (None, None);
+            self.job = None;
             if seen {
                 let around = Around::of(state, self.key);
                 let vary = self.goes(state).map(|(_, value)| Vary {
@@ -245,10 +228,8 @@ impl Tab for Map {
                 self.job = Some((around, job));
             }
         }
-        if let Some((_, job)) = &mut self.job
-            && let Some(Err(why)) = job.poll()
-        {
-            self.missing = Some(why);
+        if let Some((_, job)) = &mut self.job {
+            job.poll();
         }
     }
 }

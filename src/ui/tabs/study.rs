@@ -47,7 +47,6 @@ pub struct StudyTab {
     /// Index of what is drawn.
     quantity: usize,
     running: Option<Running>,
-    missing: Option<String>,
     asked: Option<Asked>,
 }
 
@@ -73,7 +72,6 @@ impl Default for StudyTab {
             count: COUNT,
             quantity: 0,
             running: None,
-            missing: None,
             asked: None,
         }
     }
@@ -121,23 +119,19 @@ impl Tab for StudyTab {
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             self.choices(ui, state);
-            match (&self.running, &self.missing) {
-                (Some(Running { job, .. }), _) if job.is_running() => {
-                    progress(ui, job);
-                }
-                (_, missing) => {
-                    let distinct = self.goes.is_some_and(|(_, span)| span.from != span.to);
-                    let button = ui.add_enabled(distinct, egui::Button::new("Compute"));
-                    if button.clicked() {
-                        self.asked = Some(Asked::Compute);
-                    }
-                    if let Some(why) = missing {
-                        ui.label(RichText::new(why).small());
-                    }
+            let job = self.running.as_ref().map(|running| &running.job);
+            if let Some(job) = job.filter(|job| job.is_running()) {
+                progress(ui, job);
+            } else {
+                let distinct = self.goes.is_some_and(|(_, span)| span.from != span.to);
+                let button = ui.add_enabled(distinct, egui::Button::new("Compute"));
+                if button.clicked() {
+                    self.asked = Some(Asked::Compute);
                 }
             }
             if let Some(running) = &self.running {
-                ui.label(RichText::new(running.words()).small());
+                let why = running.job.failed.clone();
+                ui.label(RichText::new(why.unwrap_or_else(|| running.words())).small());
             }
         });
         let Some(running) = &mut self.running else {
@@ -180,7 +174,6 @@ impl Tab for StudyTab {
         }
         match self.asked.take() {
             Some(Asked::Compute) => {
-                self.missing = None;
                 if let Some(study) = self.study(state) {
                     let (key, study) = (study.0, Arc::new(study.1));
                     self.running = Some(Running {
@@ -196,7 +189,7 @@ impl Tab for StudyTab {
                 let scene = running.map(|running| running.study.scene_at(&values));
                 match scene {
                     Some(Ok(scene)) => state.edit_scene(scene),
-                    Some(Err(why)) => self.missing = Some(why.to_string()),
+                    Some(Err(why)) => state.messages.fail(why.to_string(), "The scene stays."),
                     None => {}
                 }
             }
@@ -208,10 +201,8 @@ impl Tab for StudyTab {
             running.around.holds(state, key, f64::INFINITY)
         };
         self.running.take_if(|running| !holds(running));
-        if let Some(running) = &mut self.running
-            && let Some(Err(why)) = running.job.poll()
-        {
-            self.missing = Some(why);
+        if let Some(running) = &mut self.running {
+            running.job.poll();
         }
     }
 }

@@ -1,7 +1,8 @@
-//! The map of patterns as a table.
+//! What many loops of a scene give, as tables: the map of patterns, the convergence with the mesh.
 
 use super::{cells_of, number, quoted, write_rows};
 use crate::storage::Failure;
+use crate::study::converge::Convergence;
 use crate::study::map::PatternMap;
 use std::path::Path;
 
@@ -59,4 +60,25 @@ pub fn write_map_csv(path: &Path, map: &PatternMap) -> Result<(), Failure> {
         lines
     });
     write_rows(path, MAP_COLUMNS, lines)
+}
+
+/// First line of `convergence.csv`.
+const CONVERGENCE_COLUMNS: &str = "quantity,points,value,order,limit,error_bar";
+
+/// Writes each number on each mesh, from coarse to fine, with the order that the last three meshes
+/// show (`NaN` where they show none), the limit, and how far that may be off.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_convergence_csv(path: &Path, all: &[Convergence]) -> Result<(), Failure> {
+    let rows = all.iter().flat_map(|one| {
+        let estimate = one.estimate;
+        let order = estimate.order.unwrap_or(f64::NAN);
+        one.values.iter().map(move |[points, value]| {
+            let numbers = [*value, order, estimate.limit, estimate.error_bar].map(number);
+            let head = [one.quantity.clone(), points.to_string()];
+            head.into_iter().chain(numbers).collect()
+        })
+    });
+    write_rows(path, CONVERGENCE_COLUMNS, rows)
 }
