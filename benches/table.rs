@@ -521,8 +521,9 @@ fn increment(n: usize, precision: Precision, start: &Standpoint) -> Spent {
     let (mut increments, mut newton) = (0, 0);
     let spent = timed(|| {
         for step in 1..=COUNTED {
-            increments += walked(&mut walk, from + STEP * (WARM + step) as f64).len();
-            newton += walk.here().cost.transforms;
+            let taken = walked(&mut walk, from + STEP * (WARM + step) as f64).len();
+            increments += taken;
+            newton += taken * walk.here().cost.transforms;
         }
         0
     });

@@ -9,11 +9,9 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::control::Control;
-use tackscope::physics::theory::flat;
 use tackscope::scene::part::Strategy;
-use tackscope::scene::{Model, Points, Range, Scene, Turn};
+use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::solver::sector::{Node, SHARP, Sector, Side};
 use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::scene_file;
 use tackscope::study::chart::{
@@ -167,103 +165,6 @@ fn the_references_error_bar_holds_against_an_atlas_half_as_fine_again() {
         "{:?}",
         reference.errors
     );
-}
-
-/// The ridge at `to` and the one before it, in short steps from another.
-fn ridges(sector: &mut Sector, from: &Node, to: f64) -> [Node; 2] {
-    let start = from.state.mean_displacement;
-    let steps = ((to - start).abs() / 0.05).ceil();
-    let (mut behind, mut here) = (from.clone(), from.clone());
-    for k in 1..=steps as usize {
-        let u0 = start + (to - start) * k as f64 / steps;
-        let step = u0 - here.state.mean_displacement;
-        let guess = here.state.amplitudes.iter().zip(&here.tangent);
-        let guess = guess.map(|(z, t)| z + step * t).collect();
-        let (next, _) = sector.node(u0, guess, Some(&here), SHARP).unwrap();
-        behind = std::mem::replace(&mut here, next);
-    }
-    [behind, here]
-}
-
-/// Ridges by bordered Newton in their own symmetry, and the flat state in closed form: neither walks,
-/// nor follows an arc length.
-#[test]
-fn on_a_line_the_references_error_bar_holds_against_folds_found_directly() {
-    let mut scene = preset("ridge-line");
-    scene.cell.points = Points::Line(96);
-    let chart = run(&scene, Effort::Quick, &Cancel::default(), &mut |_| {}).unwrap();
-    let reference = chart.reference.unwrap();
-    let stated = reference.errors;
-    assert!(
-        stated.dissipated_energy < 1e-8 && stated.jumps < 1e-8,
-        "{stated:?}"
-    );
-    let Model { law, grid, .. } = scene.model().unwrap();
-    let mut sector = Sector::ridge(grid.length, 384, law);
-    let mut z = vec![0.0; sector.system().dimension()];
-    z[1] = -1.0;
-    let z = sector.settle(2.0, z).unwrap();
-    let (first, _) = sector.node(2.0, z, None, SHARP).unwrap();
-    let flat_energy = |u0: f64| law.at(u0).energy;
-    let (low, high) = flat::limits(&law, grid.length).unwrap();
-    let (mut loss, mut places) = (0.0, vec![high, low]);
-    // Down and up to shortly before the folds.
-    for (side, limit, before) in [(Side::Lower, low, 0.85), (Side::Upper, high, 3.8)] {
-        let [_, landed] = ridges(&mut sector, &first, limit);
-        loss += flat_energy(limit) - landed.state.energy;
-        let [behind, here] = ridges(&mut sector, &first, before);
-        let (fold, _) = sector.fold(&behind, &here, side).unwrap();
-        loss += fold.state.energy - flat_energy(fold.state.mean_displacement);
-        places.push(fold.state.mean_displacement);
-    }
-    let loss = loss / law.surface_energy;
-    let off = (reference.dissipated_energy / loss - 1.0).abs();
-    assert!(
-        off <= stated.dissipated_energy,
-        "{off:e}, stated {stated:?}"
-    );
-    for jump in &reference.finest.record.jumps {
-        let late = places.iter().map(|u0| (jump.control - u0).abs());
-        let late = late.fold(f64::INFINITY, f64::min);
-        assert!(late <= stated.jumps, "{late:e}, stated {stated:?}");
-    }
-}
-
-/// Against the walk on a mesh half as fine again, which brackets its jumps by eigenvalues.
-#[test]
-fn over_a_tip_the_references_error_bar_holds_against_a_walk_on_a_finer_mesh() {
-    let mut scene = preset("hertz");
-    scene.cell.points = Points::Square(64);
-    scene.drive.step = 0.0005;
-    let chart = run(&scene, Effort::Quick, &Cancel::default(), &mut |_| {}).unwrap();
-    let reference = chart.reference.unwrap();
-    let (stated, point) = (reference.errors, *reference.point());
-    assert!(
-        stated.dissipated_energy < 1e-5 && stated.jumps < 1e-5,
-        "{stated:?}"
-    );
-    scene.law.range = Range::Length(reference.finest.law.range);
-    let finer = Point {
-        model: Strategy::QUARTER,
-        points: point.points * 6 / 5,
-        step: 0.001,
-        ..point
-    };
-    let walked = measured(&scene, finer);
-    let ledger = walked.ledger().unwrap();
-    // What the walk itself promises.
-    let located = ledger.released_energy_error / walked.dissipated_energy();
-    let off = (reference.dissipated_energy / walked.dissipated_energy() - 1.0).abs();
-    assert!(
-        off <= stated.dissipated_energy + located,
-        "{off:e}, stated {stated:?}, located {located:e}"
-    );
-    let (ours, theirs) = (&reference.finest.record.jumps, &walked.record.jumps);
-    assert_eq!((ours.len(), theirs.len()), (2, 2));
-    for (jump, other) in ours.iter().zip(theirs) {
-        let late = (jump.control - other.control).abs() / walked.law.range;
-        assert!(late <= stated.jumps + 1e-5, "{late:e}, stated {stated:?}");
-    }
 }
 
 #[test]

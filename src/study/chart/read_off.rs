@@ -7,15 +7,15 @@
 
 use super::{Errors, Measured};
 use crate::follow::atlas::{Atlas, Leg, Place, Unmapped};
-use crate::follow::diagram::{Kind, Piece};
+use crate::follow::diagram::Piece;
 use crate::follow::record::{Cause, Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::follow::run::{LoopRun, Outcome};
 use crate::follow::walk::Stuck;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::vector::{dot, norm, scale};
 use crate::physics::control::Control;
+use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
-use crate::physics::system::State;
 use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
@@ -23,9 +23,9 @@ use crate::solver::continuation::way;
 use crate::study::landscape::{Ground, Standing};
 use crate::study::plan::diagram;
 
-/// The farthest that a jump may be from that of the walk on a coarser mesh (units of the control).
+/// The farthest that a jump may be from that of the walk on a coarser mesh (ranges).
 const NEAR: f64 = 0.05;
-/// The same where a closed form tells where it is.
+/// The same where a closed form tells both where it is.
 const EXACT: f64 = 1e-5;
 /// The share of its own correction by which a located fold may be off.
 const UNSURE: f64 = 0.1;
@@ -126,7 +126,7 @@ fn places([from, to]: [f64; 2], start: f64, step: f64) -> Vec<f64> {
     places
 }
 
-/// The loop of `scene` along the pieces of its diagram on which the loop `walked` on a coarser mesh
+/// The loop of `scene`, whose u0 is driven, along the pieces of its diagram on which the loop `walked` on a coarser mesh
 /// lies; cancelled where one of them, or a landing, is not found, or not before `cancel`. `tell` is
 /// called now and then.
 pub(super) fn of_diagram(
@@ -157,10 +157,9 @@ pub(super) fn of_diagram(
 
 /// The loop along the pieces on which the `walked` one lies, with the steps of the scene.
 fn along(ground: Ground<'_>, walked: &LoopRecord) -> Option<LoopRecord> {
-    let Ground { scene, model, .. } = ground;
-    let (control, drive) = (scene.control(), &scene.drive);
+    let drive = &ground.scene.drive;
     let ways = ways(ground, walked)?;
-    let mut record = LoopRecord::of(control);
+    let mut record = LoopRecord::of(Control::Displacement);
     let (mut jumps, mut from) = (walked.jumps.iter(), drive.start);
     for (i, way) in ways.iter().enumerate() {
         let mut to = way.to;
@@ -170,9 +169,8 @@ fn along(ground: Ground<'_>, walked: &LoopRecord) -> Option<LoopRecord> {
             record.jumps.push(jump);
         }
         let places = places([from, to], drive.start, drive.step).into_iter();
-        record
-            .states
-            .extend(places.map(|value| way.state(value, control, model)));
+        let states = places.map(|u0| way.state(u0, ground.model));
+        record.states.extend(states);
         from = to;
     }
     Some(record)
@@ -190,10 +188,10 @@ struct Way<'d> {
 }
 
 impl Way<'_> {
-    fn state(&self, value: f64, control: Control, model: &Model) -> StateRecord {
+    fn state(&self, u0: f64, model: &Model) -> StateRecord {
         let [low, high] = self.piece.extent();
-        let at = self.piece.at(value.clamp(low, high));
-        let far = |state: &&&StateRecord| (state.control - value).abs();
+        let at = self.piece.at(u0.clamp(low, high));
+        let far = |state: &&&StateRecord| (state.mean_displacement - u0).abs();
         let nearest = self
             .walked
             .iter()
@@ -203,12 +201,11 @@ impl Way<'_> {
             direction: nearest.direction,
             stress: at.stress,
             stress_over_max: at.stress / model.law.traction_max(),
-            energy: at.body_energy(control),
+            energy: at.energy,
             pattern: nearest.pattern,
             part: nearest.part,
             stop: Stop::ReadOff,
-            control: value,
-            ..StateRecord::placeholder(at.mean_displacement)
+            ..StateRecord::placeholder(u0)
         }
     }
 }
@@ -238,7 +235,7 @@ fn ways<'d>(ground: Ground<'d>, walked: &'d LoopRecord) -> Option<Vec<Way<'d>>> 
             };
             let own: Vec<&StateRecord> = states.iter().filter(within).copied().collect();
             let middle = own.get(own.len() / 2)?;
-            let piece = ground.stable(Standing::of(middle, ground.scene.control()))?;
+            let piece = ground.stable(Standing::of(middle, Control::Displacement))?;
             ways.push(Way {
                 piece,
                 walked: own,
@@ -251,67 +248,60 @@ fn ways<'d>(ground: Ground<'d>, walked: &'d LoopRecord) -> Option<Vec<Way<'d>>> 
     Some(ways)
 }
 
-/// A jump of the walk, from the end of one piece to another; `None` if it is none of the physics,
-/// or elsewhere.
+/// A jump of the walk, from the end of one piece to another; `None` if it is neither a fold nor a
+/// limit of the flat state, or elsewhere.
 fn jump(
     ground: Ground<'_>,
     recorded: &JumpRecord,
     [from, to]: [&Piece<'_>; 2],
 ) -> Option<JumpRecord> {
-    let (law, control) = (&ground.model.law, ground.scene.control());
+    let Law {
+        range,
+        surface_energy,
+        ..
+    } = ground.model.law;
     let [low, high] = from.extent();
     let end = match recorded.direction {
         Direction::Approach => low,
         Direction::Retraction => high,
     };
-    // The limits of the flat state are known in closed form.
-    let (value, near) = match recorded.cause {
-        Cause::FlatLimit => (recorded.control, EXACT),
-        Cause::Fold | Cause::SymmetryBreaking => (end, NEAR),
+    let far = (end - recorded.control).abs() / range;
+    let late = match recorded.cause {
+        // Known in closed form, from which the walk stands a hair off.
+        Cause::FlatLimit if far < EXACT => 0.0,
+        Cause::Fold if far < NEAR => beyond(ground, from, end)?,
         _ => return None,
     };
-    if !((end - recorded.control).abs() < near * control.unit(law)) || !recorded.landings.is_empty()
-    {
+    if !recorded.landings.is_empty() {
         return None;
     }
-    let (before, late) = if recorded.cause == Cause::FlatLimit {
-        (from.at(end), value - end)
-    } else {
-        sharpened(ground, from, end)?
-    };
-    let before = State {
-        control: end + late,
-        mean_displacement: end + late,
-        energy: before.energy + before.stress * late,
-        ..before
-    };
-    let after = landing(ground, to, before.control)?;
+    let (before, u0) = (from.at(end), end + late);
+    let driven = Control::Displacement;
+    let mut mechanics = to.branch.on_whole_cell(ground.model, driven, ground.cancel);
+    let after = ground.equilibrium(to, u0, &mut mechanics).ok()?.state;
+    let released = before.energy + before.stress * late - after.energy;
+    let unsure = UNSURE * late * (before.stress - after.stress);
     Some(JumpRecord {
-        control: before.control,
-        mean_displacement: before.mean_displacement,
-        mean_displacement_after: after.mean_displacement,
+        control: u0,
+        mean_displacement: u0,
+        mean_displacement_after: u0,
         stress_before: before.stress,
         stress_after: after.stress,
-        released_energy: (before.energy - after.energy) / law.surface_energy,
-        release_error: UNSURE * late.abs() * (before.stress - after.stress).abs()
-            / law.surface_energy,
+        released_energy: released / surface_energy,
+        release_error: unsure.abs() / surface_energy,
         ..recorded.clone()
     })
 }
 
-/// The state at the end of a piece, without amplitudes, and how much farther along u0 the fold lies
-/// (length): as far as what is left of the force at its located state, and of du0 along the branch,
-/// tell to first order. A bifurcation is not moved.
-fn sharpened(ground: Ground<'_>, piece: &Piece<'_>, end: f64) -> Option<(State, f64)> {
+/// How much farther along u0 than the `end` of a piece the fold lies there (length): as far as what
+/// is left of the force at the located state, and of du0 along the branch, tell to first order.
+fn beyond(ground: Ground<'_>, piece: &Piece<'_>, end: f64) -> Option<f64> {
     let [mut near, mut last] = piece.around(end);
     if near.state.control == end {
         std::mem::swap(&mut near, &mut last);
     }
-    if last.kind != Kind::Fold {
-        return Some((piece.at(end), 0.0));
-    }
-    let branch = piece.branch;
-    let mut mechanics = branch.on_whole_cell(ground.model, Control::Displacement, ground.cancel);
+    let (branch, driven) = (piece.branch, Control::Displacement);
+    let mut mechanics = branch.on_whole_cell(ground.model, driven, ground.cancel);
     let before = branch.surface(near, &mut mechanics).state;
     let at = branch.surface(last, &mut mechanics);
     let mut onwards = way(before.joint(), at.state.joint());
@@ -324,20 +314,10 @@ fn sharpened(ground: Ground<'_>, piece: &Piece<'_>, end: f64) -> Option<(State, 
     let forces = mechanics.rates(&at.fields).forces;
     let unbalanced = -dot(&null, &at.gradient) / dot(&null, &forces);
     let bend = (last.rates[0] - near.rates[0]) / (last.arc - near.arc);
-    Some((piece.at(end), unbalanced - 0.5 * rate * rate / bend))
+    Some(unbalanced - 0.5 * rate * rate / bend)
 }
 
-/// The state of a piece at a value of the control, solved.
-fn landing(ground: Ground<'_>, piece: &Piece<'_>, value: f64) -> Option<State> {
-    let control = ground.scene.control();
-    let mut mechanics = piece
-        .branch
-        .on_whole_cell(ground.model, control, ground.cancel);
-    let found = ground.equilibrium(piece, value, &mut mechanics).ok()?;
-    Some(found.state)
-}
-
-/// How well the jumps of a loop along branches are located: what [`sharpened`] leaves.
+/// How well the jumps of a loop along branches are located: what [`beyond`] leaves.
 pub(super) fn located(measured: &Measured) -> Errors {
     let gamma = measured.law.surface_energy;
     let jumps = &measured.record.jumps;
