@@ -228,7 +228,8 @@ impl Work<'_> {
                 });
             }
         }
-        // Where the branches along which it goes were not all found it is walked.
+        // Where the branches along which it goes were not all found, or not in time, it is walked,
+        // with the time for it anew.
         if loops.is_empty() || !loops.iter().all(Measured::is_complete) {
             loops.clear();
             self.spent = 0.0;

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Strategy;
-use tackscope::scene::{Points, Range};
-use tackscope::study::chart::{Effort, Point, measure, run};
+use tackscope::scene::{Points, Range, Scene};
+use tackscope::study::chart::{Effort, News, Point, Reference, measure, run};
 
 /// Ridges of a Morse law of range 1 as sums of cosines, with every derivative written out.
 struct Ridges {
@@ -139,12 +139,24 @@ impl Ridges {
     }
 }
 
+/// The reference of a quick chart, whose marks are left out.
+fn reference(scene: &Scene) -> Reference {
+    let cancel = Cancel::default();
+    let mut stop = |news: News<'_>| match news {
+        News::Begun {
+            reference: false, ..
+        } => cancel.request(),
+        _ => {}
+    };
+    let chart = run(scene, Effort::Quick, &cancel, &mut stop).unwrap();
+    chart.reference.unwrap()
+}
+
 #[test]
 fn on_a_line_the_error_bar_holds_against_folds_of_dense_matrices() {
     let mut scene = preset("ridge-line");
     scene.cell.points = Points::Line(96);
-    let chart = run(&scene, Effort::Quick, &Cancel::default(), &mut |_| {}).unwrap();
-    let reference = chart.reference.unwrap();
+    let reference = reference(&scene);
     let stated = reference.errors;
     assert!(
         stated.dissipated_energy < 1e-8 && stated.jumps < 1e-8,
@@ -181,8 +193,7 @@ fn over_a_tip_the_error_bar_holds_against_a_walk_on_a_finer_mesh() {
     let mut scene = preset("hertz");
     scene.cell.points = Points::Square(64);
     scene.drive.step = 0.0005;
-    let chart = run(&scene, Effort::Quick, &Cancel::default(), &mut |_| {}).unwrap();
-    let reference = chart.reference.unwrap();
+    let reference = reference(&scene);
     let (stated, point) = (reference.errors, *reference.point());
     assert!(
         stated.dissipated_energy < 1e-5 && stated.jumps < 1e-5,

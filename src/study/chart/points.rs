@@ -180,7 +180,7 @@ enum Road {
 }
 
 /// Meshes of branches, over the finest of the points: where mu_rho = 0.5 on that, the error of the
-/// loss falls below 1e-8 and 1e-6.
+/// loss of a tip falls below 1e-7 on the finer.
 const FINER: [f64; 2] = [2.5, 2.0];
 /// The mesh that tells how good such a one is, over it.
 const COARSER: f64 = 0.8;
