@@ -17,7 +17,6 @@ mod run;
 mod sweep;
 
 use crate::numerics::cancel::Cancel;
-use crate::numerics::threads::side_by_side;
 use crate::physics::grid::Grid;
 use crate::scene::Scene;
 use crate::scene::edit::decided;
@@ -33,7 +32,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
 /// Done.
 const DONE: u8 = 0;
@@ -413,29 +411,6 @@ impl Output {
         }
         Ok(code)
     }
-}
-
-/// A file to be written.
-type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send + 'a>;
-
-/// Writes files side by side: some wait for the disk while others are computed. Returns what could
-/// not be written.
-fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
-    let files: Vec<_> = files
-        .into_iter()
-        .map(|file| Mutex::new((Some(file), Ok(()))))
-        .collect();
-    side_by_side(files.len(), |i| {
-        let mut file = files[i].lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(write) = file.0.take() {
-            file.1 = write();
-        }
-    });
-    let results = files.into_iter().map(|file| {
-        let file = file.into_inner().unwrap_or_else(PoisonError::into_inner);
-        file.1
-    });
-    failures(results)
 }
 
 /// What of all that was written could not be.

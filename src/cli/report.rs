@@ -1,9 +1,10 @@
 //! From a finished walk to its files: numbers put together for `summary.json`, tables, pictures.
 
-use super::Unwritten;
+use super::failures;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop, nan_max};
+use crate::numerics::threads::side_by_side;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
@@ -18,7 +19,7 @@ use crate::storage::summary::{
 use crate::storage::{Failure, VERSION, drawing, export, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, predicted_error, promise, stated_error};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -286,6 +287,29 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
     let states = (2.0 * (drive.start - turn) / drive.step).clamp(0.0, STATES_MAX);
     let points = (model.grid.nx * model.grid.ny) as f64;
     (SIZES[0] * states + SIZES[1] + SIZES[2] * points) as u64
+}
+
+/// A file to be written.
+pub(super) type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send + 'a>;
+
+/// Writes files side by side: some wait for the disk while others are computed. Returns what could
+/// not be written.
+pub(super) fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
+    let files: Vec<_> = files
+        .into_iter()
+        .map(|file| Mutex::new((Some(file), Ok(()))))
+        .collect();
+    side_by_side(files.len(), |i| {
+        let mut file = files[i].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(write) = file.0.take() {
+            file.1 = write();
+        }
+    });
+    let results = files.into_iter().map(|file| {
+        let file = file.into_inner().unwrap_or_else(PoisonError::into_inner);
+        file.1
+    });
+    failures(results)
 }
 
 /// The tables and pictures of a walk, to be written, the dearest first.

@@ -4,7 +4,6 @@ use super::progress::Monitor;
 use super::report::{self, Timed};
 use super::{
     DONE, INTERRUPTED, NOT_CONVERGED, RunArguments, cancel_on_signal, scene_with_points, warn,
-    written,
 };
 use crate::follow::record::StateRecord;
 use crate::follow::run::{LoopRun, Outcome, Report};
@@ -92,7 +91,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         };
         files.insert(0, Box::new(write));
     }
-    let mut failures = written(files);
+    let mut failures = report::written(files);
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);

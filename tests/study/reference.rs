@@ -142,11 +142,13 @@ impl Ridges {
 /// The reference of a quick chart, whose marks are left out.
 fn reference(scene: &Scene) -> Reference {
     let cancel = Cancel::default();
-    let mut stop = |news: News<'_>| match news {
-        News::Begun {
+    let mut stop = |news: News<'_>| {
+        if let News::Begun {
             reference: false, ..
-        } => cancel.request(),
-        _ => {}
+        } = news
+        {
+            cancel.request();
+        }
     };
     let chart = run(scene, Effort::Quick, &cancel, &mut stop).unwrap();
     chart.reference.unwrap()
