@@ -4,6 +4,7 @@ use super::failures;
 use crate::follow::ledger::Ledger;
 use crate::follow::record::StateRecord;
 use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop, nan_max};
+use crate::numerics::threads::side_by_side;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
 use crate::plot::loop_panel;
@@ -18,6 +19,7 @@ use crate::storage::summary::{
 use crate::storage::{Failure, VERSION, drawing, export, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, predicted_error, promise, stated_error};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -287,30 +289,59 @@ pub(super) fn room(scene: &Scene, model: &Model) -> u64 {
     (SIZES[0] * states + SIZES[1] + SIZES[2] * points) as u64
 }
 
-/// Writes tables and pictures of a walk; returns what could not be written.
-pub(super) fn write_results(
-    folder: &Folder,
-    scene: &Scene,
+/// A file to be written.
+pub(super) type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send + 'a>;
+
+/// Writes files side by side: some wait for the disk while others are computed. Returns what could
+/// not be written.
+pub(super) fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
+    let files: Vec<_> = files
+        .into_iter()
+        .map(|file| Mutex::new((Some(file), Ok(()))))
+        .collect();
+    side_by_side(files.len(), |i| {
+        let mut file = files[i].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(write) = file.0.take() {
+            file.1 = write();
+        }
+    });
+    let results = files.into_iter().map(|file| {
+        let file = file.into_inner().unwrap_or_else(PoisonError::into_inner);
+        file.1
+    });
+    failures(results)
+}
+
+/// The tables and pictures of a walk, to be written, the dearest first.
+pub(super) fn results<'a>(
+    folder: &'a Folder,
+    scene: &'a Scene,
     model: &Model,
     plan: &Plan,
-    run: &LoopRun,
-) -> Vec<Failure> {
+    run: &'a LoopRun,
+) -> Vec<Unwritten<'a>> {
     let error = stated_error(model, plan, run);
-    let page = loop_panel::page(&run.record, model, &scene.title, error);
+    let page = Arc::new(loop_panel::page(&run.record, model, &scene.title, error));
     let [states, jumps, svg, png] = FILES.map(|name| folder.join(name));
-    let mut written = vec![
-        export::write_loop_csv(&states, scene, &run.record.states),
-        export::write_events_csv(&jumps, scene, &run.record.jumps),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page).and_then(|()| picture::attach(&png, scene, None)),
+    let drawn = Arc::clone(&page);
+    let mut files: Vec<Unwritten<'a>> = vec![
+        Box::new(move || {
+            let image = drawing::page_image(&page);
+            let image = image.map_err(|error| Failure::write(&png, error))?;
+            picture::write_with_scene(&png, &image, scene)
+        }),
+        Box::new(move || drawing::write_page_svg(&svg, &drawn)),
+        Box::new(move || export::write_loop_csv(&states, scene, &run.record.states)),
+        Box::new(move || export::write_events_csv(&jumps, scene, &run.record.jumps)),
     ];
     let scale = picture::common_scale(run.landings.iter().map(|landing| &landing.gap));
     for (i, landing) in run.landings.iter().enumerate() {
         let path = folder.join(GAPS).join(gap_picture(i, landing));
-        let picture = picture::write_gap_png_scaled(&path, &landing.gap, scale);
-        written.push(picture.and_then(|()| picture::attach(&path, scene, None)));
+        files.push(Box::new(move || {
+            picture::write_with_scene(&path, &picture::gap_image(&landing.gap, scale), scene)
+        }));
     }
-    failures(written)
+    files
 }
 
 /// `1-approach-bulge.png` for the first landing, and so on.

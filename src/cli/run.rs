@@ -79,14 +79,19 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
         &mut collect,
     )
     .map_err(refused)?;
-    let mut failures = report::write_results(&folder, &scene, &model, &plan, &main.run);
+    let mut files = report::results(&folder, &scene, &model, &plan, &main.run);
     if let Some(fields) = fields {
-        let mut mode = |record: &StateRecord, displacement: &Array2<f64>| {
-            soft_mode((&model, scene.control()), record, displacement, &cancel)
+        let (path, of, cancel) = (folder.join(report::FIELDS), (&scene, &model), &cancel);
+        let driven = scene.control();
+        let write = move || {
+            let mut mode = |record: &StateRecord, displacement: &Array2<f64>| {
+                soft_mode((of.1, driven), record, displacement, cancel)
+            };
+            fields.finish(&path, of, &mut mode)
         };
-        let path = folder.join(report::FIELDS);
-        failures.extend(fields.finish(&path, (&scene, &model), &mut mode).err());
+        files.insert(0, Box::new(write));
     }
+    let mut failures = report::written(files);
     let mut told = report::summary(&arguments.scene, &scene, &model, &plan, method, &main);
     failures.extend(write_summary(&summary_path, &told).err());
     let mut code = exit_code(&main.run.outcome);

@@ -221,6 +221,13 @@ impl<T: Real> Fourier<T> {
 /// `first`, into the lines of `to`, each of `length` entries.
 fn gather<T: Copy>(from: &[T], width: usize, first: usize, to: &mut [T], length: usize) {
     let lines = to.len() / length;
+    // Of a single row, or into one, nothing is turned.
+    if length == 1 {
+        return to.copy_from_slice(&from[first..first + lines]);
+    }
+    if width == 1 {
+        return to.copy_from_slice(&from[..length]);
+    }
     for top in (0..length).step_by(BAND) {
         for line in 0..lines {
             for r in top..(top + BAND).min(length) {

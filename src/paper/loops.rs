@@ -17,7 +17,7 @@ use crate::physics::theory::units::Units;
 use crate::scene::part::Part;
 use crate::scene::{Model, Points, Scene};
 use crate::solver::methods::MethodKind;
-use crate::study::plan::{plan, run_planned};
+use crate::study::plan::{plan, run_as_planned};
 
 /// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
 pub(super) fn walked(
@@ -31,7 +31,7 @@ pub(super) fn walked(
     })
 }
 
-/// The closed loop of `scene` as planned; `what` is told to be done.
+/// The closed loop of `scene` as planned, without an error bar; `what` is told to be done.
 pub(super) fn planned(
     scene: &Scene,
     task: &mut Task<'_>,
@@ -40,7 +40,7 @@ pub(super) fn planned(
     let model = scene.model().map_err(|error| refused(scene, error))?;
     let plan = plan(scene, &model, None);
     let run = closed(scene, task, what, |cancel, observe| {
-        run_planned(scene, MethodKind::NewtonKrylov, &plan, cancel, observe)
+        run_as_planned(scene, MethodKind::NewtonKrylov, &plan, cancel, observe)
     })?;
     Ok((run, model))
 }

@@ -16,7 +16,7 @@ use crate::scene::{Model, Scene, edit};
 use ndarray::Array2;
 use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::str::FromStr;
 use zip::ZipWriter;
@@ -189,20 +189,20 @@ impl Collector {
     ) -> io::Result<()> {
         let soft = self.before_events();
         self.scratch.flush()?;
-        let mut scratch = BufReader::new(self.scratch.get_mut());
+        let scratch = self.scratch.get_mut();
         let Grid { nx, ny, .. } = model.grid;
         let shape = [self.rows.len() as u64, ny as u64, nx as u64];
         let mut archive = Archive(ZipWriter::new(BufWriter::new(file)));
         let given = |of, value| scene.number_given(of, value);
+        let place = |row: usize, which: usize| {
+            SeekFrom::Start(((2 * row + which) * nx * ny * size_of::<f64>()) as u64)
+        };
         let mut field = |archive: &mut Archive<'_>, name: &str, which: usize, law: bool| {
-            scratch.rewind()?;
             archive.array(name, &shape, |push| {
                 let mut bytes = vec![0; nx * ny * size_of::<f64>()];
-                for kept in 0..2 * self.rows.len() {
+                for row in 0..self.rows.len() {
+                    scratch.seek(place(row, which))?;
                     scratch.read_exact(&mut bytes)?;
-                    if kept % 2 != which {
-                        continue;
-                    }
                     for number in bytes.chunks_exact(size_of::<f64>()) {
                         let value = number_of(number);
                         push(if law {
@@ -218,13 +218,11 @@ impl Collector {
         field(&mut archive, "gap", 0, false)?;
         field(&mut archive, "displacement", 1, false)?;
         field(&mut archive, "traction", 0, true)?;
-        let place =
-            |row: usize| SeekFrom::Start(((2 * row + 1) * nx * ny * size_of::<f64>()) as u64);
         let modes = [soft.len() as u64, ny as u64, nx as u64];
         archive.array("soft_mode", &modes, |push| {
             let mut bytes = vec![0; nx * ny * size_of::<f64>()];
             for &row in &soft {
-                scratch.seek(place(row))?;
+                scratch.seek(place(row, 1))?;
                 scratch.read_exact(&mut bytes)?;
                 let numbers = bytes.chunks_exact(size_of::<f64>());
                 let values = numbers.map(number_of).collect();
@@ -321,9 +319,12 @@ impl<'a> Archive<'a> {
         fill: impl FnOnce(&mut dyn FnMut(T) -> io::Result<()>) -> io::Result<()>,
     ) -> io::Result<()> {
         let options = WriteOptions::<T>::new().default_dtype().shape(shape);
-        let mut array = options.writer(self.entry(name)?).begin_nd()?;
+        // Numbers one by one would be summed up one by one, too.
+        let mut entry = BufWriter::new(self.entry(name)?);
+        let mut array = options.writer(&mut entry).begin_nd()?;
         fill(&mut |value| array.push(&value))?;
-        array.finish()
+        array.finish()?;
+        entry.flush()
     }
 
     /// An array of one row a state.

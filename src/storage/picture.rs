@@ -49,19 +49,11 @@ pub fn common_scale<'a>(gaps: impl IntoIterator<Item = &'a Array2<f64>>) -> Scal
 /// # Errors
 /// A file that cannot be written.
 pub fn write_gap_png(path: &Path, gap: &Array2<f64>) -> Result<(), Failure> {
-    write_gap_png_scaled(path, gap, common_scale([gap]))
+    write_png(path, &gap_image(gap, common_scale([gap])))
 }
 
-/// Writes the gap as a PNG in the colours of `scale`, so that several pictures can be compared.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_gap_png_scaled(path: &Path, gap: &Array2<f64>, scale: Scale) -> Result<(), Failure> {
-    write_png(path, &gap_image(gap, scale))
-}
-
-/// The image of [`write_gap_png_scaled`]: each point a square of equal pixels, at least 256 pixels
-/// a side. A line cell becomes a band; values that are not finite are red.
+/// The gap as an image in the colours of a scale: each point a square of equal pixels, at least 256
+/// pixels a side. A line cell becomes a band; values that are not finite are red.
 pub fn gap_image(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
     let (rows, columns) = gap.dim();
     let across = SIDE_MIN.div_ceil(columns.max(1)) as u32;
@@ -181,7 +173,20 @@ pub fn open(path: &Path) -> Result<Opened, Failure> {
 /// # Errors
 /// A file that cannot be read, is no PNG, or cannot be written.
 pub fn attach(path: &Path, scene: &Scene, session: Option<&[u8]>) -> Result<(), Failure> {
-    let mut bytes = read(path)?;
+    files::write_whole(path, &carrying(read(path)?, scene, session))
+}
+
+/// Writes an image as a PNG with the scene in it.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_with_scene(path: &Path, image: &RgbImage, scene: &Scene) -> Result<(), Failure> {
+    let bytes = encode_png(image).map_err(|error| Failure::write(path, error))?;
+    files::write_whole(path, &carrying(bytes, scene, None))
+}
+
+/// The bytes of a PNG with the scene in it, and those of a session where they are few enough.
+fn carrying(mut bytes: Vec<u8>, scene: &Scene, session: Option<&[u8]>) -> Vec<u8> {
     let mut data = KEYWORD.to_vec();
     // End of keyword; not compressed, method 0; no language; no translated keyword.
     data.extend([0, 0, 0, 0, 0]);
@@ -191,7 +196,7 @@ pub fn attach(path: &Path, scene: &Scene, session: Option<&[u8]>) -> Result<(), 
         chunks.extend(chunk(SESSION, session));
     }
     bytes.splice(HEADER..HEADER, chunks);
-    files::write_whole(path, &bytes)
+    bytes
 }
 
 /// True if this is the beginning of a PNG.

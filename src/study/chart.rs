@@ -7,24 +7,22 @@
 
 mod judge;
 mod points;
+mod read_off;
 
 pub use crate::numerics::precision::Precision;
 pub use judge::{Errors, Judged, Reference, Verdict, front};
 pub use points::{Effort, Point, points};
 
 use super::plan::{plan, run_as_planned};
-use crate::follow::atlas::{Atlas, Leg, Place, Unmapped};
 use crate::follow::ledger::Ledger;
-use crate::follow::record::{LoopRecord, StateRecord};
+use crate::follow::record::LoopRecord;
 use crate::follow::run::{LoopRun, Outcome, Report, run_loop};
-use crate::follow::walk::{Counts, Stuck, WalkOptions};
+use crate::follow::walk::{Counts, WalkOptions};
 use crate::numerics::cancel::Cancel;
 use crate::physics::law::Law;
 use crate::physics::parameter::Refusal;
-use crate::physics::pattern::Pattern;
-use crate::scene::part::{Part, Strategy};
-use crate::scene::{Model, Points, Scene};
-use crate::solver::Stop;
+use crate::scene::part::Strategy;
+use crate::scene::{Points, Scene};
 use crate::solver::methods::MethodKind;
 use cpu_time::ProcessTime;
 use points::Predictor;
@@ -135,12 +133,8 @@ pub fn run(
     let scene = points::with_fixed_law(scene)?;
     let (list, finest) = points::points(&scene, effort)?;
     let predictor = Predictor::new(&scene)?;
-    let total = list
-        .iter()
-        .copied()
-        .chain(finest.iter().map(points::solved))
-        .map(|p| predictor.seconds(&p))
-        .sum();
+    let points = list.iter().map(|p| predictor.seconds(p));
+    let total = points.sum::<f64>() + predictor.of_reference(&finest);
     let mut work = Work {
         scene: &scene,
         effort,
@@ -151,7 +145,8 @@ pub fn run(
         spent: 0.0,
     };
     let mut chart = Chart::default();
-    let Some(reference) = work.reference(&finest, observe)? else {
+    let walked = points::walked(&scene, &list, &finest)?;
+    let Some(reference) = work.reference(&finest, &walked, observe)? else {
         chart.cancelled = true;
         return Ok(chart);
     };
@@ -218,27 +213,29 @@ impl Work<'_> {
     fn reference(
         &mut self,
         finest: &[Point; 3],
+        walked: &[Point; 3],
         observe: &mut dyn FnMut(News<'_>),
     ) -> Result<Option<Reference>, Refusal> {
-        let mut loops = Vec::new();
-        for point in finest {
-            observe(News::Begun {
-                what: *point,
-                reference: true,
-            });
-            let (done, total) = (self.done, self.total);
-            let expected = self.predictor.seconds(&points::solved(point));
-            let loop_ = timed(
-                self.scene,
-                point,
-                States::Solved,
-                points::REFERENCE * self.effort.seconds() - self.spent,
-                self.cancel,
-                &mut |f| observe(News::Fraction(share(done + f * expected, total))),
-            )?;
-            self.done += expected;
-            self.spent += loop_.processor_seconds;
-            loops.push(loop_);
+        let mut loops: Vec<Measured> = Vec::new();
+        if finest != walked {
+            let coarse = points::coarse(self.scene, &walked[1])?;
+            let coarse = self.of_reference(&coarse, States::Solved, observe)?;
+            for point in finest {
+                let known = loops.last().filter(|last| last.point == *point).cloned();
+                loops.push(match known {
+                    Some(known) => known,
+                    None => self.of_reference(point, States::Along(&coarse.record), observe)?,
+                });
+            }
+        }
+        // Where the branches along which it goes were not all found, or not in time, it is walked,
+        // with the time for it anew.
+        if loops.is_empty() || !loops.iter().all(Measured::is_complete) {
+            loops.clear();
+            self.spent = 0.0;
+            for point in walked {
+                loops.push(self.of_reference(point, States::Solved, observe)?);
+            }
         }
         if self.cancel.requested() {
             return Ok(None);
@@ -246,7 +243,37 @@ impl Work<'_> {
         let Ok(loops) = <[Measured; 3]>::try_from(loops) else {
             unreachable!("a loop for each of three")
         };
-        Ok(Some(Reference::new(loops)))
+        let along = loops[0].point == finest[0] && finest != walked;
+        let located = along.then(|| read_off::located(&loops[0]));
+        let mut reference = Reference::new(loops);
+        reference.errors = reference.errors.larger(located.unwrap_or_default());
+        Ok(Some(reference))
+    }
+
+    /// Measures a loop of the reference.
+    fn of_reference(
+        &mut self,
+        point: &Point,
+        states: States<'_>,
+        observe: &mut dyn FnMut(News<'_>),
+    ) -> Result<Measured, Refusal> {
+        observe(News::Begun {
+            what: *point,
+            reference: true,
+        });
+        let (done, total) = (self.done, self.total);
+        let expected = self.predictor.of_reference_loop(point);
+        let measured = timed(
+            self.scene,
+            point,
+            states,
+            points::REFERENCE * self.effort.seconds() - self.spent,
+            self.cancel,
+            &mut |f| observe(News::Fraction(share(done + f * expected, total))),
+        )?;
+        self.done += expected;
+        self.spent += measured.processor_seconds;
+        Ok(measured)
     }
 
     /// Measures the loop of a point of the chart.
@@ -344,19 +371,21 @@ pub fn measure(
     timed(scene, point, States::ReadOff, allowed, cancel, progress)
 }
 
-/// What the states of an atlas are.
-#[derive(Clone, Copy, PartialEq)]
-enum States {
-    /// Read off between its nodes.
+/// What the states of a loop are.
+#[derive(Clone, Copy)]
+enum States<'a> {
+    /// Read off between the nodes of an atlas.
     ReadOff,
     /// Each solved, as by `tackscope run`.
     Solved,
+    /// Read off the branches on which a loop on a coarser mesh lies.
+    Along(&'a LoopRecord),
 }
 
 fn timed(
     scene: &Scene,
     point: &Point,
-    states: States,
+    states: States<'_>,
     allowed: f64,
     cancel: &Cancel,
     progress: &mut dyn FnMut(f64),
@@ -392,13 +421,21 @@ fn timed(
         outcome,
         counts,
         ..
-    } = match point.model {
-        Strategy::Atlas if states == States::ReadOff => read_off(&scene, &model),
-        Strategy::Atlas => {
+    } = match (point.model, states) {
+        (_, States::Along(walked)) => {
+            let tell = &mut || {
+                if processor.elapsed().as_secs_f64() > allowed {
+                    part.request();
+                }
+            };
+            read_off::of_diagram(&scene, &model, walked, &part, tell)
+        }
+        (Strategy::Atlas, States::ReadOff) => read_off::of_atlas(&scene, &model),
+        (Strategy::Atlas, States::Solved) => {
             let plan = plan(&scene, &model, Some(Strategy::Atlas));
             run_as_planned(&scene, point.method, &plan, &part, observe)?
         }
-        Strategy::Walk(walked) => run_loop(&scene, options(walked), &part, observe)?,
+        (Strategy::Walk(walked), _) => run_loop(&scene, options(walked), &part, observe)?,
     };
     Ok(Measured {
         point: *point,
@@ -420,94 +457,3 @@ fn share(done: f64, total: f64) -> f64 {
 
 /// As near to all as is told before the end.
 const ALMOST: f64 = 0.99;
-
-/// The loop of a scene on flat ground. Where the atlas has no answer the loop has not converged,
-/// and says why.
-fn read_off(scene: &Scene, model: &Model) -> LoopRun {
-    // As the live loop does.
-    let mut atlas = Atlas::of(scene, model);
-    let start = scene.drive.start;
-    let cycle = match scene.turn_of_atlas() {
-        Some(turn) => atlas.cycle(start, turn),
-        None => Err(Unmapped::anywhere("there is no atlas of this drive")),
-    };
-    let mut run = LoopRun::empty();
-    match cycle {
-        Ok(cycle) => {
-            run.record.states = cycle
-                .legs
-                .iter()
-                .flat_map(|leg| states(&atlas, leg, start, scene.drive.step, model))
-                .collect();
-            run.record.jumps = cycle.jumps;
-        }
-        Err(reason) => {
-            run.outcome = Outcome::NotConverged {
-                mean_displacement: start,
-                reason: Stuck::Unmapped(reason),
-            }
-        }
-    }
-    run.counts.transforms = atlas.transforms().iter().sum();
-    run.counts.patterned_increments = run
-        .record
-        .states
-        .iter()
-        .filter(|s| s.pattern != Pattern::Flat)
-        .count();
-    run
-}
-
-/// States along a leg: its ends, and the points start - k x step between them.
-fn states(atlas: &Atlas, leg: &Leg, start: f64, step: f64, model: &Model) -> Vec<StateRecord> {
-    let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
-    let (first, last) = (
-        ((start - high) / step).floor() as i64,
-        ((start - low) / step).ceil() as i64,
-    );
-    let mut places: Vec<f64> = (first..=last)
-        .map(|k| start - k as f64 * step)
-        .filter(|u| *u > low && *u < high)
-        .collect();
-    places.extend([leg.from, leg.to]);
-    places.sort_by(|a, b| {
-        if leg.from < leg.to {
-            a.total_cmp(b)
-        } else {
-            b.total_cmp(a)
-        }
-    });
-    places
-        .iter()
-        .map(|&value| state(atlas, leg, value, model))
-        .collect()
-}
-
-fn state(atlas: &Atlas, leg: &Leg, value: f64, model: &Model) -> StateRecord {
-    let at = atlas.at(leg.place, value);
-    let (pattern, part) = match leg.place {
-        Place::Flat(_) => (Pattern::Flat, Part::Flat),
-        Place::On(i) => {
-            let branch = &atlas.branches()[i];
-            (
-                branch.pattern,
-                if branch.is_ridge {
-                    Part::Ridge
-                } else {
-                    Part::Quarter
-                },
-            )
-        }
-    };
-    StateRecord {
-        direction: leg.direction,
-        stress: at.stress,
-        stress_over_max: at.stress / model.law.traction_max(),
-        energy: at.body_energy(atlas.meshes().control),
-        pattern,
-        part,
-        stop: Stop::ReadOff,
-        control: value,
-        ..StateRecord::placeholder(at.mean_displacement)
-    }
-}

@@ -272,7 +272,7 @@ impl<'s> Ground<'s> {
     }
 
     /// The stable piece of a branch on which a state is.
-    fn stable(self, state: Standing) -> Option<Piece<'s>> {
+    pub(super) fn stable(self, state: Standing) -> Option<Piece<'s>> {
         let stable = self.diagram.pieces(0);
         let here = stable.filter(|piece| piece.holds(state.control));
         let apart = |piece: &Piece<'_>| {
@@ -289,7 +289,7 @@ impl<'s> Ground<'s> {
     fn saddle(self, piece: &Piece<'_>, control: f64) -> Result<Saddle, Lost> {
         let driven = self.scene.control();
         let mut mechanics = piece.branch.on_whole_cell(self.model, driven, self.cancel);
-        let saddle = self.top(piece, control, &mut mechanics)?;
+        let saddle = self.equilibrium(piece, control, &mut mechanics)?;
         let modes = negative_modes(&mut mechanics, &saddle)?;
         let [mode] = &modes[..] else {
             return Err(Lost::Unstable);
@@ -401,7 +401,7 @@ impl<'s> Ground<'s> {
     }
 
     /// The equilibrium of a piece at the `value` of the control, in the mechanics so `driven`.
-    fn top(
+    pub(super) fn equilibrium(
         self,
         piece: &Piece<'_>,
         value: f64,

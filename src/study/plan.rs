@@ -266,7 +266,12 @@ pub(super) fn rivals(
         .collect()
 }
 
-pub(super) fn run_as_planned(
+/// Runs the closed loop on the strategy of `plan`; where an atlas finds that it does not hold this
+/// scene, on the whole cell.
+///
+/// # Errors
+/// As [`run_loop`].
+pub fn run_as_planned(
     scene: &Scene,
     method: MethodKind,
     plan: &Plan,

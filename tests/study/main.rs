@@ -12,6 +12,7 @@ mod loops;
 mod map;
 mod plan;
 mod reality;
+mod reference;
 mod sweep;
 mod time_step_map;
 mod why;

@@ -239,14 +239,9 @@ impl Sheet {
             &mut pixmap.as_mut(),
         );
         // The sheet covers everything, so that no pixel is transparent.
-        Ok(RgbImage::from_fn(across, down, |x, y| {
-            let at = 4 * (y as usize * across as usize + x as usize);
-            image::Rgb([
-                pixmap.data()[at],
-                pixmap.data()[at + 1],
-                pixmap.data()[at + 2],
-            ])
-        }))
+        let pixels = pixmap.data().chunks_exact(4);
+        let opaque = pixels.flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+        RgbImage::from_raw(across, down, opaque.collect()).ok_or(usvg::Error::InvalidSize)
     }
 }
 

@@ -3,10 +3,11 @@
 use super::Measured;
 use crate::numerics::precision::Precision;
 use crate::physics::body::Body;
+use crate::physics::control::Control;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Law;
-use crate::physics::mesh_rule::{SAFE, mu_rho};
+use crate::physics::mesh_rule::{SAFE, is_safe, mu_rho};
 use crate::physics::parameter::Refusal;
 use crate::scene::mesh::next_fast;
 use crate::scene::part::Strategy;
@@ -151,7 +152,8 @@ pub fn points(scene: &Scene, effort: Effort) -> Result<(Vec<Point>, [Point; 3]),
     list.extend(quarters);
     list.extend(atlases(scene, &grid, &meshes, step));
     list.sort_by(|a, b| predictor.seconds(a).total_cmp(&predictor.seconds(b)));
-    Ok((list, finest(scene, &grid, most, step)))
+    let finest = finest(scene, effort, &predictor, most, step);
+    Ok((list, finest))
 }
 
 /// A point of double precision on the whole cell.
@@ -166,34 +168,102 @@ fn double(grid: &Grid, method: MethodKind, points: usize, step: f64) -> Point {
     }
 }
 
-/// The loops of the reference of points on up to `most` points a side, with steps of `step`. Where
-/// there is an atlas its jumps are located directly, and the mesh is all that is left of its error:
-/// then both meshes are finer.
-fn finest(scene: &Scene, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
+/// How the reference is computed.
+#[derive(Clone, Copy, PartialEq)]
+enum Road {
+    /// Off the atlas: its jumps are located directly, and the mesh is all that is left of its error.
+    Atlas,
+    /// Along the branches of a diagram, likewise, on so many times the points of the finest mesh.
+    Branches(f64),
+    /// By the walk, which locates its jumps to 1e-5 ranges.
+    Walk,
+}
+
+/// Meshes of branches, over the finest of the points: where mu_rho = 0.5 on that, the error of the
+/// loss of a tip falls below 1e-7 on the finer.
+const FINER: [f64; 2] = [2.5, 2.0];
+/// The mesh that tells how good such a one is, over it.
+const COARSER: f64 = 0.8;
+/// What a branch costs in increments of a walk on the whole cell.
+const OF_BRANCHES: f64 = 120.0;
+
+/// The loops of the reference of points on up to `most` points a side, with steps of `step`.
+fn finest(
+    scene: &Scene,
+    effort: Effort,
+    predictor: &Predictor,
+    most: usize,
+    step: f64,
+) -> [Point; 3] {
+    let road = road(scene, effort, predictor, most, step);
+    reference(road, &predictor.grid, most, step)
+}
+
+fn road(scene: &Scene, effort: Effort, predictor: &Predictor, most: usize, step: f64) -> Road {
+    if has_atlas(scene, &predictor.grid) {
+        return Road::Atlas;
+    }
+    // Of other ground there are many branches; with a law that is not smooth, or where the mesh
+    // traps edges, many folds.
+    let few = predictor.grid.is_line() || scene.indenter.ground().has_one_crest();
+    let clean = predictor.law.is_smooth() && is_safe(predictor.mu_rho(most));
+    let driven = scene.control() == Control::Displacement && scene.body == Body::HalfSpace;
+    let roads = FINER.map(Road::Branches).into_iter();
+    let found = roads.filter(|_| few && clean && driven).find(|road| {
+        let loops = reference(*road, &predictor.grid, most, step);
+        predictor.of_reference(&loops) < REFERENCE / 1.5 * effort.seconds()
+    });
+    found.unwrap_or(Road::Walk)
+}
+
+fn reference(road: Road, grid: &Grid, most: usize, step: f64) -> [Point; 3] {
     let finer = |share: f64| next_fast((share * most as f64 + 1.0).ceil() as usize);
-    let (model, meshes) = if has_atlas(scene, grid) {
-        (Strategy::Atlas, [1.5, 1.25].map(finer))
-    } else {
-        (Strategy::WHOLE, [finer(1.2), most])
+    let (model, meshes) = match road {
+        Road::Atlas => (Strategy::Atlas, [1.5, 1.25].map(finer)),
+        Road::Branches(share) => (Strategy::Atlas, [1.0, COARSER].map(|s| finer(s * share))),
+        Road::Walk => (Strategy::WHOLE, [finer(1.2), most]),
     };
-    [
-        (meshes[0], step / 2.0),
-        (meshes[1], step / 2.0),
-        (meshes[0], LONGER * step / 2.0),
-    ]
-    .map(|(n, step)| Point {
+    let step = step / 2.0;
+    let mut loops = [
+        (meshes[0], step),
+        (meshes[1], step),
+        (meshes[0], LONGER * step),
+    ];
+    if let Road::Branches(_) = road {
+        // Where a jump is does not depend on the step: one loop tells of both.
+        loops[1] = (meshes[1], LONGER * step);
+        loops[2] = loops[1];
+    }
+    loops.map(|(n, step)| Point {
         model,
         ..double(grid, MethodKind::NewtonKrylov, n, step)
     })
 }
 
-/// A point of the atlas as what its states cost if each is solved.
-pub(super) fn solved(point: &Point) -> Point {
-    let model = match point.model {
-        Strategy::Atlas => Strategy::QUARTER,
-        walk => walk,
-    };
-    Point { model, ..*point }
+/// The same by the walk, where no atlas is.
+pub(super) fn walked(
+    scene: &Scene,
+    list: &[Point],
+    finest: &[Point; 3],
+) -> Result<[Point; 3], Refusal> {
+    let grid = scene.model()?.grid;
+    if has_atlas(scene, &grid) {
+        return Ok(*finest);
+    }
+    let most = list.iter().map(|point| point.points).max();
+    let most = most.unwrap_or(grid.nx);
+    Ok(reference(Road::Walk, &grid, most, 2.0 * finest[0].step))
+}
+
+/// The loop that tells along which branches a reference goes: the second of a walked one as
+/// `tackscope run` would do it.
+pub(super) fn coarse(scene: &Scene, walked: &Point) -> Result<Point, Refusal> {
+    let [planned, _] = own(scene)?;
+    Ok(Point {
+        model: planned.model,
+        step: 2.0 * walked.step,
+        ..*walked
+    })
 }
 
 /// Points along a side of the finest mesh.
@@ -226,12 +296,11 @@ fn affordable(
     // Where even the reference is beyond the means the finest mesh goes, unless the next one traps
     // patterns; then steps get longer.
     let safe = |n: usize| predictor.mu_rho(n) <= SAFE;
-    while finest(scene, grid, most(&meshes, grid), step)
-        .iter()
-        .map(|p| predictor.seconds(&solved(p)))
-        .sum::<f64>()
-        > REFERENCE / 1.5 * effort.seconds()
-    {
+    let dear = |meshes: &[usize], step: f64| {
+        let loops = finest(scene, effort, predictor, most(meshes, grid), step);
+        predictor.of_reference(&loops) > REFERENCE / 1.5 * effort.seconds()
+    };
+    while dear(&meshes, step) {
         match meshes.len() {
             2.. if safe(meshes[meshes.len() - 2]) || step > 8.0 * scene.drive.step => {
                 meshes.pop();
@@ -338,7 +407,9 @@ pub(super) struct Predictor {
     /// Length of the loop in u0.
     way: f64,
     law: Law,
-    length: f64,
+    grid: Grid,
+    /// True if there is an atlas.
+    atlas: bool,
     /// Measured over predicted, by what it depends on but the mesh and the step.
     correction: HashMap<(MethodKind, Strategy, Precision), f64>,
 }
@@ -354,18 +425,43 @@ impl Predictor {
         Ok(Self {
             way: 2.0 * depth,
             law: model.law,
-            length: model.grid.length,
+            grid: model.grid,
+            atlas: has_atlas(scene, &model.grid),
             correction: HashMap::new(),
         })
     }
 
     fn mu_rho(&self, points: usize) -> f64 {
-        mu_rho(&self.law, self.length / points as f64)
+        mu_rho(&self.law, self.grid.length / points as f64)
     }
 
     /// Processor seconds of a loop.
     pub(super) fn seconds(&self, point: &Point) -> f64 {
         self.typical(point) * self.correction.get(&key(point)).unwrap_or(&1.0)
+    }
+
+    /// Processor seconds of a loop of the reference, whose states are solved where there is an atlas.
+    pub(super) fn of_reference_loop(&self, point: &Point) -> f64 {
+        let (model, step) = match point.model {
+            Strategy::Atlas if self.atlas => (Strategy::QUARTER, point.step),
+            Strategy::Atlas => (Strategy::WHOLE, self.way / OF_BRANCHES),
+            walk => (walk, point.step),
+        };
+        self.seconds(&Point {
+            model,
+            step,
+            ..*point
+        })
+    }
+
+    /// The same of three, of which two may be one.
+    pub(super) fn of_reference(&self, loops: &[Point; 3]) -> f64 {
+        let mut loops = loops.to_vec();
+        loops.dedup();
+        loops
+            .iter()
+            .map(|point| self.of_reference_loop(point))
+            .sum()
     }
 
     pub(super) fn learn(&mut self, measured: &Measured) {
