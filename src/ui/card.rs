@@ -4,7 +4,7 @@
 use super::action::Action;
 use super::headline::energy;
 use super::theme;
-use super::view_state::ViewState;
+use super::view_state::{Of, ViewState};
 use super::widgets::named;
 use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
@@ -44,12 +44,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                         }
                     });
                 });
-                if selection.index.is_none() {
-                    ui.label(
-                        RichText::new("foreseen, solved on this mesh")
-                            .small()
-                            .color(palette.live),
-                    );
+                let (words, colour) = match selection.of {
+                    Of::Walked(_) => ("", palette.now),
+                    Of::Left(_) => ("on a path that was left", palette.flat),
+                    Of::Foreseen => ("foreseen, solved on this mesh", palette.live),
+                };
+                if !words.is_empty() {
+                    ui.label(RichText::new(words).small().color(colour));
                 }
                 ui.label(RichText::new(numbers(state, s).join("  ·  ")).small());
                 if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {

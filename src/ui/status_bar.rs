@@ -6,6 +6,7 @@ use super::flick;
 use super::headline::stability;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
+use super::words::explain;
 use crate::follow::record::StateRecord;
 use crate::lessons::Hidden;
 use crate::physics::grid::Grid;
@@ -55,7 +56,12 @@ fn notice(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         .filter(|(words, _)| words == notice)
         .map_or(now, |(_, since)| since);
     ui.data_mut(|data| data.insert_temp(id, (notice.clone(), since)));
-    let left = NOTICE - (now - since);
+    // What is under way stays until it is done.
+    let left = if notice.ends_with('…') {
+        NOTICE
+    } else {
+        NOTICE - (now - since)
+    };
     if left <= 0.0 {
         actions.push(Action::DropNotice);
     } else {
@@ -104,6 +110,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         .shown_word()
         .map_or_else(String::new, |word| word.to_owned() + " ");
     let pattern = ui.label(RichText::new(word + now.pattern.words()).strong());
+    let pattern = explain(pattern, now.pattern.words());
     // Only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(pattern.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
@@ -114,7 +121,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         None => (stability(now), stable_colour(now, &palette)),
     };
     ui.label(RichText::new("·").weak());
-    ui.label(RichText::new(words).color(colour).strong());
+    explain(ui.label(RichText::new(words).color(colour).strong()), words);
 }
 
 fn stable_colour(now: &StateRecord, palette: &Palette) -> Color32 {

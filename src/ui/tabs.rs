@@ -291,7 +291,8 @@ fn choose(tab: usize, state: &ViewState) -> Action {
 
 /// What a job is doing, small, cut where there is no room.
 fn doing<T>(ui: &mut Ui, job: &Job<T>) {
-    ui.add(Label::new(RichText::new(&job.doing).small()).truncate());
+    ui.add(Label::new(RichText::new(&job.doing).small()).truncate())
+        .on_hover_text(&job.doing);
 }
 
 /// Takes in what a measurement has found; one that ends early says why.

@@ -18,6 +18,7 @@ use crate::ui::machine::{self, Told};
 use crate::ui::theme::{self, Palette};
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
+use crate::ui::words::explain;
 use crate::worker::background;
 use crate::worker::job::Job;
 use crate::worker::protocol::RunId;
@@ -60,8 +61,9 @@ impl Tab for Stability {
         let before = self.of;
         let mut view: ViewOptions = state.view;
         ui.horizontal_wrapped(|ui| {
-            ui.radio_value(&mut self.of, Of::States, "states");
-            ui.radio_value(&mut self.of, Of::TimeSteps, "time steps");
+            for (of, word) in [(Of::States, "states"), (Of::TimeSteps, "time steps")] {
+                explain(ui.radio_value(&mut self.of, of, word), word);
+            }
             ui.checkbox(&mut view.soft_mode, "soft mode on map")
                 .on_hover_text("contours of the mode that gives way first");
         });
@@ -82,7 +84,7 @@ impl Tab for Stability {
         vec![Panel {
             x: Axis::of(&state.model.unit(Dimension::Length), "u0/rho", "u0"),
             y: Axis::linear("smallest eigenvalue (E*/L)"),
-            series: series.into(),
+            series,
             ..Panel::default()
         }]
     }
@@ -109,7 +111,7 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     let ground = theme::ground(ui);
     let ahead = forecast(&state.run.record, &state.model);
     let words = foreseen(state, ahead.as_ref());
-    ui.label(RichText::new(&words).strong());
+    explain(ui.label(RichText::new(&words).strong()), "The next jump");
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
     let unit = state.model.unit(Dimension::Length);
@@ -197,7 +199,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, grou
         bracket(plot, state, ahead, palette);
     }
     let panel = Panel {
-        series: branches(&state.run.stiffness).into(),
+        series: branches(&state.run.stiffness),
         ..Panel::default()
     };
     diagram::draw(plot, &panel, ground);
