@@ -8,6 +8,7 @@ use super::view_state::{Of, ViewState};
 use super::widgets::named;
 use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
+use crate::scene::units::fixed;
 use egui::{Align2, Area, AreaState, Frame, Id, Order, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2};
 
 /// Width of the card, and about its height: low, so that above or below it the state is seen.
@@ -123,8 +124,9 @@ fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
         ),
         format!("stress {}", stress.say(s.stress_over_max, 5, "σₘₐₓ")),
         format!(
-            "eigenvalue {:.3} ± {:.3} E*/L",
-            s.stiffness_min, s.stiffness_error
+            "eigenvalue {} ± {:.3} E*/L",
+            fixed(s.stiffness_min, 3),
+            s.stiffness_error
         ),
         format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
         format!(

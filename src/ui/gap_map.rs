@@ -47,9 +47,10 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     } else {
         (SLIDER.0, BAR.0)
     };
-    let below =
-        (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
     let beside = state.beside();
+    // Two maps take what a profile can spare.
+    let profile = beside.map_or(PROFILE * ui.available_height(), |_| 0.0);
+    let below = profile.max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
     let room = vec2(width - slider - bar, ui.available_height() - below);
     // Beside the other one or above it, whichever makes both larger.
     let [row, column] = [vec2(1.0, 0.0), vec2(0.0, 1.0)].map(|way| {

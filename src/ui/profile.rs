@@ -177,6 +177,10 @@ fn bodies(
         let galley = painter.layout_no_wrap(word.to_owned(), theme::small(), ink);
         let area = Align2::RIGHT_BOTTOM.anchor_size(at, galley.size());
         let square = Rect::from_center_size(area.left_center() - vec2(9.0, 0.0), vec2(9.0, 9.0));
+        let whole = area.union(square);
+        if taken.iter().flatten().any(|taken| taken.intersects(whole)) {
+            break;
+        }
         painter.rect(
             square,
             1.0,

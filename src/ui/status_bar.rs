@@ -11,6 +11,7 @@ use crate::follow::record::StateRecord;
 use crate::lessons::Hidden;
 use crate::physics::grid::Grid;
 use crate::scene::part::{Part, Strategy};
+use crate::scene::units::fixed;
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
@@ -169,10 +170,10 @@ fn lines(state: &ViewState) -> Vec<String> {
         let plural = if now.iterations == 1 { "" } else { "s" };
         lines = vec![
             format!(
-                "{}, stiffness_min {:.3} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
+                "{}, stiffness_min {} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
                  Hessian per area",
                 stability(now),
-                now.stiffness_min,
+                fixed(now.stiffness_min, 3),
                 now.stiffness_error
             ),
             format!("residual {:.1e} σₘₐₓ", now.residual),

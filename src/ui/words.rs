@@ -35,7 +35,7 @@ const WORDS: &[(&str, &str, &str)] = &[
     ),
     (
         "Range",
-        "How far the stickiness reaches: the pull falls by a factor e over one range.",
+        "How far the stickiness reaches; far away a Morse law falls by a factor e over one range.",
         "gamma(g) ∼ e^{-g/rho}",
     ),
     (
@@ -198,11 +198,6 @@ const WORDS: &[(&str, &str, &str)] = &[
         "Target",
         "Where the surface is asked to go; it follows in small steps along the whole way.",
         "",
-    ),
-    (
-        "Gap",
-        "The distance between the surfaces: dark where they touch, with the edge of the contact as a white line.",
-        "g = u - h",
     ),
     (
         "Surface",

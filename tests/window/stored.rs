@@ -208,7 +208,14 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
 
 #[test]
 fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
-    let (mut window, seen) = looped();
+    let (mut window, _) = looped();
+    let mut seen = Vec::new();
+    for _ in 0..run(&window).record.states.len() {
+        window.key_press(Key::OpenBracket);
+        window.step();
+        let chosen = run(&window).selection.clone().expect("a state");
+        seen.push((chosen.state, shown(&window)));
+    }
     for key in [Key::J, Key::J, Key::G] {
         window.key_press(key);
         window.step();
@@ -219,16 +226,14 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
     // Up a line through what was walked after the fork.
     let x = plot.left() + 0.45 * plot.width();
     let state = |s: &StateRecord| (s.direction, s.control, s.energy);
-    let chosen = (0..400).find_map(|k| {
-        let (x, y) = (x + (k % 20) as f32, 40.0 + 12.0 * (k / 20) as f32);
-        press_at(&mut window, pos2(x, plot.bottom() - y));
-        let chosen = run(&window).selection.clone()?;
-        // Of the states of one frame the last was pictured.
-        let this = seen.iter().find(|(s, _)| state(s) == state(&chosen.state));
-        Some((chosen, &this?.1))
+    let chosen = (0..90).find_map(|k| {
+        press_at(&mut window, pos2(x, plot.bottom() - 40.0 - 4.0 * k as f32));
+        run(&window).selection.clone()
     });
-    let (chosen, gap) = chosen.expect("the grey line is met");
+    let chosen = chosen.expect("the grey line is met");
     assert!(matches!(chosen.of, Of::Left(_)), "{chosen:?}");
+    let this = seen.iter().find(|(s, _)| state(s) == state(&chosen.state));
+    let (_, gap) = this.expect("a state that was walked");
     assert!(chosen.state.control < run(&window).actual);
     assert!(apart(gap, &shown(&window)) < 1e-6);
     assert_eq!(run(&window).record.states.len(), reached);

@@ -254,7 +254,7 @@ fn the_profile_says_where_the_surfaces_pull_and_where_they_push() {
             .window
             .hover_at(at.left_center() + egui::vec2(30.0, 0.0));
         bench.window.run_steps(6);
-        let words = format!("stress {traction:.3} σₘₐₓ ({force})").replace('-', "−");
+        let words = format!("stress {traction:.3} σₘₐₓ ({force})");
         let names = bench.names();
         assert!(names.contains(&words), "{words} in {names}");
     }

@@ -9,6 +9,7 @@ use crate::plot::loop_panel::branches;
 use crate::plot::panel::{Axis, Panel};
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
+use crate::scene::units::fixed;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
@@ -117,7 +118,7 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     let unit = state.model.unit(Dimension::Length);
     let hover = |x, y| {
         let u0 = unit.say(x, 3, "ρ");
-        format!("u₀ {u0}\neigenvalue {:.4} E*/L", eigenvalue_at(y))
+        format!("u₀ {u0}\neigenvalue {} E*/L", fixed(eigenvalue_at(y), 4))
     };
     let names = [&*unit.label("u₀ / ρ", "u₀"), "eigenvalue, E*/L"];
     let response = along(small(ui, "eigenvalue", names, hover), unit.scale)
@@ -268,10 +269,11 @@ fn present(state: &ViewState) -> String {
     match &state.run.state {
         None => "nothing recorded yet".to_owned(),
         Some(now) if now.stiffness_error > 0.0 => format!(
-            "now {:.4} ± {:.4} E*/L",
-            now.stiffness_min, now.stiffness_error
+            "now {} ± {:.4} E*/L",
+            fixed(now.stiffness_min, 4),
+            now.stiffness_error
         ),
-        Some(now) => format!("now {:.4} E*/L", now.stiffness_min),
+        Some(now) => format!("now {} E*/L", fixed(now.stiffness_min, 4)),
     }
 }
 

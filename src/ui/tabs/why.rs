@@ -8,6 +8,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::scene::Scene;
+use crate::scene::units::fixed;
 use crate::study::why::{Evidence, Explanation, ahead, explain};
 use crate::ui::action::Action;
 use crate::ui::gap_picture::{self, GapPicture};
@@ -27,7 +28,7 @@ use std::time::Duration;
 const REPLAY: f64 = 4.0;
 const PICTURE: Duration = Duration::from_millis(33);
 /// Least and largest side of a map, and the room between two (points).
-const SIDE: (f32, f32) = (56.0, 120.0);
+const SIDE: (f32, f32) = (64.0, 120.0);
 const GAP: f32 = 8.0;
 /// Room beside the maps from which the buttons stand there.
 const COLUMN: f32 = 190.0;
@@ -321,7 +322,8 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     ui.painter().rect_filled(part, 2.0, colour);
     ui.painter().rect_stroke(bar, 2.0, edge, StrokeKind::Inside);
     let response = ui.interact(bar, egui::Id::unique("released"), Sense::hover());
-    let sentence = format!("{this:.4} of {all:.4} gamma released so far");
+    let (this, all) = (fixed(this, 4), fixed(all, 4));
+    let sentence = format!("{this} of {all} gamma released so far");
     described(&response, &sentence);
     let stiffness = ui.button("Show the stiffness");
     if stiffness
