@@ -4,16 +4,40 @@
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::law::Law;
 use crate::physics::pattern::Pattern;
+use crate::solver::Stop;
 
 /// Most points of a curve that grows in the window; beyond it every second one is dropped. Drawing
 /// 100 000 costs 28 ms a frame.
 const POINTS_MAX: usize = 4000;
+
+/// What the states of a piece are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// Stable equilibria.
+    Stable,
+    /// Equilibria that are not stable.
+    Unstable,
+    /// No equilibria: where a method was left before it came to rest.
+    NotConverged,
+}
+
+impl From<Stop> for Standing {
+    fn from(stop: Stop) -> Self {
+        match stop {
+            Stop::Stable | Stop::ReadOff => Self::Stable,
+            Stop::Unstable => Self::Unstable,
+            Stop::NotConverged | Stop::Cancelled => Self::NotConverged,
+        }
+    }
+}
 
 /// A stretch of one branch without a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Direction of the drive.
     pub direction: Direction,
+    /// What its states are, all alike.
+    pub standing: Standing,
     /// The pattern of its newest state.
     pub pattern: Pattern,
     /// (u0/rho, stress/sigma_max or another ordinate) in the order they were reached.
@@ -71,13 +95,17 @@ impl Curve {
     fn add(&mut self, state: &StateRecord, law: &Law, ordinate: f64) {
         let point = [state.mean_displacement / law.range, ordinate];
         let cut = std::mem::take(&mut self.broken);
+        let standing = Standing::from(state.stop);
         match self.pieces.last_mut() {
-            Some(piece) if !cut && piece.direction == state.direction => {
+            Some(piece)
+                if !cut && (piece.direction, piece.standing) == (state.direction, standing) =>
+            {
                 piece.pattern = state.pattern;
                 piece.points.push(point);
             }
             _ => self.pieces.push(Piece {
                 direction: state.direction,
+                standing,
                 pattern: state.pattern,
                 points: vec![point],
             }),
@@ -178,6 +206,37 @@ mod tests {
         assert_eq!(
             points,
             [vec![[4.0, 0.1], [3.5, 0.2]], vec![[3.5, 0.4], [3.0, 0.5]]]
+        );
+    }
+
+    #[test]
+    fn where_states_are_no_equilibria_any_more_a_new_piece_begins() {
+        let mut curve = Curve::default();
+        for (u0, stop) in [
+            (8.0, Stop::Stable),
+            (7.0, Stop::ReadOff),
+            (6.0, Stop::NotConverged),
+            (5.0, Stop::Cancelled),
+            (4.0, Stop::Unstable),
+        ] {
+            let state = StateRecord {
+                stop,
+                ..state(Direction::Approach, u0, 0.0)
+            };
+            curve.push(&state, &LAW);
+        }
+        let pieces: Vec<_> = curve
+            .pieces
+            .iter()
+            .map(|p| (p.standing, p.points.len()))
+            .collect();
+        assert_eq!(
+            pieces,
+            [
+                (Standing::Stable, 2),
+                (Standing::NotConverged, 2),
+                (Standing::Unstable, 1)
+            ]
         );
     }
 

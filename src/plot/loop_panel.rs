@@ -1,8 +1,8 @@
 //! A loop as a diagram: mean stress against mean displacement, x = u0/rho and y = stress/sigma_max,
 //! tension positive.
 
-use super::curve::Curve;
-use super::panel::{Along, Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series};
+use super::curve::{Curve, Piece, Standing};
+use super::panel::{Along, Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
 use super::scale;
 use crate::follow::flat_branch::FlatBranch;
 use crate::follow::record::{Direction, JumpRecord, LoopRecord};
@@ -74,25 +74,57 @@ pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>)
     )
 }
 
-/// Approach and retraction by growing u0, each broken at its jumps.
-pub fn branches(curve: &Curve) -> [Series; 2] {
-    [Direction::Approach, Direction::Retraction].map(|direction| {
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        for piece in curve
-            .pieces
-            .iter()
-            .filter(|piece| piece.direction == direction)
-        {
-            if !points.is_empty() {
-                points.push([f64::NAN; 2]);
-            }
-            points.extend(&piece.points);
+/// Approach and retraction by growing u0, each broken at its jumps: a line of what is stable, a
+/// dashed one of what is not, and hollow circles of states that are no equilibria.
+pub fn branches(curve: &Curve) -> Vec<Series> {
+    let mut all = Vec::new();
+    for direction in [Direction::Approach, Direction::Retraction] {
+        let of = |standing| {
+            gone(curve, |piece| {
+                (piece.direction, piece.standing) == (direction, standing)
+            })
+        };
+        let (name, colour) = (direction.to_string(), Colour::of(direction));
+        all.extend([
+            Series::gone(direction, of(Standing::Stable)),
+            Series::line(
+                &format!("{name}, unstable"),
+                Role::Unstable,
+                colour,
+                of(Standing::Unstable),
+            ),
+            Series::symbols(
+                &format!("{name}, not converged"),
+                Symbol::Circle,
+                colour,
+                finite(of(Standing::NotConverged)),
+            ),
+        ]);
+    }
+    all.retain(|series| !series.points.is_empty());
+    all
+}
+
+fn finite(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.retain(|p| p[0].is_finite());
+    points
+}
+
+/// The points of some pieces by growing u0, with a hole between two of them.
+fn gone(curve: &Curve, these: impl Fn(&Piece) -> bool) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    let mut direction = Direction::Retraction;
+    for piece in curve.pieces.iter().filter(|piece| these(piece)) {
+        if !points.is_empty() {
+            points.push([f64::NAN; 2]);
         }
-        if direction == Direction::Approach {
-            points.reverse();
-        }
-        Series::gone(direction, points)
-    })
+        points.extend(&piece.points);
+        direction = piece.direction;
+    }
+    if direction == Direction::Approach {
+        points.reverse();
+    }
+    points
 }
 
 /// The flat state's closed form from u0 = `from` to `to` (length), dashed where it is unstable
@@ -127,11 +159,8 @@ pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<
 
 /// The areas between both ways: what is lost. Under a spring a jump goes along the spring's line.
 pub fn loss(curve: &Curve) -> Vec<Area> {
-    let [approach, retraction] = branches(curve).map(|branch| {
-        let mut points = branch.points;
-        points.retain(|p| p[0].is_finite());
-        points
-    });
+    let [approach, retraction] = [Direction::Approach, Direction::Retraction]
+        .map(|direction| finite(gone(curve, |piece| piece.direction == direction)));
     let (low, high) = scale::ends(approach.iter().map(|p| p[0]).filter(|u| u.is_finite()));
     let mut areas: Vec<Area> = Vec::new();
     let mut open = false;
@@ -272,6 +301,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::follow::record::{Cause, StateRecord};
     use crate::physics::law::{Morse, Shape};
+    use crate::plot::panel::Fill;
     use crate::scene::part::Part;
     use crate::scene::tests::fig2;
     use crate::solver::Stop;
@@ -381,12 +411,36 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn only_stable_equilibria_are_a_solid_line() {
+        let mut record = invented_loop();
+        for (i, state) in record.states.iter_mut().enumerate() {
+            state.stop = [Stop::Stable, Stop::NotConverged, Stop::Unstable][i / 20 % 3];
+        }
+        let count = |stop| record.states.iter().filter(|s| s.stop == stop).count();
+        let series = branches(&Curve::of(&record, &law()));
+        let points = |these: fn(&&Series) -> bool| -> usize {
+            let points = series
+                .iter()
+                .filter(these)
+                .flat_map(|series| &series.points);
+            points.filter(|p| p[0].is_finite()).count()
+        };
+        let hollow = points(|s| s.symbol == Some(Symbol::Circle) && s.fill == Fill::Hollow);
+        let solid = points(|s| s.symbol.is_none() && s.role == Role::Simulation);
+        let dashed = points(|s| s.symbol.is_none() && s.role == Role::Unstable);
+        assert_eq!(
+            [solid, hollow, dashed],
+            [Stop::Stable, Stop::NotConverged, Stop::Unstable].map(count)
+        );
+    }
+
+    #[test]
     fn a_loop_is_cut_at_its_jumps_and_its_area_is_the_work() {
         let record = invented_loop();
         let curve = Curve::of(&record, &law());
-        let [approach, retraction] = branches(&curve).map(|branch| branch.points);
-        let pieces = |points: &[[f64; 2]]| points.split(|p| p[0].is_nan()).count();
-        assert_eq!([pieces(&approach), pieces(&retraction)], [5, 5]);
+        let series = branches(&curve);
+        let pieces = |series: &Series| series.points.split(|p| p[0].is_nan()).count();
+        assert_eq!(series.iter().map(pieces).collect::<Vec<_>>(), [5, 5]);
         let words: Vec<String> = names(&curve, 4.0)
             .into_iter()
             .map(|label| label.text)

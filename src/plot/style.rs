@@ -47,6 +47,10 @@ impl Colour {
     pub const LOSS: Self = Self::Gold;
     /// The flat state.
     pub const FLAT: Self = Self::Grey;
+    /// Tensile traction: the surfaces pull at each other.
+    pub const PULL: Self = Self::Orange;
+    /// Compressive traction: they push each other away.
+    pub const PUSH: Self = Self::Purple;
     /// What the machine allows.
     pub const MACHINE: Self = Self::Ink;
     /// The live loop.

@@ -33,6 +33,14 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The same by a method whose states need not be at rest: nothing is promised of them.
+    pub fn without_promise(mut self) -> Self {
+        let promised = promise(Some(self.predicted_error));
+        self.words = self.words.replace(&promised, &promise(None));
+        self.predicted_error = f64::NAN;
+        self
+    }
+
     /// What was done in the end, where a run had to deviate from it.
     pub fn carried_out(&self, deviation: Option<&str>) -> Strategy {
         deviation.map_or(self.strategy, |_| Strategy::WHOLE)

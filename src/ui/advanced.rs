@@ -3,6 +3,7 @@
 use super::action::Action;
 use super::view_state::ViewState;
 use super::widgets::{Entry, SEED_MAX, given, labelled, number, own, whole};
+use super::words::explain;
 use super::{machine, sliders};
 use crate::physics::body::Body;
 use crate::scene::edit::{self, Follows};
@@ -48,9 +49,10 @@ fn mesh_number(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
     sliders::mu_rho(ui, state, actions);
     ui.horizontal_wrapped(|ui| {
-        ui.label("Follows:");
+        explain(ui.label("Follows:"), "Follows");
         for (follows, word) in [(Follows::Range, "range"), (Follows::Mesh, "mesh")] {
-            if ui.radio(state.follows == follows, word).clicked() {
+            let radio = ui.radio(state.follows == follows, word);
+            if explain(radio, word).clicked() {
                 actions.push(Action::SetFollows(follows));
             }
         }
@@ -95,10 +97,8 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         combo.response
     });
     let mut checked = line;
-    if ui
-        .checkbox(&mut checked, "Line cell (uniform along y)")
-        .changed()
-    {
+    let line = ui.checkbox(&mut checked, "Line cell (uniform along y)");
+    if explain(line, "Line cell").changed() {
         let n = model.grid.nx;
         let points = if checked {
             Points::Line(n)
@@ -198,14 +198,14 @@ fn accuracy_and_seed(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) 
     if let Some(value) = number(ui, &parameter::TARGET, scene.accuracy, 1e-6..=0.99, "") {
         change(state, actions, |scene| scene.accuracy = value);
     }
-    if let Some(seed) = whole(ui, &parameter::SEED.title(), scene.seed, 0..=SEED_MAX) {
+    let seed = &parameter::SEED;
+    if let Some(seed) = whole(ui, (seed, seed.label), scene.seed, 0..=SEED_MAX) {
         change(state, actions, |scene| scene.seed = seed);
     }
 }
 
 fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    ui.label("Model")
-        .on_hover_text("which part of the cell the walk represents");
+    explain(ui.label("Model"), "Model");
     let models = [
         (
             None,
@@ -236,9 +236,10 @@ fn models(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
 }
 
 fn methods(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
-    ui.label("Method");
+    explain(ui.label("Method"), "Method");
     for method in MethodKind::ALL {
-        if ui.radio(state.method == method, method.title()).clicked() {
+        let radio = ui.radio(state.method == method, method.title());
+        if explain(radio, method.title()).clicked() {
             actions.push(Action::SetMethod(method));
         }
     }

@@ -7,6 +7,7 @@ use super::map_cache::MapCache;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::described;
+use crate::scene::units::fixed;
 use egui::{Align2, Color32, Galley, Rect, Sense, Stroke, StrokeKind, Ui, vec2};
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ pub fn show(
             let pattern = frame.state.as_ref().map_or("at rest", |s| s.pattern.word());
             let u0 = frame.mean_displacement / kept.model.law.range;
             cache.draw(ui, map);
-            format!("{pattern}, u₀ {u0:.3} ρ")
+            format!("{pattern}, u₀ {} ρ", fixed(u0, 3))
         }
         Err(why) => why.clone(),
     };

@@ -4,10 +4,11 @@
 use super::action::Action;
 use super::headline::energy;
 use super::theme;
-use super::view_state::ViewState;
+use super::view_state::{Of, ViewState};
 use super::widgets::named;
 use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
+use crate::scene::units::fixed;
 use egui::{Align2, Area, AreaState, Frame, Id, Order, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2};
 
 /// Width of the card, and about its height: low, so that above or below it the state is seen.
@@ -44,12 +45,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                         }
                     });
                 });
-                if selection.index.is_none() {
-                    ui.label(
-                        RichText::new("foreseen, solved on this mesh")
-                            .small()
-                            .color(palette.live),
-                    );
+                let (words, colour) = match selection.of {
+                    Of::Walked(_) => ("", palette.now),
+                    Of::Left(_) => ("on a path that was left", palette.flat),
+                    Of::Foreseen => ("foreseen, solved on this mesh", palette.live),
+                };
+                if !words.is_empty() {
+                    ui.label(RichText::new(words).small().color(colour));
                 }
                 ui.label(RichText::new(numbers(state, s).join("  ·  ")).small());
                 if let Some(jump) = selection.jump.and_then(|i| state.run.record.jumps.get(i)) {
@@ -122,8 +124,9 @@ fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
         ),
         format!("stress {}", stress.say(s.stress_over_max, 5, "σₘₐₓ")),
         format!(
-            "eigenvalue {:.3} ± {:.3} E*/L",
-            s.stiffness_min, s.stiffness_error
+            "eigenvalue {} ± {:.3} E*/L",
+            fixed(s.stiffness_min, 3),
+            s.stiffness_error
         ),
         format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
         format!(

@@ -5,6 +5,7 @@ use super::action::Action;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::{card, given, number};
+use super::words::{self, explain};
 use super::{advanced, grounds, machine};
 use crate::physics::law::{Law, Shape};
 use crate::physics::mesh_rule;
@@ -20,31 +21,28 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         .id_salt("controls")
         .auto_shrink([false, false])
         .show(ui, |ui| {
-            heading(ui, "Ground", "the rigid body below");
+            heading(ui, "Ground");
             grounds::show(ui, state, actions);
             ui.add_space(4.0);
-            heading(
-                ui,
-                "Law",
-                "how the surfaces pull at each other, against their gap",
-            );
+            heading(ui, "Law");
             laws(ui, state, actions);
             ui.add_space(4.0);
-            heading(ui, "Machine", "what holds the body from above");
+            heading(ui, "Machine");
             machine::show(ui, state, actions);
             ui.separator();
             cell(ui, state, actions);
             mesh(ui, state, actions);
             ui.separator();
-            egui::CollapsingHeader::new("Advanced")
+            let fold = egui::CollapsingHeader::new("Advanced")
                 .id_salt("advanced")
                 .show(ui, |ui| advanced::show(ui, state, actions));
+            explain(fold.header_response, "Advanced");
             ui.add(egui::Label::new(RichText::new(advanced::HOLDS).small().weak()).wrap());
         });
 }
 
-fn heading(ui: &mut Ui, text: &str, what: &str) {
-    ui.label(RichText::new(text).strong()).on_hover_text(what);
+fn heading(ui: &mut Ui, text: &str) {
+    explain(ui.label(RichText::new(text).strong()), text);
 }
 
 /// The side of the cell, and the range of the law.
@@ -97,6 +95,10 @@ fn mesh(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     });
 }
 
+/// What each of them is.
+const LAW: &str = "The energy of two facing pieces of surface against the gap between them; the \
+     curve is its slope, the traction.";
+
 /// The cohesive laws as cards, two by two, each with a sketch of its traction against the gap.
 fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let present = state.scene.law.shape;
@@ -113,6 +115,10 @@ fn laws(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                     traction(shown, painter, rect, palette);
                 };
                 let response = card(ui, ("law", &name), same, vec2(width, 58.0), drawn);
+                let response = response.on_hover_ui(|ui| {
+                    let formula = format!("gamma(g) = gamma_0 {}", shown.form().formula());
+                    words::card(ui, &name, LAW, &formula);
+                });
                 if response.clicked() && !same {
                     let scene = edit::with_shape(&state.scene, &state.model, shape);
                     actions.push(Action::edit(scene));

@@ -2,6 +2,7 @@
 //! colours, strokes and symbols.
 
 use super::theme::{self, append, set};
+use super::words::explain;
 use crate::plot::panel::{
     Along, Axis, Colour, Dash, Fill, Look, Panel, Role, Series, Symbol, entries,
 };
@@ -389,7 +390,7 @@ fn rows(ui: &mut Ui, entries: &[(&str, Color32, String)]) {
             // One label, so that no line is broken between a symbol and its name.
             let mut words = set(face, theme::LEAST, *colour);
             append(&mut words, &format!(" {name}"), theme::LEAST, text);
-            ui.add(egui::Label::new(words).extend());
+            explain(ui.add(egui::Label::new(words).extend()), name);
             ui.add_space(6.0);
         }
     });

@@ -11,13 +11,13 @@ use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, pos2,
-    vec2,
+    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, Vec2,
+    pos2, vec2,
 };
 
 /// Width of the colour bar with its numbers, and where there is less room.
 const BAR: (f32, f32) = (80.0, 50.0);
-/// Between two maps.
+/// Room between two maps.
 const BESIDE: f32 = 10.0;
 /// Radius of the grip of the profile line.
 const GRIP: f32 = 7.0;
@@ -47,21 +47,26 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     } else {
         (SLIDER.0, BAR.0)
     };
-    let below =
-        (PROFILE * ui.available_height()).max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
-    let beside = state.beside().map(|_| BESIDE);
-    let count = if beside.is_some() { 2.0 } else { 1.0 };
-    let across = width - slider - bar - beside.unwrap_or(0.0);
-    let side = (ui.available_height() - below)
-        .min(across / count)
-        .max(80.0);
-    let (_, area) = ui.allocate_space(vec2(width, side));
-    let column = Rect::from_min_size(area.min, vec2(slider, side));
+    let beside = state.beside();
+    // Two maps take what a profile can spare.
+    let profile = beside.map_or(PROFILE * ui.available_height(), |_| 0.0);
+    let below = profile.max(PROFILE_LEAST) + strip::HEIGHT + READING + 12.0;
+    let room = vec2(width - slider - bar, ui.available_height() - below);
+    // Beside the other one or above it, whichever makes both larger.
+    let [row, column] = [vec2(1.0, 0.0), vec2(0.0, 1.0)].map(|way| {
+        let way = beside.map_or(Vec2::ZERO, |_| way);
+        let left = room - BESIDE * way;
+        (way, (left / (way + Vec2::splat(1.0))).min_elem().max(80.0))
+    });
+    let (way, side) = if column.1 > row.1 { column } else { row };
+    let size = side * (way + Vec2::splat(1.0)) + BESIDE * way;
+    let (_, area) = ui.allocate_space(vec2(width, size.y));
+    let column = Rect::from_min_size(area.min, vec2(slider, size.y));
     let mut driven = ui.new_child(UiBuilder::new().max_rect(column));
     sliders::driven(&mut driven, state, actions);
-    let left = area.left() + slider + ((across - count * side) / 2.0).max(0.0);
+    let left = area.left() + slider + ((room.x - size.x) / 2.0).max(0.0);
     let map = Rect::from_min_size(pos2(left, area.top()), vec2(side, side));
-    let last = beside.map_or(map, |gap| map.translate(vec2(side + gap, 0.0)));
+    let last = map.translate((side + BESIDE) * way);
     let response = ui.interact(map, egui::Id::unique("gap_map"), Sense::click_and_drag());
     let sentence = sentence(state, cache);
     described(&response, &sentence);
@@ -79,7 +84,7 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
     waiting(ui, state, map);
     ui.painter()
         .rect_stroke(map, 0.0, frame_stroke(ui, state), StrokeKind::Outside);
-    colour_bar(ui, state, cache, last);
+    colour_bar(ui, state, cache, map.union(last));
     if beside.is_some() {
         beside::letter(ui, map, "A", Align2::LEFT_TOP);
         beside::show(ui, state, &maps.b, last, actions);
@@ -97,9 +102,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
             line_grip(ui, state, picture, band, actions);
         }
     }
-    let reading = response
-        .hover_pos()
-        .and_then(|at| reading(state, cache, band, at));
+    let hovered = response.hover_pos().filter(|at| band.contains(*at));
+    let reading = hovered.zip(cache.picture.as_ref()).map(|(at, picture)| {
+        let share = (at - band.left_bottom()) / band.size();
+        reading(state, picture, [share.x, -share.y])
+    });
     let reading = state.push_in_words().or(reading);
     reading_line(ui, state, reading.or_else(|| state.losses_in_words()));
 }
@@ -412,26 +419,22 @@ fn line_grip(
     );
 }
 
-fn reading(state: &ViewState, cache: &MapCache, band: Rect, at: Pos2) -> Option<String> {
-    let picture = cache.picture.as_ref().filter(|_| band.contains(at))?;
+/// Gap and traction at a place, in shares of the cell from its lower left corner.
+pub fn reading(state: &ViewState, picture: &GapPicture, [x, y]: [f32; 2]) -> String {
     let (ny, nx) = picture.gap.dim();
-    let (x, y) = (
-        (at.x - band.left()) / band.width(),
-        (band.bottom() - at.y) / band.height(),
-    );
     let index = |share: f32, n: usize| ((share * n as f32) as usize).min(n - 1);
     let gap = picture.gap[(index(y, ny), index(x, nx))];
     let (rho, length) = (state.rho(), state.model.grid.length);
     let traction = state.model.law.at(gap).traction / state.model.law.traction_max();
     let (model, across) = (&state.model, state.model.unit_across());
     let force = if traction >= 0.0 { "pulls" } else { "pushes" };
-    Some(format!(
+    format!(
         "x {}   y {}   gap {}   stress {} ({force})",
         across.say(f64::from(x) * length / rho, 1, "ρ"),
         across.say(f64::from(y) * length / rho, 1, "ρ"),
         model.unit(Dimension::Length).say(gap / rho, 3, "ρ"),
         model.unit(Dimension::Stress).say(traction, 3, "σₘₐₓ")
-    ))
+    )
 }
 
 /// The map in one sentence.

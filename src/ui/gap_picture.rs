@@ -204,17 +204,20 @@ fn image(
     ColorImage::new([nx, ny], pixels)
 }
 
-/// Marching squares between the mesh points.
+/// Marching squares between the mesh points, and beyond the outermost ones: the field goes on there
+/// as it begins on the other side.
 fn contour(gap: &Array2<f64>, level: f64) -> Vec<Segment> {
     let (ny, nx) = gap.dim();
     let mut segments = Vec::new();
-    for j in 0..ny.saturating_sub(1) {
-        for i in 0..nx - 1 {
+    for j in 0..=ny {
+        for i in 0..=nx {
+            let (low, high) = ((j + ny - 1) % ny, j % ny);
+            let (left, right) = ((i + nx - 1) % nx, i % nx);
             let corners = [
-                gap[(j, i)],
-                gap[(j, i + 1)],
-                gap[(j + 1, i + 1)],
-                gap[(j + 1, i)],
+                gap[(low, left)],
+                gap[(low, right)],
+                gap[(high, right)],
+                gap[(high, left)],
             ];
             let below = corners.map(|g| g < level);
             if below.iter().all(|&b| b) || below.iter().all(|&b| !b) {
@@ -226,8 +229,8 @@ fn contour(gap: &Array2<f64>, level: f64) -> Vec<Segment> {
                 let m = (k + 1) % 4;
                 if below[k] != below[m] {
                     let t = (level - corners[k]) / (corners[m] - corners[k]);
-                    let x = i as f64 + 0.5 + at[k][0] + t * (at[m][0] - at[k][0]);
-                    let y = j as f64 + 0.5 + at[k][1] + t * (at[m][1] - at[k][1]);
+                    let x = i as f64 - 0.5 + at[k][0] + t * (at[m][0] - at[k][0]);
+                    let y = j as f64 - 0.5 + at[k][1] + t * (at[m][1] - at[k][1]);
                     cuts.push([x as f32, y as f32]);
                 }
             }
@@ -334,6 +337,23 @@ mod tests {
                 "{} {expected}",
                 radius(*p)
             );
+        }
+    }
+
+    #[test]
+    fn the_contact_line_of_a_ridge_goes_to_both_borders() {
+        let ridge = Array2::from_shape_fn((16, 32), |(_, i)| {
+            3.0 - (TAU * (i as f64 - 16.0) / 32.0).cos()
+        });
+        let picture = GapPicture::new(&ridge, 2.5, Island::Contact);
+        assert_eq!(picture.contour.len(), 2);
+        for line in &picture.contour {
+            let rows = || line.iter().map(|p| p[1]);
+            let (low, high) = (rows().fold(16.0, f32::min), rows().fold(0.0, f32::max));
+            assert!(low <= 0.0 && high >= 16.0, "{low} {high}");
+            // The gap is 2.5 a sixth of the wave from its crest.
+            let off = (line[0][0] - 16.5).abs();
+            assert!((off - 32.0 / 6.0).abs() < 0.1, "{off}");
         }
     }
 

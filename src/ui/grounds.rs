@@ -4,7 +4,9 @@ use super::action::{Action, FileTask};
 use super::theme::Palette;
 use super::view_state::ViewState;
 use super::widgets::{card, labelled, own};
+use super::words;
 use crate::physics::indenter::{Indenter, Measured};
+use crate::physics::parameter::Parameter;
 use crate::scene::edit;
 use egui::{Mesh, Painter, Rect, Stroke, Ui, pos2, vec2};
 
@@ -30,6 +32,13 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 };
                 let chosen = name == present;
                 let response = card(ui, ("ground", name), chosen, vec2(width, HEIGHT), drawn);
+                let response = response.on_hover_ui(|ui| {
+                    let own = kind.parameters().iter().map(Parameter::title);
+                    let own = own.collect::<Vec<_>>().join(", ");
+                    let own = if own.is_empty() { "nothing" } else { &own };
+                    let sentence = format!("The rigid ground is {name}; it is set by: {own}.");
+                    words::card(ui, name, &sentence, "g = u - h");
+                });
                 let again = matches!(kind, Indenter::Measured(_));
                 if response.clicked() && (!chosen || again) {
                     asked = Some(kind);

@@ -7,6 +7,7 @@ use super::machine;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::named;
+use super::words::explain;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
@@ -45,7 +46,7 @@ pub fn surface(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.set_min_height(SURFACE + 8.0);
         let presses = flick::is_on(ui, state);
         let room = if presses { 0.4 * size.x } else { size.x - MENU };
-        line(ui, &words, SURFACE, room, colour);
+        explain(line(ui, &words, SURFACE, room, colour), "Surface");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if presses {
                 return flick::options(ui, state, actions);
@@ -151,7 +152,7 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_height(LOSS + 8.0);
         let colour = ui.visuals().strong_text_color();
-        line(ui, &lost.headline, LOSS, size.x - FIT, colour);
+        explain(line(ui, &lost.headline, LOSS, size.x - FIT, colour), "Loss");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             fit(ui, state, actions, &palette);
         });

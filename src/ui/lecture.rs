@@ -79,8 +79,9 @@ fn words(state: &ViewState) -> String {
     };
     let u0 = now.mean_displacement / state.rho();
     let mut words = format!(
-        "{} at u₀ = {u0:.2} ρ, {stable}.",
-        capital(now.pattern.words())
+        "{} at u₀ = {} ρ, {stable}.",
+        capital(now.pattern.words()),
+        fixed(u0, 2)
     );
     let closed = state.run.closed_loop.as_ref();
     let loss = closed.and_then(|closed| closed.summary.ledger.dissipated_energy());

@@ -6,11 +6,10 @@ use super::card;
 use super::diagram;
 use super::headline;
 use super::machine;
-use super::view_state::{Beside, ViewState};
+use super::view_state::{Beside, Ghost, ViewState};
 use super::widgets::described;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
-use crate::plot::curve::Curve;
 use crate::plot::loop_panel;
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
@@ -129,10 +128,7 @@ pub fn panel(state: &ViewState) -> Panel {
         x: x.from_to(left, right),
         y: y.from_to(bottom, top),
         areas: closed.map_or_else(Vec::new, |closed| closed.loss.clone()),
-        series: loop_panel::branches(&state.run.curve)
-            .into_iter()
-            .filter(|branch| !branch.points.is_empty())
-            .collect(),
+        series: loop_panel::branches(&state.run.curve),
         arrows: loop_panel::jumps(&state.run.record.jumps[latest..], law),
         labels: loop_panel::names(&state.run.curve, right - left),
         ..Panel::default()
@@ -224,8 +220,12 @@ fn joined<'a>(pieces: impl IntoIterator<Item = &'a [[f64; 2]]>) -> Vec<[f64; 2]>
 
 /// Earlier paths, thin and grey.
 fn earlier(state: &ViewState) -> Vec<Series> {
-    let line = |ghost: &Curve| {
-        let pieces = ghost.pieces.iter().map(|piece| piece.points.as_slice());
+    let line = |ghost: &Ghost| {
+        let pieces = ghost
+            .curve
+            .pieces
+            .iter()
+            .map(|piece| piece.points.as_slice());
         Series::line("earlier", Role::Guide, Colour::Grey, joined(pieces))
     };
     state.plots.ghosts.iter().map(line).collect()

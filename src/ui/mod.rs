@@ -46,6 +46,7 @@ mod strip;
 mod tabs;
 mod toolbar;
 mod widgets;
+mod words;
 
 pub use app::App;
 pub use dialogs::{FileRequest, PathFuture};

@@ -1,21 +1,26 @@
 //! The profile along the line drawn on the map: elastomer above, rigid indenter below, as in the
-//! paper's Fig. 1. Its scale is the scene's. The elastomer is the handle of what is driven.
+//! paper's Fig. 1, and between them where they pull at each other and where they push. Its scale is
+//! the scene's. The elastomer is the handle of what is driven.
 
 use super::action::Action;
 use super::gap_map;
 use super::gap_picture::GapPicture;
 use super::grip;
 use super::strip;
-use super::theme;
+use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::widgets::described;
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
+use crate::physics::law::Law;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::plot::ticks;
 use egui::{Align2, Color32, Mesh, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use ndarray::{Array2, Axis};
+
+/// Least height of what shows pull and push: where the surfaces touch there is hardly a gap.
+const BAND: f32 = 5.0;
 
 /// Draws the profile in the rest of the column.
 pub fn show(
@@ -69,6 +74,19 @@ pub fn show(
         (low / one, high / one),
         cut.is_none_or(|(along_x, _)| along_x),
     );
+    if let (Some(picture), Some((along_x, index))) = (picture, cut)
+        && let Some(at) = response.hover_pos()
+    {
+        let (ny, nx) = picture.gap.dim();
+        let share = (at.x - frame.left()) / frame.width();
+        let across = |n: usize| (index as f32 + 0.5) / n as f32;
+        let place = if along_x {
+            [share, across(ny)]
+        } else {
+            [across(nx), share]
+        };
+        response.on_hover_text_at_pointer(gap_map::reading(state, picture, place));
+    }
 }
 
 /// Lower and upper end of the height axis.
@@ -126,6 +144,7 @@ fn bodies(
     let palette = theme::palette(ui);
     fill(ui, &soft, frame.top(), palette.elastomer);
     fill(ui, &rigid, frame.bottom(), palette.indenter);
+    traction(ui, (&soft, &rigid), &gap, &state.model.law, &palette);
     let painter = ui.painter().with_clip_rect(frame);
     let edge = ui.visuals().strong_text_color();
     painter.line(rigid, Stroke::new(1.2, edge.gamma_multiply(0.7)));
@@ -153,16 +172,63 @@ fn bodies(
             painter.galley(area.min, galley, ink);
         }
     }
+    let mut at = frame.right_bottom() - vec2(8.0, 3.0);
+    for (word, colour) in [("push", palette.push), ("pull", palette.pull)] {
+        let galley = painter.layout_no_wrap(word.to_owned(), theme::small(), ink);
+        let area = Align2::RIGHT_BOTTOM.anchor_size(at, galley.size());
+        let square = Rect::from_center_size(area.left_center() - vec2(9.0, 0.0), vec2(9.0, 9.0));
+        let whole = area.union(square);
+        if taken.iter().flatten().any(|taken| taken.intersects(whole)) {
+            break;
+        }
+        painter.rect(
+            square,
+            1.0,
+            colour,
+            Stroke::new(1.0, ink),
+            StrokeKind::Outside,
+        );
+        painter.galley(area.min, galley, ink);
+        at.x = square.left() - 10.0;
+    }
 }
 
-/// Fills between a curve and a level; a strip of quads, since the outline is not convex.
+/// What is between the surfaces, the stronger in colour the stronger they pull at each other or push
+/// each other away.
+fn traction(ui: &Ui, (soft, rigid): (&[Pos2], &[Pos2]), gap: &[f64], law: &Law, palette: &Palette) {
+    let (paper, top) = (ui.visuals().extreme_bg_color, law.traction_max());
+    let columns = soft.iter().zip(rigid).zip(gap.iter().cycle());
+    let columns = columns.map(|((soft, rigid), gap)| {
+        let share = law.at(*gap).traction / top;
+        let colour = if share > 0.0 {
+            palette.pull
+        } else {
+            palette.push
+        };
+        let colour = paper.lerp_to_gamma(colour, share.abs().min(1.0) as f32);
+        let (high, low) = (soft.y.min(rigid.y), soft.y.max(rigid.y));
+        let more = (0.5 * (BAND - (low - high))).max(0.0);
+        ([high - more, low + more].map(|y| pos2(soft.x, y)), colour)
+    });
+    quads(ui, columns);
+}
+
+/// Fills between a curve and a level.
 fn fill(ui: &Ui, curve: &[Pos2], level: f32, colour: Color32) {
+    let column = |p: &Pos2| ([*p, pos2(p.x, level)], colour);
+    quads(ui, curve.iter().map(column));
+}
+
+/// Fills a strip from column to column, each with its ends and its colour; of quads, since the
+/// outline is not convex.
+fn quads(ui: &Ui, columns: impl Iterator<Item = ([Pos2; 2], Color32)>) {
     let mut mesh = Mesh::default();
-    for p in curve {
-        mesh.colored_vertex(*p, colour);
-        mesh.colored_vertex(pos2(p.x, level), colour);
+    for (ends, colour) in columns {
+        for end in ends {
+            mesh.colored_vertex(end, colour);
+        }
     }
-    for k in 0..curve.len().saturating_sub(1) as u32 {
+    for k in 0..(mesh.vertices.len() as u32 / 2).saturating_sub(1) {
         mesh.add_triangle(2 * k, 2 * k + 1, 2 * k + 2);
         mesh.add_triangle(2 * k + 1, 2 * k + 2, 2 * k + 3);
     }

@@ -5,6 +5,7 @@ use super::machine::{self, Told};
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::{Entry, named};
+use super::words::explain;
 use crate::plot::ticks;
 use crate::scene::edit::{self, MU_RHO, TICKS};
 use egui::accesskit::{Action as Ask, ActionData};
@@ -104,6 +105,7 @@ fn target(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>
             suffix: &told.suffix,
         };
         let (entered, response) = field.show(ui);
+        let response = explain(response, "Target");
         ui.ctx()
             .accesskit_node_builder(response.id, |node| node.set_label("Target"));
         actions.extend(entered.map(|value| Action::SetTarget(value * unit)));
@@ -314,6 +316,7 @@ pub fn mu_rho(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
             wanted = Some(mu);
         }
     }
+    explain(response, "Mesh number μᵨ");
     if let Some(mu) = wanted {
         let scene = edit::with_mu_rho(&state.scene, &state.model, mu, state.follows);
         actions.push(Action::edit(scene));

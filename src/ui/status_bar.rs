@@ -6,10 +6,12 @@ use super::flick;
 use super::headline::stability;
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
+use super::words::explain;
 use crate::follow::record::StateRecord;
 use crate::lessons::Hidden;
 use crate::physics::grid::Grid;
 use crate::scene::part::{Part, Strategy};
+use crate::scene::units::fixed;
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use crate::worker::protocol::{ModelChoice, Ready};
@@ -55,7 +57,12 @@ fn notice(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         .filter(|(words, _)| words == notice)
         .map_or(now, |(_, since)| since);
     ui.data_mut(|data| data.insert_temp(id, (notice.clone(), since)));
-    let left = NOTICE - (now - since);
+    // What is under way stays until it is done.
+    let left = if notice.ends_with('…') {
+        NOTICE
+    } else {
+        NOTICE - (now - since)
+    };
     if left <= 0.0 {
         actions.push(Action::DropNotice);
     } else {
@@ -104,6 +111,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         .shown_word()
         .map_or_else(String::new, |word| word.to_owned() + " ");
     let pattern = ui.label(RichText::new(word + now.pattern.words()).strong());
+    let pattern = explain(pattern, now.pattern.words());
     // Only read aloud: the last jump, not more often than the ear can follow.
     ui.ctx().accesskit_node_builder(pattern.id, |node| {
         node.set_live(egui::accesskit::Live::Polite);
@@ -114,7 +122,7 @@ fn facts(ui: &mut Ui, state: &ViewState, now: &StateRecord) {
         None => (stability(now), stable_colour(now, &palette)),
     };
     ui.label(RichText::new("·").weak());
-    ui.label(RichText::new(words).color(colour).strong());
+    explain(ui.label(RichText::new(words).color(colour).strong()), words);
 }
 
 fn stable_colour(now: &StateRecord, palette: &Palette) -> Color32 {
@@ -162,10 +170,10 @@ fn lines(state: &ViewState) -> Vec<String> {
         let plural = if now.iterations == 1 { "" } else { "s" };
         lines = vec![
             format!(
-                "{}, stiffness_min {:.3} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
+                "{}, stiffness_min {} ± {:.1e} E*/L: the smallest eigenvalue of the energy's \
                  Hessian per area",
                 stability(now),
-                now.stiffness_min,
+                fixed(now.stiffness_min, 3),
                 now.stiffness_error
             ),
             format!("residual {:.1e} σₘₐₓ", now.residual),

@@ -10,6 +10,7 @@ use super::view_state::{Stretch, ViewState, foreseen, stretches};
 use super::widgets::described;
 use crate::follow::record::{Direction, StateRecord};
 use crate::plot::panel::Colour;
+use crate::scene::units::fixed;
 use egui::{Align2, CursorIcon, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// Height with its margins (points).
@@ -200,7 +201,12 @@ impl Strip<'_> {
     fn reading(&self, at: Pos2, walked: &[Stretch], ahead: &[Stretch]) -> String {
         let (value, direction) = (self.value(at), self.direction(at));
         let told = machine::told(self.state);
-        let place = format!("{} = {:.3}{}", told.symbol, value / told.unit, told.suffix);
+        let place = format!(
+            "{} = {}{}",
+            told.symbol,
+            fixed(value / told.unit, 3),
+            told.suffix
+        );
         let here = |stretch: &&Stretch| {
             let [a, b] = stretch.ends;
             stretch.direction == direction && (a.min(b)..=a.max(b)).contains(&value)
@@ -212,7 +218,7 @@ impl Strip<'_> {
             let stress = of_row
                 .min_by(|a, b| off(a).total_cmp(&off(b)))
                 .map_or(String::new(), |s| {
-                    format!(", stress {:.3} σₘₐₓ", s.stress_over_max)
+                    format!(", stress {} σₘₐₓ", fixed(s.stress_over_max, 3))
                 });
             return format!("{} on {direction}, {place}{stress}", stretch.pattern);
         }

@@ -293,7 +293,8 @@ fn choose(tab: usize, state: &ViewState) -> Action {
 
 /// What a job is doing, small, cut where there is no room.
 fn doing<T>(ui: &mut Ui, job: &Job<T>) {
-    ui.add(Label::new(RichText::new(&job.doing).small()).truncate());
+    ui.add(Label::new(RichText::new(&job.doing).small()).truncate())
+        .on_hover_text(&job.doing);
 }
 
 /// How far a job is and what it does, or why it could not be finished.

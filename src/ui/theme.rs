@@ -40,6 +40,10 @@ pub struct Palette {
     pub warn: Color32,
     /// Stable, done.
     pub good: Color32,
+    /// Tensile traction.
+    pub pull: Color32,
+    /// Compressive traction.
+    pub push: Color32,
     /// The soft body.
     pub elastomer: Color32,
     /// The rigid indenter.
@@ -87,6 +91,8 @@ pub fn palette_on(ground: Ground) -> Palette {
         live: of(Colour::LIVE),
         warn: pick([178, 48, 20], [255, 140, 112]),
         good: of(Colour::Green),
+        pull: of(Colour::PULL),
+        push: of(Colour::PUSH),
         elastomer: pick([138, 178, 212], [70, 112, 148]),
         indenter: pick([150, 145, 136], [108, 104, 98]),
         now: of(Colour::Ink),
@@ -293,6 +299,8 @@ mod tests {
                 ("now", p.now),
                 ("flat", p.flat),
                 ("warn", p.warn),
+                ("pull", p.pull),
+                ("push", p.push),
             ] {
                 for fill in [v.panel_fill, v.extreme_bg_color, v.faint_bg_color] {
                     let found = contrast(upon(mark, fill), of(fill));

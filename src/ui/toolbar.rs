@@ -155,7 +155,9 @@ fn play(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
             continue;
         }
         let button = named(ui.add_enabled(enabled, large(face)), name);
-        if button.on_hover_text(format!("{name} ({key})")).clicked() {
+        let words = format!("{name} ({key})");
+        let button = button.on_disabled_hover_text(&words).on_hover_text(words);
+        if button.clicked() {
             actions.push(action);
         }
     }
@@ -197,7 +199,9 @@ fn undo(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ("↷", "Redo", "Ctrl+Y", history.can_redo(), Action::Redo),
     ] {
         let button = named(ui.add_enabled(enabled, large(face)), name);
-        if button.on_hover_text(format!("{name} ({keys})")).clicked() {
+        let words = format!("{name} ({keys})");
+        let button = button.on_disabled_hover_text(&words).on_hover_text(words);
+        if button.clicked() {
             actions.push(action);
         }
     }

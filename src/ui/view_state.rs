@@ -20,9 +20,9 @@ pub use hint::Hint;
 pub use history::{History, Past};
 pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
-pub use plots::{LiveView, Plots};
+pub use plots::{Ghost, LiveView, Plots};
 pub use push::Pushed;
-pub use run::{ClosedLoop, RunView, Selection};
+pub use run::{ClosedLoop, Of, RunView, Selection};
 pub use session::{Extent, Saved};
 pub use stored::{Store, Stretch, foreseen, stretches};
 
@@ -536,7 +536,7 @@ impl ViewState {
     fn moved_to(&mut self, control: f64) {
         self.run.actual = control;
         if self.run.sweep().is_some() {
-            self.target = control;
+            self.target = self.held(control);
         }
     }
 

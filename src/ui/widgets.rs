@@ -2,6 +2,7 @@
 //! and pictures with a name, jobs under way.
 
 use super::theme::{self, Palette};
+use super::words::{explain, explain_parameter};
 use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
 use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
@@ -210,7 +211,8 @@ pub fn number(
         suffix: &suffix,
     };
     let mut entered = None;
-    labelled(ui, name.as_str(), |ui| {
+    let explained = |response| explain_parameter(response, parameter);
+    row(ui, name.as_str(), explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
@@ -259,20 +261,22 @@ pub fn own(
                     .map_or(*x, |new| new * unit);
             }
             Value::Whole(n) => {
-                *n = whole(ui, &parameter.title(), *n, low as u64..=most).unwrap_or(*n);
+                let named = (parameter, &*parameter.title());
+                *n = whole(ui, named, *n, low as u64..=most).unwrap_or(*n);
             }
             Value::Counts(both) => {
                 for (count, axis) in both.iter_mut().zip(["x", "y"]) {
                     let name = format!("{} along {axis}", parameter.label);
-                    *count = whole(ui, &name, *count as u64, low as u64..=most)
+                    *count = whole(ui, (parameter, &name), *count as u64, low as u64..=most)
                         .map_or(*count, |new| new as usize);
                 }
             }
             Value::Flag(flag) => {
-                ui.checkbox(flag, parameter.label);
+                explain_parameter(ui.checkbox(flag, parameter.label), parameter);
             }
             Value::Choice { chosen, words } => {
-                labelled(ui, parameter.label, |ui| {
+                let explained = |response| explain_parameter(response, parameter);
+                row(ui, parameter.label, explained, |ui| {
                     let combo = egui::ComboBox::from_id_salt(parameter.key)
                         .width(84.0)
                         .selected_text(words[*chosen].replace('_', " "));
@@ -281,7 +285,7 @@ pub fn own(
                             ui.selectable_value(chosen, i, word.replace('_', " "));
                         }
                     });
-                    combo.response.on_hover_text(parameter.allowed())
+                    combo.response
                 });
             }
         }
@@ -289,8 +293,13 @@ pub fn own(
     (edited != values).then_some(edited)
 }
 
-/// The same for a whole number, at most [`SEED_MAX`].
-pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) -> Option<u64> {
+/// The same for a whole number, at most [`SEED_MAX`], under this name.
+pub fn whole(
+    ui: &mut Ui,
+    (parameter, name): (&Parameter, &str),
+    value: u64,
+    range: RangeInclusive<u64>,
+) -> Option<u64> {
     let entry = Entry {
         name,
         value: value as f64,
@@ -300,7 +309,8 @@ pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) ->
         suffix: "",
     };
     let mut entered = None;
-    labelled(ui, name, |ui| {
+    let explained = |response| explain_parameter(response, parameter);
+    row(ui, name, explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
@@ -310,10 +320,21 @@ pub fn whole(ui: &mut Ui, name: &str, value: u64, range: RangeInclusive<u64>) ->
 
 /// A name on the left, and on the right what it names.
 pub fn labelled(ui: &mut Ui, name: impl Into<WidgetText>, add: impl FnOnce(&mut Ui) -> Response) {
+    let name = name.into();
+    let word = name.text().to_owned();
+    row(ui, name, |response| explain(response, &word), add);
+}
+
+fn row(
+    ui: &mut Ui,
+    name: impl Into<WidgetText>,
+    explained: impl Fn(Response) -> Response,
+    add: impl FnOnce(&mut Ui) -> Response,
+) {
     ui.horizontal(|ui| {
-        let label = ui.label(name);
+        let label = explained(ui.label(name));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            add(ui).labelled_by(label.id)
+            explained(add(ui).labelled_by(label.id))
         });
     });
 }
@@ -321,7 +342,7 @@ pub fn labelled(ui: &mut Ui, name: impl Into<WidgetText>, add: impl FnOnce(&mut 
 /// Gives a button a name that says more than its face.
 pub fn named(button: Response, name: &str) -> Response {
     button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), name));
-    button
+    explain(button, name)
 }
 
 /// Says in a sentence what a picture shows.
@@ -331,7 +352,7 @@ pub fn described(picture: &Response, sentence: &str) {
 
 /// How far a job is, beside a button that stops it, which is returned.
 pub fn progress<T>(ui: &mut Ui, job: &Job<T>) -> Response {
-    let button = ui.button("Cancel");
+    let button = explain(ui.button("Cancel"), "Cancel");
     if button.clicked() {
         job.stop();
     }

@@ -32,7 +32,10 @@ impl Setup {
         asked: Option<Strategy>,
     ) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let plan = plan(&scene, &model, asked);
+        let mut plan = plan(&scene, &model, asked);
+        if method == MethodKind::Gfmd {
+            plan = plan.without_promise();
+        }
         let wanted = match plan.strategy {
             // A hand may go anywhere, so that the walk solves what is shown; the atlas only says
             // what is ahead.

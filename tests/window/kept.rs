@@ -196,6 +196,38 @@ fn the_scene_before_the_edit_stands_beside_this_one_at_the_same_u0() {
 }
 
 #[test]
+fn both_maps_are_large_enough_to_be_seen_in_a_small_window() {
+    let mut window = at_rest();
+    window.get_by_label("law double exponential").click();
+    window.run();
+    window.get_by_label("Loops tab").click();
+    window.run();
+    window
+        .get_by_label("Compare with the scene before the last edit")
+        .click();
+    window.run_steps(200);
+    for (size, least) in [
+        (egui::vec2(900.0, 600.0), 130.0),
+        (egui::vec2(1280.0, 800.0), 170.0),
+        (egui::vec2(1920.0, 1080.0), 250.0),
+    ] {
+        window.set_size(size);
+        window.run();
+        let [a, b] = ["Gap map:", "B, "].map(|map| window.get_by_label_contains(map).rect());
+        let foot = window.get_by_label_contains("Profile along").rect().top();
+        assert_eq!(a.size(), b.size());
+        assert!(
+            a.width() >= least && (a.width() - a.height()).abs() < 0.1,
+            "{a:?} at {size}"
+        );
+        assert!(
+            !a.intersects(b) && a.bottom().max(b.bottom()) < foot,
+            "{a:?} {b:?}"
+        );
+    }
+}
+
+#[test]
 fn a_scene_without_an_atlas_says_beside_why_there_is_nothing_to_see() {
     let mut window = at_rest();
     // The tip.

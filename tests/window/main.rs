@@ -5,11 +5,11 @@
 mod accuracy;
 mod bench;
 mod branches;
+mod cards;
 mod commands;
 mod dialogs;
 mod film;
 mod foreseen;
-mod frames;
 mod ground;
 mod kept;
 mod landscape;

@@ -92,7 +92,7 @@ fn gesture() -> impl Strategy<Value = Gesture> {
         "0.4",
         "method l-bfgs",
         "model quarter",
-        "speed max",
+        "speed as fast",
         "restore",
     ];
     let place = || [0.0f32..1.0, 0.0f32..1.0];

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::scene::Points;
 use tackscope::ui::App;
-use tackscope::ui::view_state::{RunView, Stretch, stretches};
+use tackscope::ui::view_state::{Of, RunView, Stretch, stretches};
 
 /// A state, and its gap as it was seen.
 pub type Seen = (StateRecord, Arc<Array2<f64>>);
@@ -127,8 +127,8 @@ fn every_state_that_was_seen_is_shown_again_as_it_was() {
     }
     assert!(compared >= 10, "{compared}");
     assert_eq!(
-        run(&window).selection.as_ref().and_then(|s| s.index),
-        Some(0)
+        run(&window).selection.as_ref().map(|s| s.of),
+        Some(Of::Walked(0))
     );
 }
 
@@ -185,11 +185,11 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     assert!(!after.is_busy() && after.selection.is_none());
     assert_eq!(after.actual, chosen.state.control);
     assert!(apart(&gap, &shown(&window)) < 1e-6);
-    assert_eq!(
-        after.record.states[..],
-        before.states[..=chosen.index.expect("walked")],
-        "the way to it stays"
-    );
+    let Of::Walked(index) = chosen.of else {
+        panic!("{chosen:?}")
+    };
+    let way = &before.states[..=index];
+    assert_eq!(after.record.states[..], *way, "the way to it stays");
     assert_eq!(after.record.jumps[..], before.jumps[..2]);
     assert_eq!(window.state().state().plots.ghosts.len(), 1);
     // It goes on as it went.
@@ -204,6 +204,45 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
         assert!((a.control - b.control).abs() < 2e-5, "{a:?} {b:?}");
     }
     assert!(again.jumps.len() >= 4);
+}
+
+#[test]
+fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
+    let (mut window, _) = looped();
+    let mut seen = Vec::new();
+    for _ in 0..run(&window).record.states.len() {
+        window.key_press(Key::OpenBracket);
+        window.step();
+        let chosen = run(&window).selection.clone().expect("a state");
+        seen.push((chosen.state, shown(&window)));
+    }
+    for key in [Key::J, Key::J, Key::G] {
+        window.key_press(key);
+        window.step();
+        window.run();
+    }
+    let reached = run(&window).record.states.len();
+    let plot = window.get_by_label_contains("Stress against u0:").rect();
+    // Up a line through what was walked after the fork.
+    let x = plot.left() + 0.45 * plot.width();
+    let state = |s: &StateRecord| (s.direction, s.control, s.energy);
+    let chosen = (0..90).find_map(|k| {
+        press_at(&mut window, pos2(x, plot.bottom() - 40.0 - 4.0 * k as f32));
+        run(&window).selection.clone()
+    });
+    let chosen = chosen.expect("the grey line is met");
+    assert!(matches!(chosen.of, Of::Left(_)), "{chosen:?}");
+    let this = seen.iter().find(|(s, _)| state(s) == state(&chosen.state));
+    let (_, gap) = this.expect("a state that was walked");
+    assert!(chosen.state.control < run(&window).actual);
+    assert!(apart(gap, &shown(&window)) < 1e-6);
+    assert_eq!(run(&window).record.states.len(), reached);
+    window.key_press(Key::G);
+    window.step();
+    window.run();
+    let now = run(&window).state.clone().expect("a state");
+    assert_eq!(state(&now), state(&chosen.state));
+    assert!(apart(gap, &shown(&window)) < 1e-6);
 }
 
 #[test]

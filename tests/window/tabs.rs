@@ -1,12 +1,15 @@
 //! What stands below the plot: stability, forecast, time steps.
 
 use super::bench::Bench;
-use egui::Role;
-use egui_kittest::kittest::Queryable;
+use super::stored::looped;
+use egui::{Event, Key, Modifiers, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tackscope::follow::record::Direction;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::study::time_step_map::{Progress, Survey};
+use tackscope::ui::App;
 
 fn tab(bench: &mut Bench, name: &str) {
     bench.click(&format!("{name} tab"));
@@ -121,4 +124,47 @@ fn the_soft_mode_is_switched_onto_the_map() {
     tab(&mut bench, "Stability");
     bench.click("soft mode on map");
     assert!(bench.state().view.soft_mode);
+}
+
+#[test]
+fn the_first_frame_of_a_tab_shows_what_the_later_ones_do_at_the_same_places() {
+    let (mut window, _) = looped();
+    for name in [
+        "Events",
+        "Loops",
+        "Stability",
+        "Branches",
+        "Landscape",
+        "Map",
+        "Ground",
+        "Accuracy",
+        "Study",
+        "Equations",
+        "Paper",
+        "Why",
+    ] {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+        window.step();
+        window.event(Event::Text(format!("Tab: {name}")));
+        window.step();
+        window.key_press(Key::Enter);
+        // The frame of the key, and the first one of the tab.
+        window.run_steps(2);
+        let seen = |window: &Harness<'static, App>| -> Vec<_> {
+            let nodes = window.root().children_recursive();
+            let words = nodes.filter_map(|node| {
+                let words = node.accesskit_node().label().or(node.value())?;
+                Some((words, node.rect()))
+            });
+            words.collect()
+        };
+        let first = seen(&window);
+        window.run_steps(10);
+        let later = seen(&window);
+        let moved: Vec<_> = first.iter().zip(&later).filter(|(a, b)| a != b).collect();
+        assert!(
+            first.len() == later.len() && moved.is_empty(),
+            "{name}: {moved:?}"
+        );
+    }
 }

@@ -77,6 +77,25 @@ fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
 }
 
 /// That of the first jump.
+#[test]
+fn the_maps_of_a_jump_and_the_sentence_why_are_seen_in_a_low_window() {
+    let mut window = snapped();
+    window.set_size(egui::vec2(900.0, 600.0));
+    window.run();
+    for words in [
+        "Gap before the jump:",
+        "Soft mode,",
+        "Gap after the jump:",
+        "the pull grows faster with depth than the longest wave of the cell can resist",
+    ] {
+        let rect = window.get_by_label_contains(words).rect();
+        assert!(
+            rect.top() > 300.0 && rect.bottom() < 566.0,
+            "{words}: {rect:?}"
+        );
+    }
+}
+
 fn film(window: &Harness<'static, App>) -> Arc<Film> {
     let films = &window.state().state().run.films;
     films.of(0).cloned().expect("a film")
@@ -222,6 +241,23 @@ fn profile(bench: &Bench) -> String {
     let names = bench.names();
     let found = names.lines().find(|line| line.starts_with("Profile along"));
     found.expect("a profile").to_owned()
+}
+
+#[test]
+fn the_profile_says_where_the_surfaces_pull_and_where_they_push() {
+    let mut bench = Bench::new();
+    for (u0, force) in [(2.0, "pulls"), (-0.2, "pushes")] {
+        bench.reach(u0, Direction::Approach);
+        let traction = bench.model.law.at(u0).traction / bench.model.law.traction_max();
+        let at = bench.window.get_by_label_contains("Profile along").rect();
+        bench
+            .window
+            .hover_at(at.left_center() + egui::vec2(30.0, 0.0));
+        bench.window.run_steps(6);
+        let words = format!("stress {traction:.3} σₘₐₓ ({force})");
+        let names = bench.names();
+        assert!(names.contains(&words), "{words} in {names}");
+    }
 }
 
 #[test]

@@ -3,16 +3,20 @@
 
 use super::bench::{Bench, fig2};
 use super::live::live;
+use super::stepped::opened;
 use egui::{Event as Input, Key, Modifiers};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tackscope::follow::record::Direction;
 use tackscope::physics::pattern::Pattern;
-use tackscope::scene::Range;
+use tackscope::scene::{Points, Range};
+use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::storage::scene_file;
+use tackscope::ui::App;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::protocol::Event;
 
@@ -28,6 +32,44 @@ fn the_method_stays_with_the_scene_that_chose_it_and_is_taken_back() {
     bench.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.state().method, MethodKind::NewtonKrylov);
     assert_eq!(*bench.state().scene, fig2());
+}
+
+#[test]
+fn states_that_are_no_equilibria_are_drawn_hollow_and_nothing_is_promised_of_them() {
+    let mut scene = fig2();
+    scene.cell.points = Points::Square(32);
+    let mut window = opened(scene);
+    window.get_by_label("Advanced").click();
+    window.run_steps(3);
+    let method = MethodKind::Gfmd;
+    window.get_by_label(method.title()).scroll_to_me();
+    window.run_steps(3);
+    window.get_by_label(method.title()).click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().method, method);
+    window.get_by_label("Play approach").click();
+    window.step();
+    while window.state().state().run.is_busy() {
+        window.step();
+    }
+    window.run();
+    let says = |window: &Harness<'static, App>, words: &str| {
+        window.query_all_by_label_contains(words).next().is_some()
+    };
+    let states = &window.state().state().run.record.states;
+    assert!(states.iter().any(|s| s.stop == Stop::NotConverged));
+    assert!(says(&window, "○ approach, not converged"));
+    let bar = if says(&window, "no equilibrium") {
+        "no equilibrium"
+    } else {
+        "no accuracy is promised"
+    };
+    window.get_by_label_contains(bar).click();
+    window.run();
+    assert!(says(&window, "no accuracy is promised"));
+    for promised in ["expected error", "exact to"] {
+        assert!(!says(&window, promised), "{promised}");
+    }
 }
 
 #[test]

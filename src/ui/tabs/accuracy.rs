@@ -11,6 +11,7 @@ use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
+use crate::ui::words::explain;
 use crate::worker::background::{self, ChartSoFar};
 use crate::worker::job::Job;
 use egui::{PopupAnchor, Pos2, RichText, Tooltip, Ui};
@@ -187,8 +188,9 @@ impl Accuracy {
                     self.asked = Some(Asked::Measure(effort));
                 }
             }
-            ui.radio_value(&mut self.cost, Cost::Time, "time");
-            ui.radio_value(&mut self.cost, Cost::Transforms, "transforms");
+            for (cost, word) in [(Cost::Time, "time"), (Cost::Transforms, "transforms")] {
+                explain(ui.radio_value(&mut self.cost, cost, word), word);
+            }
         });
     }
 }

@@ -6,6 +6,7 @@ use crate::study::reality::{Check, Verdict, reality};
 use crate::ui::action::Action;
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
+use crate::ui::words::explain;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Size of a formula, and of the numbers beneath it.
@@ -32,7 +33,10 @@ impl Tab for Equations {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 for equation in equations(&state.scene, &state.model, &state.run.record) {
-                    ui.label(RichText::new(equation.name).strong());
+                    explain(
+                        ui.label(RichText::new(equation.name).strong()),
+                        equation.name,
+                    );
                     ui.label(theme::set(&equation.formula, FORMULA, ink));
                     ui.label(equation.sentence);
                     ui.label(theme::set(&equation.here, NUMBERS, weak));

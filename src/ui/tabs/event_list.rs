@@ -7,6 +7,7 @@ use crate::ui::action::Action;
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::named;
+use crate::ui::words::explain;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Most rows that are laid out.
@@ -65,14 +66,9 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
     let jumps = &state.run.record.jumps;
     let [length, energy] =
         [Dimension::Length, Dimension::SurfaceEnergy].map(|of| state.model.unit(of));
-    ui.label(
-        RichText::new(format!(
-            "{}, {} released",
-            state.run.record.tally(),
-            energy.say(state.run.record.released_energy_sum(), 4, "γ")
-        ))
-        .weak(),
-    );
+    let sum = energy.say(state.run.record.released_energy_sum(), 4, "γ");
+    let words = format!("{}, {sum} released", state.run.record.tally());
+    explain(ui.label(RichText::new(words).weak()), "Released");
     if !jumps.is_empty() && named(ui.small_button("Copy"), "Copy the jumps").clicked() {
         let lines = jumps.iter().map(|jump| state.say_jump(jump) + "\n");
         actions.push(Action::CopyText(lines.collect()));
@@ -113,8 +109,10 @@ fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
                 .show(ui, |ui| {
                     let u0 = length.label("u₀/ρ", "u₀");
                     let released = energy.label("released/γ", "released");
-                    for title in ["", &u0, "pattern", &released, "cause"] {
-                        ui.label(RichText::new(title).small().weak());
+                    let titles = [&*u0, "pattern", &released, "cause"];
+                    ui.label("");
+                    for (title, word) in titles.iter().zip(["u0", "pattern", "released", "cause"]) {
+                        explain(ui.label(RichText::new(*title).small().weak()), word);
                     }
                     ui.end_row();
                     for (index, jump) in jumps.iter().enumerate().rev().take(ROWS) {

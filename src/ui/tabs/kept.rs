@@ -8,6 +8,7 @@ use crate::ui::diagram::dash;
 use crate::ui::theme;
 use crate::ui::view_state::{Kept, ViewState};
 use crate::ui::widgets::named;
+use crate::ui::words::explain;
 use egui::{Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 
 /// The tab.
@@ -23,7 +24,7 @@ impl Tab for KeptTab {
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
-            ui.label("Keep:");
+            explain(ui.label("Keep:"), "Keep:");
             for (face, from, what) in [
                 ("walked", KeepFrom::Walked, "Keep what was walked"),
                 ("live loop", KeepFrom::Live, "Keep the live loop"),

@@ -13,6 +13,7 @@ use crate::ui::diagram;
 use crate::ui::theme::{self, Palette, set};
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
+use crate::ui::words::explain;
 use crate::worker::background::{self, Page, PageContent};
 use crate::worker::job::Job;
 use egui::{
@@ -182,7 +183,7 @@ impl Paper {
     fn pages(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
-            ui.label(RichText::new("Fig.").weak());
+            explain(ui.label(RichText::new("Fig.").weak()), "Fig.");
             for page in all_pages() {
                 let (face, name, hover) = match entry(page) {
                     Some(entry) => (

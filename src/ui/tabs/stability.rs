@@ -9,6 +9,7 @@ use crate::plot::loop_panel::branches;
 use crate::plot::panel::{Axis, Panel};
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
+use crate::scene::units::fixed;
 use crate::solver::gfmd::GfmdBudget;
 use crate::study::forecast::{Forecast, forecast};
 use crate::study::time_step_map::TimeStepMap;
@@ -18,6 +19,7 @@ use crate::ui::machine::{self, Told};
 use crate::ui::theme::{self, Palette};
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, progress};
+use crate::ui::words::explain;
 use crate::worker::background;
 use crate::worker::job::Job;
 use crate::worker::protocol::RunId;
@@ -60,8 +62,9 @@ impl Tab for Stability {
         let before = self.of;
         let mut view: ViewOptions = state.view;
         ui.horizontal_wrapped(|ui| {
-            ui.radio_value(&mut self.of, Of::States, "states");
-            ui.radio_value(&mut self.of, Of::TimeSteps, "time steps");
+            for (of, word) in [(Of::States, "states"), (Of::TimeSteps, "time steps")] {
+                explain(ui.radio_value(&mut self.of, of, word), word);
+            }
             ui.checkbox(&mut view.soft_mode, "soft mode on map")
                 .on_hover_text("contours of the mode that gives way first");
         });
@@ -82,7 +85,7 @@ impl Tab for Stability {
         vec![Panel {
             x: Axis::of(&state.model.unit(Dimension::Length), "u0/rho", "u0"),
             y: Axis::linear("smallest eigenvalue (E*/L)"),
-            series: series.into(),
+            series,
             ..Panel::default()
         }]
     }
@@ -109,13 +112,13 @@ fn eigenvalue(ui: &mut Ui, state: &ViewState) {
     let ground = theme::ground(ui);
     let ahead = forecast(&state.run.record, &state.model);
     let words = foreseen(state, ahead.as_ref());
-    ui.label(RichText::new(&words).strong());
+    explain(ui.label(RichText::new(&words).strong()), "The next jump");
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
     let (low, high) = (eigenvalue_scale(LOWEST), eigenvalue_scale(highest(state)));
     let unit = state.model.unit(Dimension::Length);
     let hover = |x, y| {
         let u0 = unit.say(x, 3, "ρ");
-        format!("u₀ {u0}\neigenvalue {:.4} E*/L", eigenvalue_at(y))
+        format!("u₀ {u0}\neigenvalue {} E*/L", fixed(eigenvalue_at(y), 4))
     };
     let names = [&*unit.label("u₀ / ρ", "u₀"), "eigenvalue, E*/L"];
     let response = along(small(ui, "eigenvalue", names, hover), unit.scale)
@@ -197,7 +200,7 @@ fn draw(plot: &mut PlotUi<'_>, state: &ViewState, ahead: Option<&Forecast>, grou
         bracket(plot, state, ahead, palette);
     }
     let panel = Panel {
-        series: branches(&state.run.stiffness).into(),
+        series: branches(&state.run.stiffness),
         ..Panel::default()
     };
     diagram::draw(plot, &panel, ground);
@@ -266,10 +269,11 @@ fn present(state: &ViewState) -> String {
     match &state.run.state {
         None => "nothing recorded yet".to_owned(),
         Some(now) if now.stiffness_error > 0.0 => format!(
-            "now {:.4} ± {:.4} E*/L",
-            now.stiffness_min, now.stiffness_error
+            "now {} ± {:.4} E*/L",
+            fixed(now.stiffness_min, 4),
+            now.stiffness_error
         ),
-        Some(now) => format!("now {:.4} E*/L", now.stiffness_min),
+        Some(now) => format!("now {} E*/L", fixed(now.stiffness_min, 4)),
     }
 }
 

@@ -8,12 +8,14 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::scale;
 use crate::scene::Scene;
+use crate::scene::units::fixed;
 use crate::study::why::{Evidence, Explanation, ahead, explain};
 use crate::ui::action::Action;
 use crate::ui::gap_picture::{self, GapPicture};
 use crate::ui::theme;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{described, named};
+use crate::ui::words;
 use crate::worker::protocol::{Film, Frame, RunId};
 use egui::{
     Align2, Color32, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider, Stroke,
@@ -26,7 +28,7 @@ use std::time::Duration;
 const REPLAY: f64 = 4.0;
 const PICTURE: Duration = Duration::from_millis(33);
 /// Least and largest side of a map, and the room between two (points).
-const SIDE: (f32, f32) = (56.0, 120.0);
+const SIDE: (f32, f32) = (64.0, 120.0);
 const GAP: f32 = 8.0;
 /// Room beside the maps from which the buttons stand there.
 const COLUMN: f32 = 190.0;
@@ -104,9 +106,12 @@ impl Tab for Why {
                 }
                 Some(told) => {
                     headline(ui, told);
+                    let whole = pictures(ui, state, told, actions);
                     ui.label(&told.why.sentence);
                     replay(ui, state, told, &mut self.replay);
-                    pictures(ui, state, told, actions);
+                    if !whole {
+                        more(ui, state, told, actions);
+                    }
                 }
             });
     }
@@ -239,17 +244,18 @@ fn shares(picture: &GapPicture) -> Vec<Vec<[f32; 2]>> {
 fn headline(ui: &mut Ui, told: &Told) {
     let jump = &told.jump;
     let words = format!("{} on {}", jump.change(), jump.direction);
-    ui.label(RichText::new(words).strong());
+    words::explain(ui.label(RichText::new(words).strong()), "The jump");
 }
 
-/// The maps, and beside or below them what was released and what to look at next.
-fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) {
+/// The maps, and beside them, where there is room for it, what was released and what to look at next:
+/// then true.
+fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) -> bool {
     let width = ui.available_width();
     let count = told.maps.len().max(1) as f32;
     let beside = width >= count * (SIDE.0 + GAP) + COLUMN;
     let room = if beside { width - COLUMN } else { width };
-    // In a low window everything is seen at once, or nearly so.
-    let most = SIDE.1.min(0.4 * ui.clip_rect().height()).max(SIDE.0);
+    // In a low window the sentence is seen with them.
+    let most = SIDE.1.min(0.3 * ui.clip_rect().height()).max(SIDE.0);
     let side = ((room / count) - GAP).clamp(SIDE.0, most);
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
@@ -260,9 +266,7 @@ fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Actio
             ui.vertical(|ui| more(ui, state, told, actions));
         }
     });
-    if !beside {
-        more(ui, state, told, actions);
-    }
+    beside
 }
 
 /// A map under its name.
@@ -318,7 +322,8 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     ui.painter().rect_filled(part, 2.0, colour);
     ui.painter().rect_stroke(bar, 2.0, edge, StrokeKind::Inside);
     let response = ui.interact(bar, egui::Id::unique("released"), Sense::hover());
-    let sentence = format!("{this:.4} of {all:.4} gamma released so far");
+    let (this, all) = (fixed(this, 4), fixed(all, 4));
+    let sentence = format!("{this} of {all} gamma released so far");
     described(&response, &sentence);
     let stiffness = ui.button("Show the stiffness");
     if stiffness
@@ -377,6 +382,7 @@ fn replay(ui: &mut Ui, state: &ViewState, told: &Told, replay: &mut Option<Repla
             ui.spacing_mut().slider_width = (ui.available_width() - 110.0).max(60.0);
             let slider = ui.add(Slider::new(&mut place, 0..=last).show_value(false));
             slider.widget_info(|| WidgetInfo::slider(rests, place as f64, "Moment of the jump"));
+            let slider = words::explain(slider, "Moment of the jump");
             if slider.changed() {
                 *replay = Some(begun(place as f64, false));
                 ui.ctx().request_repaint();

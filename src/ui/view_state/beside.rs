@@ -4,6 +4,7 @@
 use super::{Foresight, Kept, ViewState};
 use crate::follow::record::Direction;
 use crate::scene::part::Part;
+use crate::scene::units::fixed;
 use crate::study::live_loop::Spot;
 use crate::ui::action::Scales;
 use crate::worker::SolverHandle;
@@ -149,6 +150,7 @@ impl ViewState {
                 100.0 * (more / a).abs()
             )
         };
-        Some(format!("A loses {a:.4}, B {b:.4} {unit}: B {words}"))
+        let [a, b] = [a, b].map(|loss| fixed(loss, 4));
+        Some(format!("A loses {a}, B {b} {unit}: B {words}"))
     }
 }

@@ -3,6 +3,7 @@
 
 use super::{LiveView, ViewState};
 use crate::plot::panel::{Colour, Dash};
+use crate::scene::units::fixed;
 use crate::scene::{Model, Scene};
 use crate::storage::scene_file;
 use crate::ui::action::{KeepFrom, KeptAct, Scales};
@@ -65,7 +66,7 @@ impl Kept {
     /// What it is, in few words.
     pub fn words(&self) -> String {
         let Model { grid, law, .. } = &self.model;
-        let loss = self.loss.map(|loss| format!(", lost {loss:.4} γ"));
+        let loss = self.loss.map(|loss| format!(", lost {} γ", fixed(loss, 4)));
         format!(
             "{}, {}, n = {}, {}{}, {} jumps",
             if self.is_walked {

@@ -14,7 +14,7 @@ use crate::scene::Model;
 use crate::scene::window;
 use crate::study::landscape::Standing;
 use crate::study::live_loop::Sample;
-use crate::worker::protocol::{LiveState, RunId};
+use crate::worker::protocol::{LiveState, RunId, Stored};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -23,13 +23,22 @@ const GHOSTS_MAX: usize = 3;
 /// Most guesses of a lecture.
 const GUESSES_MAX: usize = 6;
 
+/// A path that was left for another one.
+#[derive(Debug)]
+pub struct Ghost {
+    /// All of it.
+    pub curve: Curve,
+    /// Its states that are on no other path, to be looked at and gone on from.
+    pub states: Vec<Arc<Stored>>,
+}
+
 /// What the diagrams show beside the present run.
 #[derive(Debug)]
 pub struct Plots {
     /// The live loop.
     pub live: Option<LiveView>,
-    /// Curves of earlier loops.
-    pub ghosts: VecDeque<Curve>,
+    /// Paths that were left.
+    pub ghosts: VecDeque<Ghost>,
     /// The loops that are kept to compare with.
     pub kept: KeptLoops,
     /// The flat state's curve.
@@ -80,9 +89,9 @@ impl Plots {
         self.guesses.truncate(GUESSES_MAX);
     }
 
-    /// Keeps the curve of an earlier path in sight.
-    pub(super) fn add_ghost(&mut self, old: Curve) {
-        if old.points().nth(2).is_some() {
+    /// Keeps an earlier path in sight.
+    pub(super) fn add_ghost(&mut self, old: Ghost) {
+        if old.curve.points().nth(2).is_some() {
             self.ghosts.push_back(old);
             if self.ghosts.len() > GHOSTS_MAX {
                 self.ghosts.pop_front();
@@ -167,7 +176,12 @@ impl ViewState {
             .run
             .curve
             .points()
-            .chain(self.plots.ghosts.iter().flat_map(Curve::points))
+            .chain(
+                self.plots
+                    .ghosts
+                    .iter()
+                    .flat_map(|ghost| ghost.curve.points()),
+            )
             .chain(kept)
             .collect();
         let side = |k: usize| {

@@ -1,7 +1,7 @@
 //! What belongs to one run of one scene: where it stands, what it recorded, how it is moved, and
 //! which of its states is looked at.
 
-use super::foresight::UPON;
+use super::foresight::{Ahead, UPON};
 use super::{Films, Foresight, Pushed, Store, ViewState};
 use crate::follow::record::{Direction, JumpRecord, LoopRecord, StateRecord};
 use crate::plot::curve::Curve;
@@ -69,11 +69,28 @@ pub struct ClosedLoop {
     pub loss: Vec<Area>,
 }
 
+/// Of what a stored state is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// Of the present path: its index in the record.
+    Walked(usize),
+    /// Of a path that was left: which of them, and which of its states.
+    Left([usize; 2]),
+    /// Of a live loop.
+    Foreseen,
+}
+
+impl Of {
+    fn is_like(self, other: Self) -> bool {
+        std::mem::discriminant(&self) == std::mem::discriminant(&other)
+    }
+}
+
 /// A stored state that somebody looks at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Its index in the record; `None` of one that the live loop foresees.
-    pub index: Option<usize>,
+    /// Where it comes from.
+    pub of: Of,
     /// The stored state.
     pub state: StateRecord,
     /// Index of the jump that led to it or away from it.
@@ -146,9 +163,15 @@ impl RunView {
 
 /// How u0 is moved: by hand, by key, by itself.
 impl ViewState {
+    /// A value of the control held inside the drive: behind a spring it may be a rounding beyond its
+    /// end.
+    pub(super) fn held(&self, control: f64) -> f64 {
+        control.clamp(self.limits.0, self.limits.1)
+    }
+
     /// Asks the solver to walk to `u0`, held inside the drive.
     pub fn set_target(&mut self, u0: f64) {
-        let u0 = u0.clamp(self.limits.0, self.limits.1);
+        let u0 = self.held(u0);
         if !u0.is_finite() || u0 == self.target && self.run.sweep().is_none() {
             return;
         }
@@ -184,7 +207,7 @@ impl ViewState {
 
     /// Drops target and sweep; the thumb goes where the surface is.
     pub fn stop(&mut self) {
-        self.target = self.run.actual;
+        self.target = self.held(self.run.actual);
         self.run.set(Play::Rest);
     }
 
@@ -226,40 +249,61 @@ impl ViewState {
             ((s.mean_displacement / rho - at[0]) / reach[0])
                 .hypot((s.stress_over_max - at[1]) / reach[1])
         };
-        let states = self.run.record.states.iter().enumerate();
-        let walked = states
-            .map(|(index, s)| (distance(s), index))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let foreseen = self.nearest_ahead(at, reach);
-        let present = self.run.selection.as_ref().map(|selection| selection.index);
-        let is_ahead = match (walked, foreseen) {
-            (Some((off, _)), Some(ahead)) => match (pick, present) {
-                (Pick::Along, Some(index)) => index.is_none(),
-                // What was walked lies upon what is foreseen.
-                _ => ahead.off + UPON < off,
-            },
-            (walked, _) => walked.is_none(),
-        };
-        let near = |off: f64| pick != Pick::Click || off <= 1.0;
-        match (walked, foreseen) {
-            (_, Some(ahead)) if is_ahead && near(ahead.off) => self.foresee(ahead.kept, ahead.spot),
-            (Some((off, index)), _) if !is_ahead && near(off) => self.select(index),
-            _ => self.select_nothing(),
+        let walked = self.run.record.states.iter().enumerate();
+        let walked = walked.map(|(index, s)| (distance(s), Of::Walked(index)));
+        let ghosts = self.plots.ghosts.iter().enumerate();
+        let left = ghosts.flat_map(|(ghost, left)| {
+            let states = left.states.iter().enumerate();
+            states.map(move |(state, s)| (distance(&s.record), Of::Left([ghost, state])))
+        });
+        let nearer = |a: &(f64, Of), b: &(f64, Of)| a.0.total_cmp(&b.0);
+        let ahead = self.nearest_ahead(at, reach);
+        let foreseen = ahead.as_ref().map(|ahead| (ahead.off, Of::Foreseen));
+        // What was walked lies upon the rest.
+        let mut near: Vec<(f64, Of)> = walked.min_by(nearer).into_iter().collect();
+        let beneath = left.min_by(nearer).into_iter().chain(foreseen);
+        near.extend(beneath.map(|(off, of)| (off + UPON, of)));
+        let present = self.run.selection.as_ref().map(|selection| selection.of);
+        if let Some(present) = present.filter(|_| pick == Pick::Along) {
+            near.retain(|(_, of)| of.is_like(present));
+        }
+        let found = near.into_iter().min_by(nearer);
+        match found.filter(|(off, _)| pick != Pick::Click || *off <= 1.0) {
+            Some((_, Of::Walked(index))) => self.select(index),
+            Some((_, of @ Of::Left(_))) => self.look_at(of),
+            Some((_, Of::Foreseen)) => {
+                if let Some(Ahead { kept, spot, .. }) = ahead {
+                    self.foresee(kept, spot);
+                }
+            }
+            None => self.select_nothing(),
         }
     }
 
     /// Looks at the state of this index, in numbers and, if it is kept, in pictures.
     pub(super) fn select(&mut self, index: usize) {
-        let Some(state) = self.run.record.states.get(index).cloned() else {
+        self.look_at(Of::Walked(index));
+    }
+
+    fn look_at(&mut self, of: Of) {
+        let (state, jump) = match of {
+            Of::Walked(index) => {
+                let state = self.run.record.states.get(index).cloned();
+                let jump = state.as_ref().and_then(|state| self.jump_at(state));
+                (state, jump)
+            }
+            Of::Left([ghost, state]) => {
+                let ghost = self.plots.ghosts.get(ghost);
+                let stored = ghost.and_then(|ghost| ghost.states.get(state));
+                (stored.map(|stored| stored.record.clone()), None)
+            }
+            Of::Foreseen => (None, None),
+        };
+        let Some(state) = state else {
             return;
         };
-        let jump = self.jump_at(&state);
         self.run.foresight = Foresight::default();
-        self.run.selection = Some(Selection {
-            index: Some(index),
-            state,
-            jump,
-        });
+        self.run.selection = Some(Selection { of, state, jump });
         self.run.shown = self.looked_at().map(|stored| Arc::new(stored.frame()));
     }
 

@@ -1,7 +1,7 @@
 //! The stored states of the path: looked at, scrubbed through, gone on from; and the path as a
 //! strip of patterns.
 
-use super::{Curve, Films, Foresight, ViewState};
+use super::{Curve, Films, Foresight, Ghost, Of, ViewState};
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::eigenvalue_scale;
@@ -12,6 +12,9 @@ use std::sync::Arc;
 
 /// Most bytes of stored states. Beyond it every second one of the older half goes.
 const BYTES_MAX: usize = 1 << 28;
+
+/// Most bytes of those of a path that was left.
+const LEFT_MAX: usize = BYTES_MAX / 8;
 
 /// Stored states by their place in the path, in order.
 #[derive(Debug, Default)]
@@ -56,10 +59,15 @@ impl Store {
         }
     }
 
-    /// The path goes back to its first `states`.
-    pub(super) fn cut(&mut self, states: usize) {
-        self.kept.retain(|(place, _)| *place < states);
+    /// The path goes back to its first `states`; returns the others, as many as there is room for.
+    pub(super) fn cut(&mut self, states: usize) -> Vec<Arc<Stored>> {
+        let from = self.kept.partition_point(|(place, _)| *place < states);
+        let mut left: Vec<_> = self.kept.drain(from..).map(|(_, stored)| stored).collect();
         self.weigh();
+        while left.len() > 1 && left.iter().map(|stored| stored.bytes()).sum::<usize>() > LEFT_MAX {
+            left = left.into_iter().step_by(2).collect();
+        }
+        left
     }
 
     fn thin(&mut self) {
@@ -152,15 +160,19 @@ impl ViewState {
         let Some(last) = self.run.record.states.len().checked_sub(1) else {
             return;
         };
-        let present = self.run.selection.as_ref().and_then(|s| s.index);
-        self.select(present.map_or(last, |i| i.saturating_add_signed(by).min(last)));
+        let index = match self.run.selection.as_ref().map(|selection| selection.of) {
+            Some(Of::Walked(index)) => index.saturating_add_signed(by).min(last),
+            _ => last,
+        };
+        self.select(index);
     }
 
     /// The stored or foreseen state somebody looks at, if its picture is kept.
     pub fn looked_at(&self) -> Option<&Arc<Stored>> {
-        match self.run.selection.as_ref()?.index {
-            Some(index) => self.run.store.at(index),
-            None => self.run.foresight.found.as_ref(),
+        match self.run.selection.as_ref()?.of {
+            Of::Walked(index) => self.run.store.at(index),
+            Of::Foreseen => self.run.foresight.found.as_ref(),
+            Of::Left([ghost, state]) => self.plots.ghosts.get(ghost)?.states.get(state),
         }
     }
 
@@ -170,7 +182,7 @@ impl ViewState {
         match &run.selection {
             _ if run.replayed.is_some() => Some("replay"),
             _ if run.shown.is_none() => None,
-            Some(selection) if selection.index.is_none() => Some("foreseen"),
+            Some(selection) if selection.of == Of::Foreseen => Some("foreseen"),
             _ => Some("stored"),
         }
     }
@@ -185,8 +197,7 @@ impl ViewState {
     /// Takes a stored state of this scene as the present one; the solver is told at the end of the
     /// frame.
     pub(super) fn resume(&mut self, stored: Arc<Stored>) {
-        // Behind a spring the control may be a rounding beyond its end.
-        self.target = stored.record.control.clamp(self.limits.0, self.limits.1);
+        self.target = self.held(stored.record.control);
         self.run.resume(stored);
     }
 
@@ -196,13 +207,17 @@ impl ViewState {
         (run.selection, run.shown, run.replayed, run.closed_loop) = (None, None, None, None);
         run.foresight = Foresight::default();
         let left = states.saturating_sub(run.store.forgotten);
+        let curve = std::mem::take(&mut run.curve);
+        let ghost = Ghost {
+            curve,
+            states: run.store.cut(states),
+        };
         if left < run.record.states.len() {
-            self.plots.add_ghost(std::mem::take(&mut run.curve));
+            self.plots.add_ghost(ghost);
         }
         let run = &mut self.run;
         run.record.states.truncate(left);
         run.record.jumps.truncate(jumps);
-        run.store.cut(states);
         let law = &self.model.law;
         run.curve = Curve::of(&run.record, law);
         let softness = |s: &StateRecord| eigenvalue_scale(s.stiffness_min);
@@ -258,7 +273,8 @@ mod tests {
         let kept: Vec<usize> = (0..9).filter(|place| store.at(*place).is_some()).collect();
         assert_eq!(kept, [0, 2, 4, 5, 6, 7, 8]);
         assert!(store.bytes <= BYTES_MAX);
-        store.cut(5);
+        let left = store.cut(5);
+        assert_eq!(left.len(), 1, "as many as an eighth of the room holds");
         assert_eq!(store.newest().map(|stored| stored.before[0]), Some(4));
     }
 }
