@@ -30,18 +30,18 @@ pub struct Bound {
     ritz: Vec<f64>,
 }
 
-/// Runs from `start`, drawn evenly from all directions, until `enough(lower, upper)` or `most`
-/// products. `chance` is the chance that an eigenvalue lies below the bound all the same; far above
+/// Runs from `start`, drawn evenly from all directions, until it is known on which side of `level`
+/// the smallest eigenvalue lies, if that is asked, or for `most` products. `chance` is the chance that an eigenvalue lies below the bound all the same; far above
 /// 1e-13, where rounding begins to matter.
 pub fn lowest(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     start: &[f64],
     chance: f64,
     most: usize,
-    enough: impl Fn(f64, f64) -> bool,
+    level: Option<f64>,
     cancel: &Cancel,
 ) -> Bound {
-    let least = chance * (PI / (2.0 * start.len() as f64)).sqrt();
+    let wanted = (chance * (PI / (2.0 * start.len() as f64)).sqrt()).recip();
     let mut chain = Chain::new(start);
     let mut bound = Bound {
         lower: f64::NEG_INFINITY,
@@ -49,18 +49,27 @@ pub fn lowest(
         products: 0,
         ritz: Vec::new(),
     };
+    let (mut ended, mut above) = (false, false);
     while bound.products < most && !cancel.requested() {
-        let ended = !chain.step(&mut apply);
+        ended = !chain.step(&mut apply);
         bound.products += 1;
+        let below = level.is_some_and(|level| chain.below(level) > 0);
+        above = !below && level.is_some_and(|level| chain.growth(level) >= wanted);
+        if ended || below || above {
+            break;
+        }
+    }
+    if bound.products > 0 {
         bound.upper = chain.smallest_ritz();
         bound.lower = if ended {
             bound.upper
         } else {
-            chain.lower(bound.upper, least.recip())
+            chain.lower(bound.upper, wanted)
         };
-        if ended || enough(bound.lower, bound.upper) {
-            break;
-        }
+    }
+    // The bisection stops short of the largest lower bound.
+    if let Some(level) = level.filter(|_| above) {
+        bound.lower = bound.lower.max(level);
     }
     bound.ritz = chain.ritz(bound.upper);
     bound
@@ -280,7 +289,7 @@ mod tests {
             let smallest = values[0];
             values.extend(vec![smallest; copies - 1]);
             let apply = turned(&values, seed);
-            let bound = lowest(&apply, &random(values.len(), seed), 1e-10, most, |_, _| false, &Cancel::default());
+            let bound = lowest(&apply, &random(values.len(), seed), 1e-10, most, None, &Cancel::default());
             let rounding = 1e-12;
             prop_assert!(bound.lower <= smallest + rounding && bound.upper >= smallest - rounding, "{smallest} {bound:?}");
         }
@@ -288,7 +297,7 @@ mod tests {
         #[test]
         fn the_ritz_vector_has_the_ritz_value(values in proptest::collection::vec(0.1..10.0f64, 10..80), seed: u64) {
             let (apply, start) = (turned(&values, seed), random(values.len(), seed));
-            let bound = lowest(&apply, &start, 1e-10, 8, |_, _| false, &Cancel::default());
+            let bound = lowest(&apply, &start, 1e-10, 8, None, &Cancel::default());
             let v = bound.vector(&apply, &start);
             let mut image = vec![0.0; v.len()];
             apply(&v, &mut image);
@@ -309,7 +318,7 @@ mod tests {
                     &random(201, seed),
                     0.1,
                     products,
-                    |_, _| false,
+                    None,
                     &Cancel::default(),
                 )
             };
@@ -345,14 +354,7 @@ mod tests {
         add(&mut softest, -2.0 * along, &axis);
         let mut start = random(50, 9);
         project_out(&mut start, &[softest]);
-        let bound = lowest(
-            &apply,
-            &start,
-            1e-10,
-            40,
-            |lower, _| lower > 0.5,
-            &Cancel::default(),
-        );
-        assert!(bound.lower > 0.5, "{bound:?}");
+        let bound = lowest(&apply, &start, 1e-10, 40, Some(0.5), &Cancel::default());
+        assert!(bound.lower >= 0.5, "{bound:?}");
     }
 }

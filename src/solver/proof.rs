@@ -135,15 +135,8 @@ pub(super) fn prove(
     } else {
         CHANCE_SINGLE
     };
-    let bound = lowest(
-        &mut shifted,
-        &start,
-        chance,
-        PRODUCTS,
-        |lower, upper| lower > 0.0 || upper < 0.0,
-        cancel,
-    );
-    if bound.lower > 0.0 {
+    let bound = lowest(&mut shifted, &start, chance, PRODUCTS, Some(0.0), cancel);
+    if bound.lower >= 0.0 {
         return Proved::Least(Proof {
             least: shift,
             stiffness: fields.stiffness.clone(),

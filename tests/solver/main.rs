@@ -1,6 +1,7 @@
 //! One equilibrium and its stability; and what is known to go wrong, each case provoked in a method
 //! that has it, and seen to be caught and named.
 
+mod classes;
 mod common;
 mod dense;
 mod jumps;

@@ -7,6 +7,7 @@ use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::part::Strategy;
 use tackscope::scene::{Points, Range, Scene};
+use tackscope::solver::sector::{SHARP, Sector, Side};
 use tackscope::study::chart::{Effort, News, Point, Reference, measure, run};
 
 /// Ridges of a Morse law of range 1 as sums of cosines, with every derivative written out.
@@ -152,6 +153,29 @@ fn reference(scene: &Scene) -> Reference {
     };
     let chart = run(scene, Effort::Quick, &cancel, &mut stop).unwrap();
     chart.reference.unwrap()
+}
+
+#[test]
+fn the_folds_of_a_ridge_are_those_of_dense_matrices() {
+    let model = preset("ridge-line").model().unwrap();
+    let (law, length) = (model.law, model.grid.length);
+    let ridges = Ridges::new(law.surface_energy, length, 144);
+    let mut sector = Sector::ridge(length, 144, law);
+    for (near, side) in [(0.78, Side::Lower), (3.86, Side::Upper)] {
+        let [u0, energy] = ridges.fold(near);
+        let [before, here] = [0.05, 0.02].map(|off| {
+            let u0 = u0 - side.sign() * off;
+            let a = ridges.ridge(u0);
+            let mut z = vec![0.0; sector.system().dimension()];
+            z[1..=a.len()].copy_from_slice((a / 2.0_f64.sqrt()).as_slice());
+            sector.node(u0, z, None, SHARP).unwrap().0
+        });
+        let (fold, _) = sector.fold(&before, &here, side).unwrap();
+        let late = (fold.state.mean_displacement - u0).abs();
+        assert!(late < 1e-10 * law.range, "{late:e}");
+        let off = (fold.state.energy - energy).abs();
+        assert!(off < 1e-10 * law.surface_energy, "{off:e}");
+    }
 }
 
 #[test]

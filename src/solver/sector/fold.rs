@@ -53,8 +53,14 @@ impl Sector {
             self.mechanics.hessian(&at.fields, phi, &mut image);
             let border = dot(phi, &rates.forces) - dot(&image, &along_u);
             if converged {
-                // What is left of the force along phi is a matter of u0.
-                let du = -dot(phi, &at.gradient) / border;
+                // What is left of the force asks for one more step, which need not be evaluated:
+                // close to a fold the null vector is another than phi, and all of the force moves
+                // u0.
+                let along_g = self.solve(&at.fields, &at.gradient, &removed, 1e-2)?;
+                let du = -(dot(phi, &at.gradient) - dot(&image, &along_g)) / border;
+                let mut dz = along_g;
+                dz.iter_mut().for_each(|z| *z = -*z);
+                add(&mut dz, -du, &along_u);
                 let along_a = self.solve(&at.fields, &image, &removed, 1e-2)?;
                 let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
                 let mut tangent = phi.to_vec();
@@ -64,8 +70,10 @@ impl Sector {
                 let Evaluation {
                     mut state, fields, ..
                 } = at;
-                state.drive_by(du);
                 state.energy += du * state.stress;
+                state.stress += rates.stress * du + dot(&rates.forces, &dz);
+                state.drive_by(du);
+                add(&mut state.amplitudes, 1.0, &dz);
                 let mut node = Node::bare(state, slope, tangent);
                 self.soften(&mut node, None, &fields, &rates);
                 return Ok((node, fields, rate));

@@ -1,0 +1,166 @@
+//! Modes over even patterns, class by class: together they are the modes of the whole cell, and a
+//! class is bounded from below by its longest waves alone.
+
+use super::common::law;
+use nalgebra::DMatrix;
+use ndarray::Array2;
+use proptest::prelude::*;
+use tackscope::physics::body::{Body, Layer};
+use tackscope::physics::grid::Grid;
+use tackscope::physics::indenter::Indenter;
+use tackscope::physics::low_block::{Class, LowBlock};
+use tackscope::physics::system::{Fields, System};
+
+const N: usize = 16;
+const PARITIES: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
+
+/// Fields with this gamma'', of which a Hessian needs no more.
+fn fields(stiffness: Array2<f64>) -> Fields {
+    Fields {
+        gap: stiffness.clone(),
+        traction: stiffness.clone(),
+        stiffness,
+    }
+}
+
+/// The Hessian of a `system`, column by column. Amplitudes that belong to no real field are left at
+/// zero.
+fn dense(system: &System, stiffness: &Array2<f64>) -> DMatrix<f64> {
+    let (n, fields) = (system.dimension(), fields(stiffness.clone()));
+    let (mut workspace, mut image) = (system.workspace(), vec![0.0; n]);
+    let mut matrix = DMatrix::zeros(n, n);
+    for column in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[column] = 1.0;
+        system.make_real(&mut unit);
+        system.hessian(&fields, &unit, &mut image, &mut workspace);
+        system.make_real(&mut image);
+        matrix.column_mut(column).copy_from_slice(&image);
+    }
+    0.5 * (&matrix + matrix.transpose())
+}
+
+/// All eigenvalues, smallest first, but those of amplitudes without a field, which are zero.
+fn eigenvalues(matrix: DMatrix<f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = matrix
+        .symmetric_eigen()
+        .eigenvalues
+        .iter()
+        .copied()
+        .collect();
+    values.retain(|value| value.abs() > 1e-12);
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// gamma'' on a quarter of the cell (E* per length): waves of any length, and x <-> y if wanted.
+fn stiffness(numbers: &[f64], is_square: bool) -> Array2<f64> {
+    let m = N / 2;
+    let at = |i: usize, j: usize| numbers[i * m + j];
+    Array2::from_shape_fn((m, m), |(i, j)| {
+        if is_square {
+            0.5 * (at(i, j) + at(j, i))
+        } else {
+            at(i, j)
+        }
+    })
+}
+
+fn even(body: Body) -> System {
+    System::even(Grid::square(60.0, N), law(), &Indenter::Flat).with_body(body)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn even_and_odd_modes_are_the_modes_of_the_whole_cell(
+        numbers in prop::collection::vec(-0.05f64..0.4, N * N / 4),
+        thickness in prop::option::of(5.0f64..50.0),
+    ) {
+        let body = thickness.map_or(Body::HalfSpace, |thickness| {
+            Body::Layer(Layer { thickness, poisson: 0.4 })
+        });
+        let even = even(body);
+        let quarter = stiffness(&numbers, false);
+        let mut classes: Vec<f64> = PARITIES
+            .into_iter()
+            .flat_map(|odd| {
+                let system = if odd == [false; 2] { even.clone() } else { System::odd(&even, odd) };
+                eigenvalues(dense(&system, &quarter))
+            })
+            .collect();
+        classes.sort_by(f64::total_cmp);
+        let whole = eigenvalues(dense(&System::whole(&even), &even.unfolded(&quarter)));
+        prop_assert_eq!(whole.len(), N * N - 1);
+        prop_assert_eq!(classes.len(), whole.len());
+        for (class, whole) in classes.iter().zip(&whole) {
+            prop_assert!((class - whole).abs() < 1e-12, "{} {}", class, whole);
+        }
+    }
+
+    #[test]
+    fn a_block_never_counts_fewer_modes_below_a_shift_than_there_are(
+        numbers in prop::collection::vec(-0.05f64..0.4, N * N / 4),
+        reach in 2.0f64..8.0,
+        shift in -0.1f64..0.1,
+    ) {
+        let even = even(Body::HalfSpace);
+        let quarter = stiffness(&numbers, true);
+        let mut workspace = even.workspace();
+        let mut amplitudes = |stiffness: Array2<f64>| {
+            let mut out = vec![0.0; even.dimension()];
+            let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
+            (out, mean)
+        };
+        let (once, mean) = amplitudes(quarter.clone());
+        let (twice, mean_square) = amplitudes(&quarter * &quarter);
+        let least = quarter.fold(f64::INFINITY, |least: f64, k| least.min(*k));
+        let bound = |classes: &[Class]| {
+            classes.iter().fold(0usize, |sum, class| {
+                let mut block = LowBlock::new(&even, *class, reach);
+                block.bound(&even, None, [&once, &twice], [mean, mean_square]);
+                sum.saturating_add(block.most_below(least, shift))
+            })
+        };
+        for (odd, classes) in PARITIES.into_iter().zip([
+            &[Class::Symmetric, Class::Antisymmetric][..],
+            &[Class::OddAlongX],
+            &[Class::OddAlongY],
+            &[Class::OddSymmetric, Class::OddAntisymmetric],
+        ]) {
+            let system = if odd == [false; 2] { even.clone() } else { System::odd(&even, odd) };
+            let values = eigenvalues(dense(&system, &quarter));
+            let count = values.iter().filter(|value| **value < shift).count();
+            prop_assert!(bound(classes) >= count, "{:?}", classes);
+        }
+    }
+}
+
+/// The bound is worth something: with all waves but the shortest in the block it is the count.
+#[test]
+fn a_long_block_over_a_smooth_pattern_counts_what_there_is() {
+    let even = even(Body::HalfSpace);
+    let m = N / 2;
+    let wave = |i: usize| (std::f64::consts::PI * (i as f64 + 0.5) / m as f64).cos();
+    let quarter = Array2::from_shape_fn((m, m), |(i, j)| {
+        0.05 - 0.1 * (1.0 + wave(i)) * (1.0 + wave(j)) / 4.0
+    });
+    let mut workspace = even.workspace();
+    let mut amplitudes = |stiffness: Array2<f64>| {
+        let mut out = vec![0.0; even.dimension()];
+        let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
+        (out, mean)
+    };
+    let (once, mean) = amplitudes(quarter.clone());
+    let (twice, mean_square) = amplitudes(&quarter * &quarter);
+    let least = quarter.fold(f64::INFINITY, |least: f64, k| least.min(*k));
+    let values = eigenvalues(dense(&System::odd(&even, [true, false]), &quarter));
+    let mut block = LowBlock::new(&even, Class::OddAlongX, 6.0);
+    block.bound(&even, None, [&once, &twice], [mean, mean_square]);
+    // Half way between one eigenvalue and the next.
+    for rank in 0..4 {
+        let shift = 0.5 * (values[rank] + values[rank + 1]);
+        assert_eq!(block.most_below(least, shift), rank + 1, "{values:?}");
+    }
+}
