@@ -18,6 +18,8 @@
 //! Under a spring or a load ([`Control`]) it is an unknown like the others: u0 less the position of
 //! the stage, with the spring's stiffness in place of q E*/2; or u0 itself, which nothing holds.
 
+mod odd;
+
 use super::body::Body;
 use super::control::Control;
 use super::grid::Grid;
@@ -128,35 +130,6 @@ impl System {
             elastic,
             gradient: Vec::new(),
         }
-    }
-
-    /// Modes over the even patterns of an `even` system that are odd along x, y or both: only their
-    /// [`System::hessian`] has a meaning, with the fields of the pattern.
-    ///
-    /// On m points sin(pi k (j + 1/2)/m) is (-1)^j cos(pi (m - k)(j + 1/2)/m), and the sign goes
-    /// through the product with gamma'': the amplitude of a sine of k waves is stored as that of
-    /// the cosine of m - k, and nothing is new but the body's stiffness.
-    pub fn odd(even: &System, odd: [bool; 2]) -> Self {
-        let (ny, nx) = even.shape();
-        let waves = |i: usize, n: usize, odd| (if odd { n - i } else { i }) as f64;
-        let mut system = Self {
-            odd,
-            ..even.clone()
-        };
-        for (i, elastic) in system.elastic.iter_mut().enumerate() {
-            let waves = waves(i / ny, nx, odd[0]).hypot(waves(i % ny, ny, odd[1]));
-            *elastic = even.body.elastic().stiffness(even.grid.q1() * waves);
-        }
-        // The first amplitude is a wave like the others, not the mean.
-        system.control = Control::Spring {
-            stiffness: system.elastic[0],
-        };
-        system
-    }
-
-    /// Along which of x and y fields are odd.
-    pub fn is_odd(&self) -> [bool; 2] {
-        self.odd
     }
 
     /// The whole cell of an even system under the same control: its ground unfolded, so that a tip's
@@ -512,25 +485,8 @@ impl System {
     /// The sliding modes du/dx and du/dy of amplitudes `z`, not normalised, as far as the ground is
     /// uniform; those of even amplitudes are odd. No transform.
     pub fn sliding_modes(&self, z: &[f64]) -> Vec<Vec<f64>> {
-        if let Some(axis) = (0..2).find(|&axis| self.odd[axis] && !self.odd[1 - axis]) {
-            let (ny, nx) = self.shape();
-            // No cosine has as many waves as the sine that is stored first.
-            let slide = |i: usize| {
-                let (mut place, m) = ([i / ny, i % ny], [nx, ny][axis]);
-                let waves = m - place[axis];
-                place[axis] = waves % m;
-                let amplitude = if waves < m {
-                    z[place[0] * ny + place[1]]
-                } else {
-                    0.0
-                };
-                self.grid.q1() * waves as f64 * amplitude
-            };
-            let is_free = self.uniform[axis];
-            return is_free
-                .then(|| (0..z.len()).map(slide).collect())
-                .into_iter()
-                .collect();
+        if self.odd != [false; 2] {
+            return self.slide_of_even(z).into_iter().collect();
         }
         let along = self.slides_along();
         (0..2)

@@ -47,7 +47,7 @@ pub struct Stiffness {
     /// A Rayleigh quotient: an upper bound. NaN if it was not found.
     pub value: f64,
     /// Where `value` is positive, how far below it the smallest eigenvalue may lie, but for the
-    /// chance stated by [`CHANCE`](super::stability::CHANCE): never as far as zero. Where it is
+    /// chance stated by [`CHANCE`](super::stability::CHANCE): never below zero. Where it is
     /// negative, some eigenvalue lies within this distance.
     pub error: f64,
 }

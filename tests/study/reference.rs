@@ -159,8 +159,9 @@ fn reference(scene: &Scene) -> Reference {
 fn the_folds_of_a_ridge_are_those_of_dense_matrices() {
     let model = preset("ridge-line").model().unwrap();
     let (law, length) = (model.law, model.grid.length);
-    let ridges = Ridges::new(law.surface_energy, length, 144);
-    let mut sector = Sector::ridge(length, 144, law);
+    let n = 240;
+    let ridges = Ridges::new(law.surface_energy, length, n);
+    let mut sector = Sector::ridge(length, n, law);
     for (near, side) in [(0.78, Side::Lower), (3.86, Side::Upper)] {
         let [u0, energy] = ridges.fold(near);
         let [before, here] = [0.05, 0.02].map(|off| {

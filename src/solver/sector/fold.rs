@@ -10,9 +10,16 @@ const SLOW: f64 = 0.1;
 const STRIDE: f64 = 0.5;
 /// Rounds of the search for a fold.
 const ROUNDS: usize = 12;
-/// Accuracy of the mean displacement of a fold, in ranges: the parabola through it is trusted that
-/// far.
-const PARABOLA: f64 = 2e-5;
+/// How far beyond the last point of the search u0 of a fold may lie, in ranges: it is off by some
+/// hundredths of that.
+const PARABOLA: f64 = 1e-9;
+/// The same where the search comes no closer, whose linear solves are inexact.
+const STALLED: f64 = 2e-5;
+
+/// Whether a fold that lies `off` (ranges) beyond the last point, after `before`, is found.
+fn is_found(off: f64, before: f64) -> bool {
+    off < PARABOLA || off < STALLED && off > 0.5 * before
+}
 
 impl Sector {
     /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit
@@ -105,6 +112,7 @@ impl Sector {
         let length = norm(&here.tangent);
         let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
         let (mut behind, mut last) = (Arc::of(before, &phi), Arc::of(here, &phi));
+        let mut off_before = f64::INFINITY;
         for _ in 0..ROUNDS {
             let a = Arc::extremum(&behind, &last, side).0;
             if !a.is_finite() {
@@ -115,11 +123,12 @@ impl Sector {
             let (mut found, fields, rate) = self.arc(&phi, a, u0, guess)?;
             let arc = Arc::at(&found, a, rate);
             let top = Arc::extremum(&last, &arc, side);
-            if (top.1 - arc.u0).abs() < PARABOLA * range {
+            let off = (top.1 - arc.u0).abs() / range;
+            if is_found(off, off_before) {
                 found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
                 return Ok((found, fields));
             }
-            (behind, last) = (last, arc);
+            (behind, last, off_before) = (last, arc, off);
         }
         Err(Lost::Gone)
     }
@@ -139,6 +148,7 @@ impl Sector {
             near.bend,
         );
         let mut last: Option<Arc> = None;
+        let mut off_before = f64::INFINITY;
         for _ in 0..ROUNDS {
             let (mut found, fields, rate) = self.arc(&phi, a, u0, z)?;
             let arc = Arc::at(&found, a, rate);
@@ -154,10 +164,12 @@ impl Sector {
             }
             let shift = -rate / bend;
             let top = (a + shift, arc.u0 + 0.5 * shift * rate);
-            if (top.1 - arc.u0).abs() < PARABOLA * range {
+            let off = (top.1 - arc.u0).abs() / range;
+            if is_found(off, off_before) {
                 found.shift_to(&arc, top, bend);
                 return Ok((found, fields));
             }
+            off_before = off;
             let shift = shift.clamp(-STRIDE * range, STRIDE * range);
             z = arc.z.clone();
             add(&mut z, shift, &arc.dz);

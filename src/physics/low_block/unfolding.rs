@@ -1,0 +1,86 @@
+//! Where the modes of a class lie in the whole cell.
+
+use super::{LowBlock, System};
+use rustfft::num_complex::Complex;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+impl LowBlock {
+    /// How the modes of the class lie in a `whole` system of the cell, unfolded as by
+    /// [`System::unfolded`].
+    pub fn unfolding(&self, whole: &System) -> Unfolding {
+        let mut places = Vec::new();
+        self.each_place(whole, |wave, pair, factor| {
+            places.push((wave, pair, factor));
+        });
+        Unfolding {
+            places,
+            waves: self.waves.len(),
+            dimension: whole.dimension(),
+        }
+    }
+
+    /// Every amplitude of the whole cell that a wave of norm 1 has, with its value there.
+    fn each_place(&self, whole: &System, mut at: impl FnMut(usize, usize, Complex<f64>)) {
+        let (ny, nx) = whole.grid().shape();
+        let parity = self.class.parity();
+        // A cosine is (e^+ + e^-)/2, a sine (e^+ - e^-)/2i, about the middle between two points.
+        let side = |k: usize, n: usize, axis: usize, sign: f64| {
+            let phase = Complex::cis(sign * PI * k as f64 * (1.0 / n as f64 - 1.0));
+            let odd = parity[axis] < 0.0;
+            phase
+                * if odd {
+                    Complex::new(0.0, -sign)
+                } else {
+                    Complex::ONE
+                }
+        };
+        for (wave, &[k, l]) in self.waves.iter().enumerate() {
+            let (pair, mirrored) = match self.class.exchange().filter(|_| k != l) {
+                Some(sign) => (FRAC_1_SQRT_2, Some(sign * FRAC_1_SQRT_2)),
+                None => (1.0, None),
+            };
+            for ([k, l], weight) in [([k, l], Some(pair)), ([l, k], mirrored)] {
+                let Some(weight) = weight else { continue };
+                let along_x = weight * side(k, nx, 0, 1.0);
+                if l == 0 {
+                    at(wave, k * ny, along_x);
+                    continue;
+                }
+                for (place, sign) in [(l, 1.0), (ny - l, -1.0)] {
+                    let factor = FRAC_1_SQRT_2 * along_x * side(l, ny, 1, sign);
+                    at(wave, k * ny + place, factor);
+                }
+            }
+        }
+    }
+}
+
+/// The waves of a class as amplitudes of the whole cell.
+#[derive(Clone, Debug)]
+pub struct Unfolding {
+    /// Wave of the class, amplitude pair of the whole cell, and the value there.
+    places: Vec<(usize, usize, Complex<f64>)>,
+    waves: usize,
+    dimension: usize,
+}
+
+impl Unfolding {
+    /// Amplitudes of the whole cell of a mode given by coefficients of all waves of the class.
+    pub fn unfolded(&self, coefficients: &[f64]) -> Vec<f64> {
+        let mut z = vec![0.0; self.dimension];
+        for &(wave, pair, factor) in &self.places {
+            z[2 * pair] += factor.re * coefficients[wave];
+            z[2 * pair + 1] += factor.im * coefficients[wave];
+        }
+        z
+    }
+
+    /// The part of amplitudes of the whole cell that belongs to the class.
+    pub fn folded(&self, z: &[f64]) -> Vec<f64> {
+        let mut coefficients = vec![0.0; self.waves];
+        for &(wave, pair, factor) in &self.places {
+            coefficients[wave] += factor.re * z[2 * pair] + factor.im * z[2 * pair + 1];
+        }
+        coefficients
+    }
+}
