@@ -5,7 +5,7 @@ use super::atlas::{Atlas, End, Leg, Place, Traversal, Unmapped};
 use super::record::{Direction, StateRecord};
 use super::run::{Landing, LoopRun, Outcome, Report};
 use super::walk::apart::apart;
-use super::walk::symmetry::{Guard, slides_on};
+use super::walk::symmetry::{Guard, Soft, slides_on};
 use crate::numerics::cancel::Cancel;
 use crate::physics::pattern::{Pattern, classify, contact_area};
 use crate::physics::system::{System, carried};
@@ -268,7 +268,12 @@ impl Tour<'_> {
             if is_ridge {
                 fields = self.guard.fields(&z, control);
             }
-            self.guard.check(stiffness, &known, &z, &fields)
+            let soft = if is_ridge {
+                Soft::Mode(stiffness.value, &[])
+            } else {
+                Soft::Classes(&known)
+            };
+            self.guard.check(soft, &z, &fields)
         };
         let cancelled = self.guard.cancel.requested();
         // Right at an end the mesh of the whole cell may call it a hair sooner than that of the

@@ -13,6 +13,7 @@ use super::equilibrium::Stiffness;
 use super::index::Symmetry;
 use super::mechanics::{Mechanics, Rates, Slides};
 use super::stability::PROVED;
+use crate::numerics::vector::{add, dot, norm, scale};
 use crate::physics::low_block::{Class, LowBlock};
 use crate::physics::system::{Fields, System};
 use crate::physics::theory::flat;
@@ -48,6 +49,38 @@ pub struct Known {
     pub residual: f64,
 }
 
+impl Known {
+    /// The part of an even `mode` over a pattern that keeps x <-> y that belongs to one class, and
+    /// most of it does. Two transforms.
+    pub fn of(even: &mut Mechanics, fields: &Fields, mode: &[f64]) -> Self {
+        let part = |class: Class| {
+            let mut part = mode.to_vec();
+            class.project(&even.system, &mut part);
+            (class, norm(&part), part)
+        };
+        let [one, other] = [Class::Symmetric, Class::Antisymmetric].map(part);
+        let (class, length, mut part) = if one.1 >= other.1 { one } else { other };
+        scale(&mut part, 1.0 / length);
+        let mut image = vec![0.0; part.len()];
+        even.hessian(fields, &part, &mut image);
+        let value = dot(&part, &image);
+        add(&mut image, -value, &part);
+        Self {
+            class,
+            value,
+            residual: norm(&image),
+        }
+    }
+}
+
+/// The least value of those known (E* per length); infinite where none is.
+pub fn softest(known: &[Known]) -> f64 {
+    known
+        .iter()
+        .map(|known| known.value)
+        .fold(f64::INFINITY, f64::min)
+}
+
 impl ClassProof {
     /// For patterns of an even `system`, which slide so on its whole cell; `None` where it would
     /// not pay.
@@ -79,7 +112,7 @@ impl ClassProof {
         fields: &Fields,
         known: &[Known],
     ) -> Option<Stiffness> {
-        let softest = known.iter().map(|known| known.value).reduce(f64::min)?;
+        let softest = softest(known);
         let unit = mechanics.system.stiffness_unit();
         let cut = |k: f64| {
             if k > 0.0 {
@@ -107,7 +140,10 @@ impl ClassProof {
                     let shift = known.value + MARGIN * unit;
                     known.value + known.residual < shift && block.most_below(least, shift) <= 1
                 });
-                alone.map(|known| known.value - known.residual).or_else(|| {
+                // The second eigenvalue is not below the shift (G. Temple).
+                let off =
+                    |known: &Known| known.residual.min(known.residual.powi(2) / (MARGIN * unit));
+                alone.map(|known| known.value - off(known)).or_else(|| {
                     let shifts = [softest, PROVED * softest];
                     shifts
                         .into_iter()

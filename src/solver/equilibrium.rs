@@ -68,7 +68,7 @@ impl Stiffness {
             // Seen more closely among some, and bounded among all.
             false => Self {
                 value: self.value,
-                error: self.error.max(self.value - (all.value - all.error)),
+                error: (self.value - (all.value - all.error)).max(0.0),
             },
         }
     }

@@ -44,11 +44,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let panel = panel(state);
     let few = ui.available_width() >= WIDE || height < LOW;
     let rows = if few { ROWS.0 } else { ROWS.1 };
-    // The plot stays where it is when an entry comes.
-    let (_, legend) = ui.allocate_space(vec2(ui.available_width(), rows * LEGEND));
-    let mut inside = ui.new_child(UiBuilder::new().max_rect(legend));
-    inside.set_clip_rect(legend.intersect(ui.clip_rect()));
+    let mut inside = ui.new_child(UiBuilder::new().max_rect(ui.available_rect_before_wrap()));
     diagram::legend(&mut inside, &panel);
+    // The plot stays where it is when an entry comes, as long as the rows hold it.
+    let needed = inside.min_rect().height().max(rows * LEGEND);
+    ui.allocate_space(vec2(ui.available_width(), needed));
     let height = (height - (ui.cursor().top() - top)).max(120.0);
     let [length, stress] = told(state);
     let hover = |x: f64, y: f64| {

@@ -14,10 +14,11 @@ use crate::scene::part::Part;
 use crate::scene::{Model, Scene};
 use crate::solver::Stop;
 use crate::solver::branch::History;
-use crate::solver::class_proof::{ClassProof, Known};
+use crate::solver::class_proof::{ClassProof, Known, softest};
 use crate::solver::equilibrium::{Equilibrium, Stiffness};
 use crate::solver::mechanics::{Mechanics, Slides};
 use crate::solver::stability::Tracker;
+use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -31,9 +32,16 @@ const RESOLVED: f64 = 0.33;
 /// Longest reach of the exact blocks for proofs over flat ground: fig3 costs 6.2, 5.2 and 5.3 s
 /// with 10, 16 and 20 waves.
 const MOST_REACH: f64 = 16.0;
-/// How closely gamma'' keeps x <-> y in a pattern that does, over [`System::stiffness_unit`]: no
-/// eigenvalue is told more closely.
+/// How closely gamma'' keeps x <-> y in a pattern that does, over [`System::stiffness_unit`].
 const SAME: f64 = 1e-6;
+
+/// The soft even modes that are known at a state.
+pub(in crate::follow) enum Soft<'a> {
+    /// One, with its eigenvalue (E* per length).
+    Mode(f64, &'a [f64]),
+    /// Those of the classes of a pattern that keeps x <-> y.
+    Classes(&'a [Known]),
+}
 
 /// Tracks the smallest eigenvalue among all modes of the whole cell over even patterns: even ones,
 /// and those that are odd along x, y or both, which know nothing of each other.
@@ -103,30 +111,40 @@ impl Guard {
     }
 
     /// The smallest eigenvalue over all modes of the whole cell, and u0 where it is free, at the
-    /// even surface `z` with these `fields`, where the softest even mode has the eigenvalue `even`.
-    /// Of a pattern that keeps x <-> y those of its classes may be `known`.
+    /// even surface `z` with these `fields`, where `soft` even modes are known, the softest among
+    /// them.
     pub(in crate::follow) fn check(
         &mut self,
-        even: Stiffness,
-        known: &[Known],
+        soft: Soft<'_>,
         z: &[f64],
         fields: &Fields,
     ) -> Stiffness {
-        let (even_mechanics, _) = &mut self.modes[0];
-        even_mechanics.cancel = self.cancel.clone();
-        if let Some(proof) = &mut self.proof
-            && let Some(all) = proof.least(even_mechanics, z, fields, known)
-        {
-            return even.among(all);
+        let (even, _) = &mut self.modes[0];
+        even.cancel = self.cancel.clone();
+        // What is odd along y is what is odd along x with x and y exchanged, as far as the pattern
+        // allows that: no eigenvalue moves by more than gamma'' does.
+        let swapped = skew(&fields.stiffness);
+        let is_square = swapped <= SAME * even.system.stiffness_unit();
+        if let Some(proof) = self.proof.as_mut().filter(|_| is_square) {
+            let part;
+            let known = match soft {
+                Soft::Mode(_, mode) => {
+                    part = [Known::of(even, fields, mode)];
+                    &part[..]
+                }
+                Soft::Classes(known) => known,
+            };
+            if let Some(Stiffness { value, error }) = proof.least(even, z, fields, known) {
+                let error = error + swapped;
+                return Stiffness { value, error };
+            }
         }
-        let rates = even_mechanics.rates(fields);
-        let same = SAME * even_mechanics.system.stiffness_unit();
-        let k = &fields.stiffness;
-        // What is odd along y is then what is odd along x, with x and y exchanged.
-        let is_square = k.is_square()
-            && k.indexed_iter()
-                .all(|((j, i), here)| (here - k[[i, j]]).abs() <= same);
-        let mut all = even;
+        let rates = even.rates(fields);
+        let seen = match soft {
+            Soft::Mode(value, _) => value,
+            Soft::Classes(known) => softest(known),
+        };
+        let (mut value, mut lower) = (seen, f64::INFINITY);
         for (mechanics, tracker) in &mut self.modes {
             if is_square && mechanics.system.is_odd() == [false, true] {
                 continue;
@@ -134,12 +152,31 @@ impl Guard {
             mechanics.cancel = self.cancel.clone();
             mechanics.renew(fields, &rates);
             let found = tracker
-                .bounded(mechanics, z, fields, even.value)
+                .bounded(mechanics, z, fields, seen)
                 .unwrap_or_else(|| tracker.check(mechanics, z, fields).0);
-            all = all.among(found);
+            if !found.is_stable() {
+                return found;
+            }
+            value = value.min(found.value);
+            lower = lower.min(found.value - found.error);
         }
-        all
+        let unsure = if is_square { swapped } else { 0.0 };
+        Stiffness {
+            value,
+            error: value - lower + unsure,
+        }
     }
+}
+
+/// How far a field is from one that keeps x <-> y; infinite on a line.
+fn skew(field: &Array2<f64>) -> f64 {
+    if !field.is_square() {
+        return f64::INFINITY;
+    }
+    let pairs = field.indexed_iter();
+    pairs.fold(0.0, |most: f64, ((j, i), here)| {
+        most.max((here - field[[i, j]]).abs())
+    })
 }
 
 /// How much softer than the softest even mode followed, as a share of it, another may be before the
@@ -167,7 +204,7 @@ impl Walk {
             return Ok((even, mode));
         }
         guard.cancel = mechanics.cancel.clone();
-        let all = guard.check(even, &[], z, fields);
+        let all = guard.check(Soft::Mode(even.value, &mode), z, fields);
         if all.value < (1.0 - SOFTER) * even.value {
             (even, mode) = tracker.check(mechanics, z, fields);
         }
