@@ -541,7 +541,7 @@ fn a_scene_runs_on_the_part_of_the_cell_the_plan_says_unless_somebody_overrules_
         let out = drain(&mut Session::default(), vec![command]);
         let choice = &ready(&out).choice;
         assert_eq!(choice.part, reduction, "{choice:?}");
-        assert!(choice.plan.words.contains(words), "{choice:?}");
+        assert!(choice.plan.words().contains(words), "{choice:?}");
         // Pictures are always of the whole cell.
         let shape = ready(&out).model.grid.shape();
         assert!(frames(&out).all(|frame| frame.gap.dim() == shape));

@@ -5,6 +5,7 @@ use super::tell;
 use crate::follow::record::{JumpRecord, StateRecord};
 use crate::follow::run::Report;
 use crate::plot::ticks::digits;
+use crate::scene::units::fixed;
 use crate::storage::line;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -139,12 +140,12 @@ fn state_words(state: &StateRecord, step: f64) -> String {
 
 fn jump_words(jump: &JumpRecord, step: f64) -> String {
     format!(
-        "jump   {} at u0 = {}: {} to {}, released {:.4} gamma ({})",
+        "jump   {} at u0 = {}: {} to {}, released {} gamma ({})",
         jump.direction,
         digits(jump.mean_displacement, 0.01 * step),
         jump.from,
         jump.to,
-        jump.released_energy,
+        fixed(jump.released_energy, 4),
         jump.cause_words()
     )
 }

@@ -195,10 +195,7 @@ fn plan_summary(scene: &Scene, model: &Model, plan: &Plan, deviation: Option<&st
     let given = scene.number_given(Dimension::SurfaceEnergy, model.law.surface_energy);
     PlanSummary {
         strategy: plan.carried_out(deviation).word(),
-        words: deviation.map_or_else(
-            || plan.words.clone(),
-            |why| format!("{}; {why}", plan.words),
-        ),
+        words: deviation.map_or_else(|| plan.words(), |why| format!("{}; {why}", plan.words())),
         predicted_seconds: Number(plan.predicted_seconds),
         reason: model.reason.clone(),
         length: Number(model.grid.length),

@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<u8, Failure> {
     } else {
         arguments.model.0.or(Some(Strategy::WHOLE))
     };
-    let plan = plan_of(&scene, &model, asked);
+    let plan = plan_of(&scene, &model, asked).by(arguments.method);
 
     let cancel = cancel_on_signal();
     let output = &arguments.output;
@@ -148,7 +148,7 @@ fn compare(
 ) -> Result<u8, Refusal> {
     let mut code = DONE;
     if arguments.yardstick {
-        let whole = plan_of(scene, model, Some(Strategy::WHOLE));
+        let whole = plan_of(scene, model, Some(Strategy::WHOLE)).by(MethodKind::Gfmd);
         let other = timed(
             arguments,
             scene,
@@ -239,7 +239,7 @@ fn timed(
     let heading = format!(
         "{}: {} ({}), mu_rho = {:.3}, {}",
         scene.title,
-        plan.words,
+        plan.words(),
         model.reason,
         model.mu_rho,
         method.title()

@@ -265,10 +265,8 @@ impl Tour<'_> {
             let mut z = z;
             let [control, mean] = driven.balanced(u0, node.state.stress);
             z[0] = mean;
-            if is_ridge {
-                fields = self.guard.fields(&z, control);
-            }
             let soft = if is_ridge {
+                fields = self.guard.fields(&z, control);
                 Soft::Mode(stiffness.value, &[])
             } else {
                 Soft::Classes(&known)

@@ -31,8 +31,9 @@ pub struct Bound {
 }
 
 /// Runs from `start`, drawn evenly from all directions, until it is known on which side of `level`
-/// the smallest eigenvalue lies, if that is asked, or for `most` products. `chance` is the chance that an eigenvalue lies below the bound all the same; far above
-/// 1e-13, where rounding begins to matter.
+/// the smallest eigenvalue lies, if that is asked, or for `most` products. `chance` is the chance
+/// that an eigenvalue lies below the bound all the same; far above 1e-13, where rounding begins to
+/// matter.
 pub fn lowest(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     start: &[f64],

@@ -12,7 +12,7 @@ const POINTS_MAX: usize = 4000;
 
 /// What the states of a piece are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum PieceKind {
     /// Stable equilibria.
     Stable,
     /// Equilibria that are not stable.
@@ -21,7 +21,7 @@ pub enum Standing {
     NotConverged,
 }
 
-impl From<Stop> for Standing {
+impl From<Stop> for PieceKind {
     fn from(stop: Stop) -> Self {
         match stop {
             Stop::Stable | Stop::ReadOff => Self::Stable,
@@ -37,7 +37,7 @@ pub struct Piece {
     /// Direction of the drive.
     pub direction: Direction,
     /// What its states are, all alike.
-    pub standing: Standing,
+    pub kind: PieceKind,
     /// The pattern of its newest state.
     pub pattern: Pattern,
     /// (u0/rho, stress/sigma_max or another ordinate) in the order they were reached.
@@ -95,17 +95,15 @@ impl Curve {
     fn add(&mut self, state: &StateRecord, law: &Law, ordinate: f64) {
         let point = [state.mean_displacement / law.range, ordinate];
         let cut = std::mem::take(&mut self.broken);
-        let standing = Standing::from(state.stop);
+        let kind = PieceKind::from(state.stop);
         match self.pieces.last_mut() {
-            Some(piece)
-                if !cut && (piece.direction, piece.standing) == (state.direction, standing) =>
-            {
+            Some(piece) if !cut && (piece.direction, piece.kind) == (state.direction, kind) => {
                 piece.pattern = state.pattern;
                 piece.points.push(point);
             }
             _ => self.pieces.push(Piece {
                 direction: state.direction,
-                standing,
+                kind,
                 pattern: state.pattern,
                 points: vec![point],
             }),
@@ -228,14 +226,14 @@ mod tests {
         let pieces: Vec<_> = curve
             .pieces
             .iter()
-            .map(|p| (p.standing, p.points.len()))
+            .map(|p| (p.kind, p.points.len()))
             .collect();
         assert_eq!(
             pieces,
             [
-                (Standing::Stable, 2),
-                (Standing::NotConverged, 2),
-                (Standing::Unstable, 1)
+                (PieceKind::Stable, 2),
+                (PieceKind::NotConverged, 2),
+                (PieceKind::Unstable, 1)
             ]
         );
     }

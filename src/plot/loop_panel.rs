@@ -1,7 +1,7 @@
 //! A loop as a diagram: mean stress against mean displacement, x = u0/rho and y = stress/sigma_max,
 //! tension positive.
 
-use super::curve::{Curve, Piece, Standing};
+use super::curve::{Curve, Piece, PieceKind};
 use super::panel::{Along, Area, Arrow, Axis, Colour, Label, Page, Panel, Role, Series, Symbol};
 use super::scale;
 use crate::follow::flat_branch::FlatBranch;
@@ -79,25 +79,25 @@ pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>)
 pub fn branches(curve: &Curve) -> Vec<Series> {
     let mut all = Vec::new();
     for direction in [Direction::Approach, Direction::Retraction] {
-        let of = |standing| {
+        let of = |kind| {
             gone(curve, |piece| {
-                (piece.direction, piece.standing) == (direction, standing)
+                (piece.direction, piece.kind) == (direction, kind)
             })
         };
         let (name, colour) = (direction.to_string(), Colour::of(direction));
         all.extend([
-            Series::gone(direction, of(Standing::Stable)),
+            Series::gone(direction, of(PieceKind::Stable)),
             Series::line(
                 &format!("{name}, unstable"),
                 Role::Unstable,
                 colour,
-                of(Standing::Unstable),
+                of(PieceKind::Unstable),
             ),
             Series::symbols(
                 &format!("{name}, not converged"),
                 Symbol::Circle,
                 colour,
-                finite(of(Standing::NotConverged)),
+                finite(of(PieceKind::NotConverged)),
             ),
         ]);
     }

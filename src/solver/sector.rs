@@ -441,18 +441,12 @@ impl Sector {
         node: &Node,
         before: Option<&Vec<f64>>,
     ) -> (f64, Vec<f64>, f64) {
-        let block = if class == Class::Symmetric {
-            self.mechanics
-                .preconditioner
-                .low_block()
-                .expect("an even system has a block")
+        let (block, waves, of_block) = if class == Class::Symmetric {
+            let block = self.mechanics.preconditioner.low_block();
+            let block = block.expect("an even system has a block");
+            (block, &node.own_waves, node.own)
         } else {
-            &self.breaking[0]
-        };
-        let (waves, of_block) = if class == Class::Symmetric {
-            (&node.own_waves, node.own)
-        } else {
-            (&node.breaking_waves[0], node.breaking)
+            (&self.breaking[0], &node.breaking_waves[0], node.breaking)
         };
         let afresh = block.mode(waves, self.system());
         let mut limits = EigenLimits {
@@ -559,14 +553,9 @@ impl Sector {
                 };
             }
         } else {
-            let own = self.followed(
-                &fields,
-                Class::Symmetric,
-                &node,
-                before.map(|n| &n.own_mode),
-            );
-            let breaking_before = before.map(|n| &n.breaking_mode);
-            let breaking = self.followed(&fields, Class::Antisymmetric, &node, breaking_before);
+            let known_before = before.map(|n| (&n.own_mode, &n.breaking_mode)).unzip();
+            let own = self.followed(&fields, Class::Symmetric, &node, known_before.0);
+            let breaking = self.followed(&fields, Class::Antisymmetric, &node, known_before.1);
             (node.own, node.own_mode) = (own.0, own.1.clone());
             (node.breaking, node.breaking_mode) = (breaking.0, breaking.1.clone());
             known = [(Class::Symmetric, &own), (Class::Antisymmetric, &breaking)]

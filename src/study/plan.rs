@@ -22,8 +22,8 @@ use crate::solver::methods::MethodKind;
 pub struct Plan {
     /// What is done.
     pub strategy: Strategy,
-    /// In one sentence: which models, on which meshes, and why.
-    pub words: String,
+    /// Which models, on which meshes, and why.
+    place: String,
     /// Expected relative error of the dissipated energy and of the jumps' u0, whichever is larger;
     /// 1 where nothing can be promised (a coarse mesh, a law whose stiffness jumps), NaN where
     /// nothing is known (uneven ground).
@@ -33,12 +33,20 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The same by a method whose states need not be at rest: nothing is promised of them.
-    pub fn without_promise(mut self) -> Self {
-        let promised = promise(Some(self.predicted_error));
-        self.words = self.words.replace(&promised, &promise(None));
-        self.predicted_error = f64::NAN;
+    /// The same carried out by a method: nothing is promised of states that need not be at rest.
+    pub fn by(self, method: MethodKind) -> Self {
+        if method == MethodKind::Gfmd {
+            return Self {
+                predicted_error: f64::NAN,
+                ..self
+            };
+        }
         self
+    }
+
+    /// In one sentence: which models, on which meshes, why, and what is promised.
+    pub fn words(&self) -> String {
+        format!("{}; {}", self.place, promise(Some(self.predicted_error)))
     }
 
     /// What was done in the end, where a run had to deviate from it.
@@ -89,7 +97,7 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
         };
         Plan {
             strategy: Strategy::Walk(part),
-            words: format!("{place}: {why}; {}", promise(Some(mesh))),
+            place: format!("{place}: {why}"),
             predicted_error: mesh,
             predicted_seconds: increments * seconds,
         }
@@ -115,11 +123,10 @@ pub fn plan(scene: &Scene, model: &Model, asked: Option<Strategy>) -> Plan {
             let side = meshes.square;
             Plan {
                 strategy: Strategy::Atlas,
-                words: format!(
+                place: format!(
                     "flat in closed form, ridge on half a line of {} points, bulge and dimple on a \
-                     quarter of {side} x {side} points, f64; {}",
+                     quarter of {side} x {side} points, f64",
                     meshes.line,
-                    promise(Some(mesh))
                 ),
                 predicted_error: mesh,
                 predicted_seconds: (3000.0 + 20.0 * increments) * transform(points / 4.0),

@@ -4,7 +4,7 @@
 use super::action::Action;
 use super::headline::energy;
 use super::theme;
-use super::view_state::{Of, ViewState};
+use super::view_state::{Origin, ViewState};
 use super::widgets::named;
 use crate::follow::record::StateRecord;
 use crate::physics::parameter::Dimension;
@@ -46,9 +46,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, plot: Rec
                     });
                 });
                 let (words, colour) = match selection.of {
-                    Of::Walked(_) => ("", palette.now),
-                    Of::Left(_) => ("on a path that was left", palette.flat),
-                    Of::Foreseen => ("foreseen, solved on this mesh", palette.live),
+                    Origin::Walked(_) => ("", palette.now),
+                    Origin::Left(_) => ("on a path that was left", palette.flat),
+                    Origin::Foreseen => ("foreseen, solved on this mesh", palette.live),
                 };
                 if !words.is_empty() {
                     ui.label(RichText::new(words).small().color(colour));

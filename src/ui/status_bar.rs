@@ -212,7 +212,7 @@ fn model_sentence(ready: &Ready) -> String {
         part,
         because,
     } = &ready.choice;
-    let mut words = format!("Plan: {}.", plan.words);
+    let mut words = format!("Plan: {}.", plan.words());
     if let Some(because) = because {
         words += &format!(" The walk runs on the whole cell: {because}.");
     } else if matches!(plan.strategy, Strategy::Atlas) && *part == Part::Quarter {

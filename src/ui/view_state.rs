@@ -22,7 +22,7 @@ pub use kept::{Kept, KeptLoops};
 pub use lesson::Begin;
 pub use plots::{Ghost, LiveView, Plots};
 pub use push::Pushed;
-pub use run::{ClosedLoop, Of, RunView, Selection};
+pub use run::{ClosedLoop, Origin, RunView, Selection};
 pub use session::{Extent, Saved};
 pub use stored::{Store, Stretch, foreseen, stretches};
 

@@ -32,10 +32,7 @@ impl Setup {
         asked: Option<Strategy>,
     ) -> Result<Self, Refusal> {
         let model = scene.model()?;
-        let mut plan = plan(&scene, &model, asked);
-        if method == MethodKind::Gfmd {
-            plan = plan.without_promise();
-        }
+        let plan = plan(&scene, &model, asked).by(method);
         let wanted = match plan.strategy {
             // A hand may go anywhere, so that the walk solves what is shown; the atlas only says
             // what is ahead.

@@ -27,7 +27,7 @@ fn morse(range: f64) -> Law {
 
 fn planned(scene: &Scene) -> LoopRun {
     let plan = plan(scene, &scene.model().unwrap(), None);
-    assert!(matches!(plan.strategy, Strategy::Atlas), "{}", plan.words);
+    assert!(matches!(plan.strategy, Strategy::Atlas), "{}", plan.words());
     let run = crate::loops::planned(scene);
     assert_eq!(run.deviation, None);
     run

@@ -225,9 +225,9 @@ fn rough_ground_and_several_crests_are_left_to_the_whole_cell() {
     let asked = plan(&scene, &scene.model().unwrap(), Some(Strategy::QUARTER));
     assert_eq!(asked.strategy, Strategy::WHOLE);
     assert!(
-        asked.words.contains("no mirror symmetry"),
+        asked.words().contains("no mirror symmetry"),
         "{}",
-        asked.words
+        asked.words()
     );
     let refused = Walk::start(
         &scene,

@@ -66,6 +66,27 @@ fn stiffness(numbers: &[f64], is_square: bool) -> Array2<f64> {
     })
 }
 
+/// [`LowBlock::most_below`] a shift, of waves as long as `reach`.
+fn most_below(
+    even: &System,
+    class: Class,
+    reach: f64,
+    stiffness: &Array2<f64>,
+) -> impl FnMut(f64) -> usize + use<> {
+    let mut workspace = even.workspace();
+    let mut amplitudes = |stiffness: Array2<f64>| {
+        let mut out = vec![0.0; even.dimension()];
+        let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
+        (out, mean)
+    };
+    let (once, mean) = amplitudes(stiffness.clone());
+    let (twice, mean_square) = amplitudes(stiffness * stiffness);
+    let least = stiffness.fold(f64::INFINITY, |least: f64, k| least.min(*k));
+    let mut block = LowBlock::new(even, class, reach);
+    block.bound(even, None, [&once, &twice], [mean, mean_square]);
+    move |shift| block.most_below(least, shift)
+}
+
 fn even(body: Body) -> System {
     System::even(Grid::square(60.0, N), law(), &Indenter::Flat).with_body(body)
 }
@@ -107,21 +128,9 @@ proptest! {
     ) {
         let even = even(Body::HalfSpace);
         let quarter = stiffness(&numbers, true);
-        let mut workspace = even.workspace();
-        let mut amplitudes = |stiffness: Array2<f64>| {
-            let mut out = vec![0.0; even.dimension()];
-            let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
-            (out, mean)
-        };
-        let (once, mean) = amplitudes(quarter.clone());
-        let (twice, mean_square) = amplitudes(&quarter * &quarter);
-        let least = quarter.fold(f64::INFINITY, |least: f64, k| least.min(*k));
         let bound = |classes: &[Class]| {
-            classes.iter().fold(0usize, |sum, class| {
-                let mut block = LowBlock::new(&even, *class, reach);
-                block.bound(&even, None, [&once, &twice], [mean, mean_square]);
-                sum.saturating_add(block.most_below(least, shift))
-            })
+            let most = classes.iter().map(|class| most_below(&even, *class, reach, &quarter)(shift));
+            most.fold(0, usize::saturating_add)
         };
         for (odd, classes) in PARITIES.into_iter().zip([
             &[Class::Symmetric, Class::Antisymmetric][..],
@@ -146,21 +155,11 @@ fn a_long_block_over_a_smooth_pattern_counts_what_there_is() {
     let quarter = Array2::from_shape_fn((m, m), |(i, j)| {
         0.05 - 0.1 * (1.0 + wave(i)) * (1.0 + wave(j)) / 4.0
     });
-    let mut workspace = even.workspace();
-    let mut amplitudes = |stiffness: Array2<f64>| {
-        let mut out = vec![0.0; even.dimension()];
-        let mean = even.stiffness_amplitudes(&fields(stiffness), &mut out, &mut workspace);
-        (out, mean)
-    };
-    let (once, mean) = amplitudes(quarter.clone());
-    let (twice, mean_square) = amplitudes(&quarter * &quarter);
-    let least = quarter.fold(f64::INFINITY, |least: f64, k| least.min(*k));
     let values = eigenvalues(dense(&System::odd(&even, [true, false]), &quarter));
-    let mut block = LowBlock::new(&even, Class::OddAlongX, 6.0);
-    block.bound(&even, None, [&once, &twice], [mean, mean_square]);
+    let mut bound = most_below(&even, Class::OddAlongX, 6.0, &quarter);
     // Half way between one eigenvalue and the next.
     for rank in 0..4 {
         let shift = 0.5 * (values[rank] + values[rank + 1]);
-        assert_eq!(block.most_below(least, shift), rank + 1, "{values:?}");
+        assert_eq!(bound(shift), rank + 1, "{values:?}");
     }
 }

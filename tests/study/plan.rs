@@ -61,9 +61,9 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
             assert!(
                 plan.predicted_error >= 1.0 && !model.law.is_smooth(),
                 "{}",
-                plan.words
+                plan.words()
             );
-            println!("{row}  {}", plan.words);
+            println!("{row}  {}", plan.words());
             kept += 1;
             continue;
         }
@@ -71,7 +71,7 @@ fn predicted_error_is_an_upper_bound_in_95_percent_of_random_scenes() {
         assert!(
             plan.predicted_error <= 1.5 * target.max(1e-4),
             "{}",
-            plan.words
+            plan.words()
         );
         let Turn::At(turn) = scene.drive.turn else {
             unreachable!()
@@ -152,8 +152,8 @@ fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
             Strategy::Atlas => "atlas",
             Strategy::Walk(reduction) => reduction.word(),
         };
-        assert_eq!(word, strategy, "{name}: {}", plan.words);
-        assert!(plan.words.contains(words), "{name}: {}", plan.words);
+        assert_eq!(word, strategy, "{name}: {}", plan.words());
+        assert!(plan.words().contains(words), "{name}: {}", plan.words());
         assert!(plan.predicted_seconds > 0.0);
     }
 }
@@ -206,7 +206,7 @@ fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
 fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh() {
     for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
         let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
-        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words;
+        let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words();
         assert!(
             words(&scene).contains("no accuracy is promised"),
             "{name}: {}",
@@ -227,7 +227,7 @@ fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh(
     let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
     assert!(
         plan(&fig2, &fig2.model().unwrap(), None)
-            .words
+            .words()
             .contains("expected error")
     );
 }

@@ -11,7 +11,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::scene::Points;
 use tackscope::solver::Stop;
 use tackscope::ui::App;
-use tackscope::ui::view_state::Of;
+use tackscope::ui::view_state::Origin;
 
 /// The window at rest at the start of a coarse Fig. 2, with its live loop.
 pub fn at_rest() -> Harness<'static, App> {
@@ -60,7 +60,7 @@ fn a_press_on_what_the_strip_foresees_shows_that_state_and_escape_the_present() 
         press_at(&mut window, at);
         let selection = run(&window).selection.clone().expect("a state");
         let state = &selection.state;
-        assert_eq!(selection.of, Of::Foreseen, "nobody was there");
+        assert_eq!(selection.of, Origin::Foreseen, "nobody was there");
         assert_eq!((state.pattern, state.direction), (pattern, direction));
         assert_eq!(state.stop, Stop::Stable);
         assert!((state.control - control).abs() < 0.02, "{state:?}");
@@ -154,7 +154,10 @@ fn a_click_on_the_live_loop_in_the_plot_shows_that_state_and_a_drag_goes_along_i
     });
     let at = found.expect("the live loop is met");
     let first = run(&window).selection.clone().expect("a state");
-    assert_eq!((first.of, first.state.stop), (Of::Foreseen, Stop::Stable));
+    assert_eq!(
+        (first.of, first.state.stop),
+        (Origin::Foreseen, Stop::Stable)
+    );
     window.hover_at(at);
     window.step();
     window.drag_at(at);
@@ -178,6 +181,6 @@ fn a_click_on_the_live_loop_in_the_plot_shows_that_state_and_a_drag_goes_along_i
         run(&window)
             .selection
             .as_ref()
-            .is_some_and(|s| s.of == Of::Foreseen)
+            .is_some_and(|s| s.of == Origin::Foreseen)
     );
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use tackscope::follow::record::{Direction, StateRecord};
 use tackscope::scene::Points;
 use tackscope::ui::App;
-use tackscope::ui::view_state::{Of, RunView, Stretch, stretches};
+use tackscope::ui::view_state::{Origin, RunView, Stretch, stretches};
 
 /// A state, and its gap as it was seen.
 pub type Seen = (StateRecord, Arc<Array2<f64>>);
@@ -128,7 +128,7 @@ fn every_state_that_was_seen_is_shown_again_as_it_was() {
     assert!(compared >= 10, "{compared}");
     assert_eq!(
         run(&window).selection.as_ref().map(|s| s.of),
-        Some(Of::Walked(0))
+        Some(Origin::Walked(0))
     );
 }
 
@@ -185,7 +185,7 @@ fn go_on_from_here_forks_the_path_and_keeps_the_way_to_that_state() {
     assert!(!after.is_busy() && after.selection.is_none());
     assert_eq!(after.actual, chosen.state.control);
     assert!(apart(&gap, &shown(&window)) < 1e-6);
-    let Of::Walked(index) = chosen.of else {
+    let Origin::Walked(index) = chosen.of else {
         panic!("{chosen:?}")
     };
     let way = &before.states[..=index];
@@ -231,7 +231,7 @@ fn the_states_on_a_path_that_a_fork_left_are_shown_and_gone_on_from() {
         run(&window).selection.clone()
     });
     let chosen = chosen.expect("the grey line is met");
-    assert!(matches!(chosen.of, Of::Left(_)), "{chosen:?}");
+    assert!(matches!(chosen.of, Origin::Left(_)), "{chosen:?}");
     let this = seen.iter().find(|(s, _)| state(s) == state(&chosen.state));
     let (_, gap) = this.expect("a state that was walked");
     assert!(chosen.state.control < run(&window).actual);

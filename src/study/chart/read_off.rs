@@ -126,9 +126,9 @@ fn places([from, to]: [f64; 2], start: f64, step: f64) -> Vec<f64> {
     places
 }
 
-/// The loop of `scene`, whose u0 is driven, along the pieces of its diagram on which the loop `walked` on a coarser mesh
-/// lies; cancelled where one of them, or a landing, is not found, or not before `cancel`. `tell` is
-/// called now and then.
+/// The loop of `scene`, whose u0 is driven, along the pieces of its diagram on which the loop
+/// `walked` on a coarser mesh lies; cancelled where one of them, or a landing, is not found, or not
+/// before `cancel`. `tell` is called now and then.
 pub(super) fn of_diagram(
     scene: &Scene,
     model: &Model,

@@ -1,7 +1,7 @@
 //! States that a live loop foresees: asked for where it is clicked, found beside the walk, looked
 //! at like stored ones.
 
-use super::{Kept, Of, Selection, ViewState};
+use super::{Kept, Origin, Selection, ViewState};
 use crate::follow::record::Direction;
 use crate::lessons::Hidden;
 use crate::scene::part::Part;
@@ -150,7 +150,7 @@ impl ViewState {
         match self.run.foresight.update(solver) {
             Some(Ok(stored)) => {
                 self.run.selection = Some(Selection {
-                    of: Of::Foreseen,
+                    of: Origin::Foreseen,
                     state: stored.record.clone(),
                     jump: None,
                 });

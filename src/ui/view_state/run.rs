@@ -69,9 +69,9 @@ pub struct ClosedLoop {
     pub loss: Vec<Area>,
 }
 
-/// Of what a stored state is.
+/// Where a stored state is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum Origin {
     /// Of the present path: its index in the record.
     Walked(usize),
     /// Of a path that was left: which of them, and which of its states.
@@ -80,7 +80,7 @@ pub enum Of {
     Foreseen,
 }
 
-impl Of {
+impl Origin {
     fn is_like(self, other: Self) -> bool {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
     }
@@ -90,7 +90,7 @@ impl Of {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// Where it comes from.
-    pub of: Of,
+    pub of: Origin,
     /// The stored state.
     pub state: StateRecord,
     /// Index of the jump that led to it or away from it.
@@ -250,17 +250,17 @@ impl ViewState {
                 .hypot((s.stress_over_max - at[1]) / reach[1])
         };
         let walked = self.run.record.states.iter().enumerate();
-        let walked = walked.map(|(index, s)| (distance(s), Of::Walked(index)));
+        let walked = walked.map(|(index, s)| (distance(s), Origin::Walked(index)));
         let ghosts = self.plots.ghosts.iter().enumerate();
         let left = ghosts.flat_map(|(ghost, left)| {
             let states = left.states.iter().enumerate();
-            states.map(move |(state, s)| (distance(&s.record), Of::Left([ghost, state])))
+            states.map(move |(state, s)| (distance(&s.record), Origin::Left([ghost, state])))
         });
-        let nearer = |a: &(f64, Of), b: &(f64, Of)| a.0.total_cmp(&b.0);
+        let nearer = |a: &(f64, Origin), b: &(f64, Origin)| a.0.total_cmp(&b.0);
         let ahead = self.nearest_ahead(at, reach);
-        let foreseen = ahead.as_ref().map(|ahead| (ahead.off, Of::Foreseen));
+        let foreseen = ahead.as_ref().map(|ahead| (ahead.off, Origin::Foreseen));
         // What was walked lies upon the rest.
-        let mut near: Vec<(f64, Of)> = walked.min_by(nearer).into_iter().collect();
+        let mut near: Vec<(f64, Origin)> = walked.min_by(nearer).into_iter().collect();
         let beneath = left.min_by(nearer).into_iter().chain(foreseen);
         near.extend(beneath.map(|(off, of)| (off + UPON, of)));
         let present = self.run.selection.as_ref().map(|selection| selection.of);
@@ -269,9 +269,9 @@ impl ViewState {
         }
         let found = near.into_iter().min_by(nearer);
         match found.filter(|(off, _)| pick != Pick::Click || *off <= 1.0) {
-            Some((_, Of::Walked(index))) => self.select(index),
-            Some((_, of @ Of::Left(_))) => self.look_at(of),
-            Some((_, Of::Foreseen)) => {
+            Some((_, Origin::Walked(index))) => self.select(index),
+            Some((_, of @ Origin::Left(_))) => self.look_at(of),
+            Some((_, Origin::Foreseen)) => {
                 if let Some(Ahead { kept, spot, .. }) = ahead {
                     self.foresee(kept, spot);
                 }
@@ -282,22 +282,22 @@ impl ViewState {
 
     /// Looks at the state of this index, in numbers and, if it is kept, in pictures.
     pub(super) fn select(&mut self, index: usize) {
-        self.look_at(Of::Walked(index));
+        self.look_at(Origin::Walked(index));
     }
 
-    fn look_at(&mut self, of: Of) {
+    fn look_at(&mut self, of: Origin) {
         let (state, jump) = match of {
-            Of::Walked(index) => {
+            Origin::Walked(index) => {
                 let state = self.run.record.states.get(index).cloned();
                 let jump = state.as_ref().and_then(|state| self.jump_at(state));
                 (state, jump)
             }
-            Of::Left([ghost, state]) => {
+            Origin::Left([ghost, state]) => {
                 let ghost = self.plots.ghosts.get(ghost);
                 let stored = ghost.and_then(|ghost| ghost.states.get(state));
                 (stored.map(|stored| stored.record.clone()), None)
             }
-            Of::Foreseen => (None, None),
+            Origin::Foreseen => (None, None),
         };
         let Some(state) = state else {
             return;

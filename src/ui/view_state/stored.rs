@@ -1,7 +1,7 @@
 //! The stored states of the path: looked at, scrubbed through, gone on from; and the path as a
 //! strip of patterns.
 
-use super::{Curve, Films, Foresight, Ghost, Of, ViewState};
+use super::{Curve, Films, Foresight, Ghost, Origin, ViewState};
 use crate::follow::record::{Direction, LoopRecord, StateRecord};
 use crate::physics::pattern::Pattern;
 use crate::plot::curve::eigenvalue_scale;
@@ -161,7 +161,7 @@ impl ViewState {
             return;
         };
         let index = match self.run.selection.as_ref().map(|selection| selection.of) {
-            Some(Of::Walked(index)) => index.saturating_add_signed(by).min(last),
+            Some(Origin::Walked(index)) => index.saturating_add_signed(by).min(last),
             _ => last,
         };
         self.select(index);
@@ -170,9 +170,9 @@ impl ViewState {
     /// The stored or foreseen state somebody looks at, if its picture is kept.
     pub fn looked_at(&self) -> Option<&Arc<Stored>> {
         match self.run.selection.as_ref()?.of {
-            Of::Walked(index) => self.run.store.at(index),
-            Of::Foreseen => self.run.foresight.found.as_ref(),
-            Of::Left([ghost, state]) => self.plots.ghosts.get(ghost)?.states.get(state),
+            Origin::Walked(index) => self.run.store.at(index),
+            Origin::Foreseen => self.run.foresight.found.as_ref(),
+            Origin::Left([ghost, state]) => self.plots.ghosts.get(ghost)?.states.get(state),
         }
     }
 
@@ -182,7 +182,7 @@ impl ViewState {
         match &run.selection {
             _ if run.replayed.is_some() => Some("replay"),
             _ if run.shown.is_none() => None,
-            Some(selection) if selection.of == Of::Foreseen => Some("foreseen"),
+            Some(selection) if selection.of == Origin::Foreseen => Some("foreseen"),
             _ => Some("stored"),
         }
     }
