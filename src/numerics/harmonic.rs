@@ -68,10 +68,7 @@ pub fn fill(field: &mut Array2<f64>, [dx, dy]: [f64; 2]) -> usize {
             *z = r / links;
         }
     };
-    let limits = CgLimits {
-        tolerance: TOLERANCE,
-        products: PRODUCTS_MAX,
-    };
+    let limits = CgLimits::new(TOLERANCE, PRODUCTS_MAX);
     let never = Cancel::default();
     let solution = conjugate_gradients(apply, &b, precondition, &[], limits, &never);
     for (&hole, value) in holes.iter().zip(&solution.x) {

@@ -9,7 +9,10 @@ use super::vector::{add, dot, norm, project_out, scale};
 pub enum CgEnd {
     /// Residual below the asked share of the right-hand side.
     Converged,
-    /// A direction p with p A p <= 0: the matrix is not positive definite.
+    /// The solution would be longer than allowed: it ends on the edge.
+    Edge,
+    /// A direction p with p A p <= 0: the matrix is not positive definite. Within a radius the
+    /// solution ends on its edge, along p.
     NegativeCurvature,
     /// Budget spent.
     Budget,
@@ -22,9 +25,6 @@ pub enum CgEnd {
 pub struct CgSolution {
     /// The solution, or as far as it came.
     pub x: Vec<f64>,
-    /// The last search direction; after [`CgEnd::NegativeCurvature`] the one of negative curvature,
-    /// downhill from `x`.
-    pub direction: Vec<f64>,
     /// Why it ended.
     pub end: CgEnd,
 }
@@ -36,13 +36,34 @@ pub struct CgLimits {
     pub tolerance: f64,
     /// Most products with the matrix.
     pub products: usize,
+    /// Longest solution (T. Steihaug, SIAM J. Numer. Anal. 20, 626 (1983)).
+    pub radius: f64,
+}
+
+impl CgLimits {
+    /// With solutions of any length.
+    pub fn new(tolerance: f64, products: usize) -> Self {
+        Self {
+            tolerance,
+            products,
+            radius: f64::INFINITY,
+        }
+    }
+}
+
+/// `x` + t p with t > 0 and norm `radius`, no less than that of `x`.
+fn go_to_edge(x: &mut [f64], p: &[f64], radius: f64) {
+    let (pp, xp, xx) = (dot(p, p), dot(x, p), dot(x, x));
+    let t = (-xp + (xp * xp + pp * (radius * radius - xx).max(0.0)).sqrt()) / pp;
+    add(x, t, p);
 }
 
 /// Solves A x = b from x = 0 for a symmetric A given by `apply`, with the approximate inverse
 /// `precondition` (symmetric positive definite) and in the complement of the orthonormal `removed`
 /// directions.
 ///
-/// At negative curvature the solution so far is kept (it is a descent direction, or zero).
+/// At negative curvature the solution so far is kept (it is a descent direction, or zero), with
+/// the way along it to the edge where there is a radius.
 pub fn conjugate_gradients(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     b: &[f64],
@@ -62,34 +83,37 @@ pub fn conjugate_gradients(
     let mut ap = vec![0.0; n];
     let mut rz = dot(&r, &z);
     let goal = limits.tolerance * norm(&r);
+    let mut end = CgEnd::Budget;
     for _ in 0..limits.products {
         if cancel.requested() {
-            return CgSolution {
-                x,
-                direction: p,
-                end: CgEnd::Cancelled,
-            };
+            end = CgEnd::Cancelled;
+            break;
         }
         apply(&p, &mut ap);
         project_out(&mut ap, removed);
         let curvature = dot(&p, &ap);
         // NaN must not pass as positive.
         if !(curvature > 0.0) {
-            return CgSolution {
-                x,
-                direction: p,
-                end: CgEnd::NegativeCurvature,
-            };
+            if limits.radius.is_finite() {
+                go_to_edge(&mut x, &p, limits.radius);
+            }
+            end = CgEnd::NegativeCurvature;
+            break;
         }
         let alpha = rz / curvature;
+        if limits.radius.is_finite() {
+            let after = dot(&x, &x) + alpha * (2.0 * dot(&x, &p) + alpha * dot(&p, &p));
+            if after >= limits.radius * limits.radius {
+                go_to_edge(&mut x, &p, limits.radius);
+                end = CgEnd::Edge;
+                break;
+            }
+        }
         add(&mut x, alpha, &p);
         add(&mut r, -alpha, &ap);
         if norm(&r) <= goal {
-            return CgSolution {
-                x,
-                direction: p,
-                end: CgEnd::Converged,
-            };
+            end = CgEnd::Converged;
+            break;
         }
         precondition(&r, &mut z);
         project_out(&mut z, removed);
@@ -100,11 +124,7 @@ pub fn conjugate_gradients(
             *p = z + beta * *p;
         }
     }
-    CgSolution {
-        x,
-        direction: p,
-        end: CgEnd::Budget,
-    }
+    CgSolution { x, end }
 }
 
 /// Solves A x = b from x = 0 for any regular A given by `apply`: least residual over the space of
@@ -204,7 +224,7 @@ mod tests {
             let mut b = vec![0.0; 8];
             product(&x, &mut b);
             let halved = |r: &[f64], out: &mut [f64]| out.iter_mut().zip(r).for_each(|(o, r)| *o = 0.5 * r);
-            let limits = CgLimits { tolerance: 1e-12, products: 8 };
+            let limits = CgLimits::new(1e-12, 8);
             let (found, residual) = minimal_residual(product, &b, halved, limits, &Cancel::default());
             prop_assert!(residual < 1e-10, "{residual}");
             prop_assert!(found.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {x:?}");

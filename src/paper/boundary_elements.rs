@@ -102,10 +102,7 @@ impl Cell {
             &vec![1.0; free.len()],
             |r, out| self.convolve(&self.softness, free, r, out, &mut ws.borrow_mut()),
             &[],
-            CgLimits {
-                tolerance: TOLERANCE,
-                products: PRODUCTS,
-            },
+            CgLimits::new(TOLERANCE, PRODUCTS),
             cancel,
         );
         (solution.end == CgEnd::Converged)

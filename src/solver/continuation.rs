@@ -156,10 +156,7 @@ impl<'a> Bordered<'a> {
             project_out(out, removed);
             out[0] = dot(border, x);
         };
-        let limits = CgLimits {
-            tolerance,
-            products: PRODUCTS,
-        };
+        let limits = CgLimits::new(tolerance, PRODUCTS);
         let (mut x, left) = minimal_residual(apply, b, precondition, limits, cancel);
         if cancel.requested() {
             return Err(Lost::Cancelled);

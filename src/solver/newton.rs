@@ -4,7 +4,7 @@
 use super::Lost;
 use super::mechanics::Mechanics;
 use crate::numerics::krylov::{CgEnd, CgLimits, CgSolution};
-use crate::numerics::vector::{add, dot, norm, project_out};
+use crate::numerics::vector::{add, norm, project_out};
 use crate::physics::system::{Evaluation, System};
 
 /// What [`solve`] and [`descend`] aim at, and how long they may take.
@@ -153,17 +153,13 @@ pub fn solve(
         // Quadratic convergence wants it to fall with the force; less than what is left to the goal
         // is wasted.
         let forcing = (0.3 * goal / force).max((force / scale).min(0.1)).min(0.3);
-        let cg = CgLimits {
-            tolerance: forcing,
-            products: limits.products,
-        };
-        let CgSolution {
-            x: dz, end: cg_end, ..
-        } = mechanics.solve_linear(&at.fields, &push, &removed, cg);
+        let cg = CgLimits::new(forcing, limits.products);
+        let CgSolution { x: dz, end: cg_end } =
+            mechanics.solve_linear(&at.fields, &push, &removed, cg);
         match cg_end {
             CgEnd::Cancelled => return end(NewtonEnd::Cancelled, f64::NAN, at),
             CgEnd::NegativeCurvature => return end(NewtonEnd::NegativeCurvature, f64::NAN, at),
-            CgEnd::Converged | CgEnd::Budget => {}
+            CgEnd::Converged | CgEnd::Edge | CgEnd::Budget => {}
         }
         before = force;
         // A step that leaves the domain of the law (a Mie law at zero gap) is shortened, never
@@ -184,9 +180,8 @@ pub fn solve(
     unreachable!("the last step returns")
 }
 
-/// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region:
-/// where the curvature is negative it goes to the region's edge along that direction (T. Steihaug,
-/// SIAM J. Numer. Anal. 20, 626 (1983)). The energy never rises, no step is longer than `radius`
+/// Descends to a minimum at a fixed control from anywhere by Newton steps within a trust region, on
+/// whose edge their linear solves end. The energy never rises, no step is longer than `radius`
 /// (root mean square, length).
 pub fn descend(
     mechanics: &mut Mechanics,
@@ -196,22 +191,23 @@ pub fn descend(
     limits: NewtonLimits,
 ) -> NewtonState {
     let (law, precision) = (*mechanics.system.law(), mechanics.system.precision());
-    let (scale, rounding) = (
-        law.traction_max(),
-        precision.rounding() * law.surface_energy,
-    );
+    let scale = law.traction_max();
     let mut at = mechanics.at(z, control);
     let mut trial = at.clone();
     let mut reach = radius;
     for step in 0..=limits.steps {
         let force = norm(&at.gradient);
-        let residual = mechanics.residual(&at);
+        let gives_up = step == limits.steps || !force.is_finite() || reach < 1e-9 * radius;
+        // The mean is a lower bound of the largest: only then the exact one is worth a transform.
+        let residual = if gives_up || force <= limits.tolerance * scale {
+            mechanics.residual(&at)
+        } else {
+            f64::NAN
+        };
         let end = match residual <= limits.tolerance {
             true => Some(NewtonEnd::Converged),
             false if mechanics.cancel.requested() => Some(NewtonEnd::Cancelled),
-            false if step == limits.steps || !residual.is_finite() || reach < 1e-9 * radius => {
-                Some(NewtonEnd::Stalled)
-            }
+            false if gives_up => Some(NewtonEnd::Stalled),
             false => None,
         };
         if let Some(end) = end {
@@ -226,31 +222,22 @@ pub fn descend(
         let cg = CgLimits {
             tolerance: (force / scale).sqrt().clamp(1e-4, limits.forcing),
             products: limits.products,
+            radius: reach,
         };
-        let found = mechanics.solve_linear(&at.fields, &at.gradient, &removed, cg);
-        let mut dz = found.x;
-        if found.end == CgEnd::NegativeCurvature {
-            // To the edge: |x + t p| = reach.
-            let (pp, xp, xx) = (
-                dot(&found.direction, &found.direction),
-                dot(&dz, &found.direction),
-                dot(&dz, &dz),
-            );
-            let t = (-xp + (xp * xp + pp * (reach * reach - xx).max(0.0)).sqrt()) / pp;
-            add(&mut dz, t, &found.direction);
-        }
-        let length = norm(&dz);
-        let share = (reach / length).min(1.0);
+        let dz = mechanics
+            .solve_linear(&at.fields, &at.gradient, &removed, cg)
+            .x;
         trial.state.amplitudes.copy_from_slice(&at.state.amplitudes);
-        add(&mut trial.state.amplitudes, -share, &dz);
+        add(&mut trial.state.amplitudes, -1.0, &dz);
         mechanics.update(&mut trial);
         let (before, after) = (at.state.energy, trial.state.energy);
+        let rounding = precision.rounding() * law.surface_energy.max(before.abs());
         if after < before - rounding || after <= before + rounding && norm(&trial.gradient) < force
         {
             std::mem::swap(&mut at, &mut trial);
             reach = (2.0 * reach).min(radius);
         } else {
-            reach = 0.25 * share * length;
+            reach = 0.25 * norm(&dz);
         }
     }
     unreachable!("the last step returns")

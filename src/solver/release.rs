@@ -8,6 +8,7 @@
 use super::mechanics::{Mechanics, Slides};
 use super::newton::{NewtonEnd, NewtonLimits, NewtonState, descend};
 use crate::numerics::vector::{add, dot, norm, scale};
+use crate::physics::control::Control;
 use crate::physics::system::Evaluation;
 
 /// Largest root mean square step of the surface, in ranges: an overshoot into the wall of the law
@@ -106,10 +107,10 @@ impl Release {
             if self.steps >= STEPS_MAX {
                 return Slice::Stuck;
             }
-            let rounding = precision.rounding().max(1e-9) * law.surface_energy;
-            if !(self.at.state.energy <= self.energy + rounding)
-                || !norm(&self.at.gradient).is_finite()
-            {
+            let energy = self.at.state.energy;
+            let rounding = precision.rounding() * law.surface_energy.max(energy.abs());
+            let rounding = rounding.max(1e-9 * law.surface_energy);
+            if !(energy <= self.energy + rounding) || !norm(&self.at.gradient).is_finite() {
                 if !self.undo() {
                     return Slice::Stuck;
                 }
@@ -117,7 +118,12 @@ impl Release {
             }
             (self.energy, self.steps) = (self.at.state.energy, self.steps + 1);
             self.since_newton += 1;
-            if self.since_newton >= self.patience && self.moved < CREEP * STEP_MAX * law.range {
+            if self.is_free(mechanics) {
+                self.at.state.amplitudes.fill(0.0);
+                self.velocity.fill(0.0);
+                mechanics.update(&mut self.at);
+            }
+            if self.creeps(mechanics) {
                 mechanics.refresh(&self.at.fields);
                 if let Some(slice) = self.newton(mechanics) {
                     return slice;
@@ -176,10 +182,42 @@ impl Release {
         None
     }
 
+    /// True if a spring has pulled the body off to where the ground is not felt, and has it still on
+    /// its way to the stage, which may be far.
+    fn is_free(&self, mechanics: &Mechanics) -> bool {
+        let system = &mechanics.system;
+        let gap = self.at.fields.gap.iter().copied();
+        matches!(system.control(), Control::Spring { .. })
+            && norm(&self.at.state.amplitudes) > 0.0
+            && gap.fold(f64::INFINITY, f64::min) > Control::stop(system.law())
+    }
+
+    /// Whether the steepest way is slow, or from rest would still be after its steps.
+    fn creeps(&self, mechanics: &Mechanics) -> bool {
+        let slow = CREEP * STEP_MAX * mechanics.system.law().range;
+        if self.since_newton >= self.patience {
+            return self.moved < slow;
+        }
+        if self.patience > STEEPEST || self.velocity.iter().any(|v| *v != 0.0) {
+            return false;
+        }
+        let (push, dt) = self.push(mechanics);
+        STEEPEST as f64 * dt * dt * norm(&push) < slow
+    }
+
+    /// The acceleration, and the time step.
+    fn push(&self, mechanics: &Mechanics) -> (Vec<f64>, f64) {
+        let softness = mechanics.preconditioner.diagonal();
+        let push = self.at.gradient.iter().zip(softness).map(|(g, m)| -g * m);
+        let inertia = 1.0 / softness.iter().cloned().fold(0.0, f64::max);
+        let stiffest = self.at.fields.stiffness.iter().cloned().fold(0.0, f64::max);
+        let dt = self.shrink * TIME_STEP / ((stiffest / inertia).max(1.0)).sqrt();
+        (push.collect(), dt)
+    }
+
     fn step(&mut self, mechanics: &mut Mechanics) {
-        let (gradient, softness) = (&self.at.gradient, mechanics.preconditioner.diagonal());
-        let push: Vec<f64> = gradient.iter().zip(softness).map(|(g, m)| -g * m).collect();
-        if dot(&self.velocity, gradient) > 0.0 {
+        let (push, dt) = self.push(mechanics);
+        if dot(&self.velocity, &self.at.gradient) > 0.0 {
             self.velocity.fill(0.0);
         }
         let (speed, length) = (norm(&self.velocity), norm(&push));
@@ -187,9 +225,6 @@ impl Release {
             self.velocity.copy_from_slice(&push);
             scale(&mut self.velocity, speed / length);
         }
-        let inertia = 1.0 / softness.iter().cloned().fold(0.0, f64::max);
-        let stiffest = self.at.fields.stiffness.iter().cloned().fold(0.0, f64::max);
-        let dt = self.shrink * TIME_STEP / ((stiffest / inertia).max(1.0)).sqrt();
         add(&mut self.velocity, dt, &push);
         let moved = dt * norm(&self.velocity);
         let cap = STEP_MAX * mechanics.system.law().range * self.shrink;

@@ -220,19 +220,13 @@ impl Sector {
         removed: &[Vec<f64>],
         tolerance: f64,
     ) -> Result<Vec<f64>, Lost> {
-        let found = self.mechanics.solve_linear(
-            fields,
-            b,
-            removed,
-            CgLimits {
-                tolerance,
-                products: PRODUCTS,
-            },
-        );
+        let found =
+            self.mechanics
+                .solve_linear(fields, b, removed, CgLimits::new(tolerance, PRODUCTS));
         match found.end {
             CgEnd::NegativeCurvature => return Err(Lost::Unstable),
             CgEnd::Cancelled => return Err(Lost::Cancelled),
-            CgEnd::Converged | CgEnd::Budget => {}
+            CgEnd::Converged | CgEnd::Edge | CgEnd::Budget => {}
         }
         Ok(found.x)
     }

@@ -133,10 +133,7 @@ fn implicit(mechanics: &mut Mechanics, from: &Evaluation, rate: f64) -> Option<E
                 *out = r * m / (1.0 + rate * m);
             }
         };
-        let limits = CgLimits {
-            tolerance: MISSED,
-            products: PRODUCTS,
-        };
+        let limits = CgLimits::new(MISSED, PRODUCTS);
         let found = conjugate_gradients(apply, &force, precondition, &[], limits, cancel);
         if !matches!(found.end, CgEnd::Converged | CgEnd::Budget) {
             return None;

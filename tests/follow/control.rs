@@ -186,6 +186,26 @@ fn a_machine_softer_than_the_longest_wave_snaps_as_one_block_where_gamma_is_as_s
     assert!(off.abs() < 1e-4, "{off}");
 }
 
+/// By hand: the spring holds sigma_max until it snaps, and lets go of sigma_max^2/2k.
+#[test]
+fn a_spring_however_soft_pulls_off_at_the_largest_traction_and_comes_to_rest_at_its_stage() {
+    for stiffness in [1e-3, 1e-5, 1e-8] {
+        let scene = sprung(stiffness, [0.8, -0.15, 0.05].map(|pull| pull / stiffness));
+        let law = scene.model().unwrap().law;
+        let run = walked(&scene, Part::Whole);
+        let jump = run.record.jumps.last().expect("it pulls off");
+        let pulled = stiffness * (jump.control - jump.mean_displacement);
+        assert!((pulled / law.traction_max() - 1.0).abs() < 1e-3, "{jump:?}");
+        assert!(
+            (jump.mean_displacement_after / jump.control - 1.0).abs() < 1e-6,
+            "{jump:?}"
+        );
+        let held = 0.5 * pulled * pulled / stiffness + law.at(jump.mean_displacement).energy;
+        let released = jump.released_energy * law.surface_energy;
+        assert!((released / held - 1.0).abs() < 1e-6, "{jump:?} {held}");
+    }
+}
+
 #[test]
 fn under_a_load_contact_forms_at_once_at_zero_stress_and_breaks_at_the_largest_traction() {
     let scene = driven(sprung(1.0, [0.0; 3]), Control::Load, [0.1, -0.02, 0.001]);

@@ -283,13 +283,10 @@ fn lobpcg_finds_the_smallest_pair_and_leaves_out_removed_directions() {
 #[test]
 fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
     let identity = |r: &[f64], out: &mut [f64]| out.copy_from_slice(r);
-    let limits = CgLimits {
-        tolerance: 1e-12,
-        products: 200,
-    };
+    let limits = CgLimits::new(1e-12, 200);
     let b = noise(1, 30, 3).into_raw_vec_and_offset().0;
     let good = matrix(&(1..=30).map(f64::from).collect::<Vec<_>>());
-    let CgSolution { x, end, .. } =
+    let CgSolution { x, end } =
         conjugate_gradients(times(&good), &b, identity, &[], limits, &Cancel::default());
     let mut ax = vec![0.0; 30];
     times(&good)(&x, &mut ax);
@@ -311,6 +308,47 @@ fn conjugate_gradients_solve_what_is_definite_and_refuse_what_is_not() {
         conjugate_gradients(times(&good), &b, identity, &[], limits, &cancel).end,
         CgEnd::Cancelled
     );
+}
+
+/// Of all steps no longer than a radius the one that ends on the edge lowers x A x/2 - b x by no
+/// less than the best one along b does (T. Steihaug), whatever the signs of A.
+#[test]
+fn within_a_radius_conjugate_gradients_gain_no_less_than_the_steepest_way() {
+    let identity = |r: &[f64], out: &mut [f64]| out.copy_from_slice(r);
+    let b = noise(1, 30, 3).into_raw_vec_and_offset().0;
+    for lowest in [-0.5, -20.5, 0.5] {
+        let a = matrix(&(0..30).map(|i| f64::from(i) + lowest).collect::<Vec<_>>());
+        let energy = |x: &[f64]| {
+            let mut ax = vec![0.0; 30];
+            times(&a)(x, &mut ax);
+            0.5 * dot(x, &ax) - dot(x, &b)
+        };
+        for radius in [1e-3, 0.1, 0.5] {
+            let limits = CgLimits {
+                radius,
+                ..CgLimits::new(1e-12, 200)
+            };
+            let CgSolution { x, end } =
+                conjugate_gradients(times(&a), &b, identity, &[], limits, &Cancel::default());
+            let share = norm(&x) / radius;
+            match end {
+                CgEnd::Converged => assert!(share < 1.0 && lowest > 0.0),
+                _ => assert!((share - 1.0).abs() < 1e-12, "{share}"),
+            }
+            let steepest = (1..=100)
+                .map(|share| {
+                    let length = radius * f64::from(share) / 100.0;
+                    let size = length / norm(&b);
+                    energy(&b.iter().map(|b| b * size).collect::<Vec<_>>())
+                })
+                .fold(0.0, f64::min);
+            assert!(
+                energy(&x) <= steepest + 1e-12,
+                "{lowest} {radius}: {} {steepest}",
+                energy(&x)
+            );
+        }
+    }
 }
 
 #[test]

@@ -110,10 +110,7 @@ impl Walk {
             mechanics, here, ..
         } = self;
         let removed = mechanics.sliding_basis(&here.state.amplitudes, &here.fields);
-        let limits = CgLimits {
-            tolerance: 0.03,
-            products: NewtonLimits::default().products,
-        };
+        let limits = CgLimits::new(0.03, NewtonLimits::default().products);
         let moved = mechanics
             .solve_linear(&here.fields, &push, &removed, limits)
             .x;
