@@ -19,7 +19,7 @@ use crate::storage::summary::{
 use crate::storage::{Failure, VERSION, drawing, export, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, predicted_error, promise, stated_error};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -292,21 +292,11 @@ pub(super) type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send +
 /// Writes files side by side: some wait for the disk while others are computed. Returns what could
 /// not be written.
 pub(super) fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
-    let files: Vec<_> = files
-        .into_iter()
-        .map(|file| Mutex::new((Some(file), Ok(()))))
-        .collect();
-    side_by_side(files.len(), |i| {
-        let mut file = files[i].lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(write) = file.0.take() {
-            file.1 = write();
-        }
-    });
-    let results = files.into_iter().map(|file| {
-        let file = file.into_inner().unwrap_or_else(PoisonError::into_inner);
-        file.1
-    });
-    failures(results)
+    let files: Vec<_> = files.into_iter().map(|file| Mutex::new(Some(file))).collect();
+    failures(side_by_side(0..files.len(), |i| {
+        let write = files[i].lock().ok().and_then(|mut file| file.take());
+        write.map_or(Ok(()), |write| write())
+    }))
 }
 
 /// The tables and pictures of a walk, to be written, the dearest first.
