@@ -1,9 +1,7 @@
 //! `tackscope map`: where every jump lies as one parameter goes.
 
 use super::progress::Monitor;
-use super::{
-    DONE, INTERRUPTED, NOT_CONVERGED, Output, cancel_on_signal, failures, scene_with_points, warn,
-};
+use super::{Output, cancel_on_signal, ended, failures, scene_with_points, warn};
 use crate::plot::map_panel::page;
 use crate::plot::ticks::digits;
 use crate::storage::export::write_map_csv;
@@ -60,13 +58,9 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
     let found = PatternMap::of(&scene, vary, arguments.rows as usize, &cancel, &mut told)
         .map_err(refused)?;
     monitor.finish();
-    let [csv, svg, png] = FILES.map(|name| folder.join(name));
-    let page = page(&found, &scene);
-    let written = [
-        write_map_csv(&csv, &found),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page),
-    ];
+    let [csv, picture, _] = FILES.map(|name| folder.join(name));
+    let pictures = drawing::write_page(&picture, &page(&found, &scene));
+    let written = [write_map_csv(&csv, &found)].into_iter().chain(pictures);
     let code = exit_code(&found, &output.out);
     output.close(
         &failures(written),
@@ -83,13 +77,5 @@ fn exit_code(found: &PatternMap, out: &std::path::Path) -> u8 {
             found.rows.len()
         ));
     }
-    if found.cancelled {
-        let out = out.display();
-        warn(format_args!("interrupted; what was found is in {out}"));
-        INTERRUPTED
-    } else if missing == 0 {
-        DONE
-    } else {
-        NOT_CONVERGED
-    }
+    ended(found.cancelled, missing == 0, "what was found", out)
 }

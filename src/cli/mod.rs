@@ -413,6 +413,18 @@ impl Output {
     }
 }
 
+/// The exit code of what was computed into `out`: cancelled (then `what` is there), or complete.
+fn ended(cancelled: bool, complete: bool, what: &str, out: &Path) -> u8 {
+    if cancelled {
+        warn(format_args!("interrupted; {what} is in {}", out.display()));
+        INTERRUPTED
+    } else if complete {
+        DONE
+    } else {
+        NOT_CONVERGED
+    }
+}
+
 /// What of all that was written could not be.
 fn failures(written: impl IntoIterator<Item = Result<(), Failure>>) -> Vec<Failure> {
     written.into_iter().filter_map(Result::err).collect()

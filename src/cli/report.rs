@@ -16,7 +16,7 @@ use crate::storage::summary::{
     Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
     UnitsSummary, Yardstick,
 };
-use crate::storage::{Failure, VERSION, drawing, export, picture};
+use crate::storage::{Failure, VERSION, drawing, export, files, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, predicted_error, promise, stated_error};
 use std::sync::{Arc, Mutex};
@@ -292,7 +292,10 @@ pub(super) type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send +
 /// Writes files side by side: some wait for the disk while others are computed. Returns what could
 /// not be written.
 pub(super) fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
-    let files: Vec<_> = files.into_iter().map(|file| Mutex::new(Some(file))).collect();
+    let files: Vec<_> = files
+        .into_iter()
+        .map(|file| Mutex::new(Some(file)))
+        .collect();
     failures(side_by_side(0..files.len(), |i| {
         let write = files[i].lock().ok().and_then(|mut file| file.take());
         write.map_or(Ok(()), |write| write())
@@ -317,7 +320,7 @@ pub(super) fn results<'a>(
             let image = image.map_err(|error| Failure::write(&png, error))?;
             picture::write_with_scene(&png, &image, scene)
         }),
-        Box::new(move || drawing::write_page_svg(&svg, &drawn)),
+        Box::new(move || files::write_whole(&svg, drawing::page_svg(&drawn).as_bytes())),
         Box::new(move || export::write_loop_csv(&states, scene, &run.record.states)),
         Box::new(move || export::write_events_csv(&jumps, scene, &run.record.jumps)),
     ];
@@ -343,7 +346,6 @@ fn gap_picture(index: usize, landing: &Landing) -> String {
 
 /// True for a name that [`gap_picture`] can give.
 fn is_gap_picture(name: &str) -> bool {
-    use Pattern::{Bulge, Contact, Dimple, Flat, Other, Ridge};
     let parts: Vec<_> = name
         .strip_suffix(".png")
         .unwrap_or_default()
@@ -352,8 +354,7 @@ fn is_gap_picture(name: &str) -> bool {
     let [number, "approach" | "retraction", pattern] = parts[..] else {
         return false;
     };
-    let patterns = [Flat, Bulge, Ridge, Dimple, Contact, Other];
-    number.parse::<usize>().is_ok() && patterns.iter().any(|p| p.word() == pattern)
+    number.parse::<usize>().is_ok() && Pattern::ALL.iter().any(|p| p.word() == pattern)
 }
 
 #[cfg(test)]

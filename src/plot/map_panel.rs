@@ -141,16 +141,8 @@ fn stretch(row: &Row, direction: Direction, pattern: Pattern, number: usize) -> 
 
 /// One area for each pattern, as often as it is passed on one way.
 fn regions(map: &PatternMap, direction: Direction) -> Vec<Area> {
-    let all = [
-        Pattern::Flat,
-        Pattern::Bulge,
-        Pattern::Ridge,
-        Pattern::Dimple,
-        Pattern::Contact,
-        Pattern::Other,
-    ];
     let mut areas = Vec::new();
-    for pattern in all {
+    for pattern in Pattern::ALL {
         for number in 0.. {
             let at = |i: usize| {
                 let row = map.rows.get(i)?;

@@ -115,12 +115,9 @@ pub fn chart(
         report.result(so_far.clone());
     })
     .map_err(|error| error.to_string())?;
-    let floor = chart
-        .reference
-        .map(|reference| reference.errors.dissipated_energy);
     report.result(ChartSoFar {
+        floor: chart.floor(),
         rows: chart.rows,
-        floor,
     });
     Ok(())
 }
