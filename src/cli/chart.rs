@@ -1,7 +1,7 @@
 //! `tackscope chart`: every method on the same loop, speed against accuracy.
 
 use super::progress::Monitor;
-use super::{ChartArguments, cancel_on_signal, ended, failures, warn};
+use super::{ChartArguments, DONE, NOT_CONVERGED, cancel_on_signal, failures, interrupted, warn};
 use crate::plot::chart_panel::{headline, page};
 use crate::storage::export::write_chart_csv;
 use crate::storage::summary::write_chart_json;
@@ -50,14 +50,17 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
 
 fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
     let reference = chart.reference.as_ref();
-    let sound = reference.is_some_and(|reference| reference.finest.is_complete());
-    if !sound && !chart.cancelled {
+    if chart.cancelled {
+        interrupted("what was measured", out)
+    } else if reference.is_some_and(|reference| reference.finest.is_complete()) {
+        DONE
+    } else {
+        let out = out.display();
         warn(format_args!(
-            "the reference did not close its loop: there are no errors in {}",
-            out.display()
+            "the reference did not close its loop: there are no errors in {out}"
         ));
+        NOT_CONVERGED
     }
-    ended(chart.cancelled, sound, "what was measured", out)
 }
 
 fn tell(monitor: &mut Monitor, news: &News<'_>) {

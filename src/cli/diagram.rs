@@ -1,7 +1,10 @@
 //! `tackscope diagram`: every branch of equilibria, stable and unstable.
 
 use super::progress::Monitor;
-use super::{DiagramArguments, cancel_on_signal, ended, failures, scene_with_points, warn};
+use super::{
+    DONE, DiagramArguments, NOT_CONVERGED, cancel_on_signal, failures, interrupted,
+    scene_with_points, warn,
+};
 use crate::follow::diagram::Diagram;
 use crate::plot::diagram_panel::{counts, page};
 use crate::plot::ticks::digits;
@@ -106,5 +109,11 @@ fn exit_code(found: &Diagram, out: &std::path::Path) -> u8 {
     for words in &found.missing {
         warn(format_args!("missing: {words}"));
     }
-    ended(found.cancelled, found.is_complete(), "what was found", out)
+    if found.cancelled {
+        interrupted("what was found", out)
+    } else if found.is_complete() {
+        DONE
+    } else {
+        NOT_CONVERGED
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::progress::Monitor;
 use super::{
-    DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, ended,
-    failures, warn,
+    DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, failures,
+    interrupted, warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
@@ -131,8 +131,13 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
 }
 
 fn exit_code(missing: &[(usize, Stopped)], out: &Path) -> u8 {
-    let cancelled = missing.iter().any(|(_, why)| *why == Stopped::Cancelled);
-    ended(cancelled, missing.is_empty(), "what was computed", out)
+    match missing {
+        [] => DONE,
+        _ if missing.iter().any(|(_, why)| *why == Stopped::Cancelled) => {
+            interrupted("what was computed", out)
+        }
+        _ => NOT_CONVERGED,
+    }
 }
 
 /// Computes, and writes each figure as soon as it is there.

@@ -1,7 +1,9 @@
 //! `tackscope map`: where every jump lies as one parameter goes.
 
 use super::progress::Monitor;
-use super::{Output, cancel_on_signal, ended, failures, scene_with_points, warn};
+use super::{
+    DONE, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted, scene_with_points, warn,
+};
 use crate::plot::map_panel::page;
 use crate::plot::ticks::digits;
 use crate::storage::export::write_map_csv;
@@ -77,5 +79,11 @@ fn exit_code(found: &PatternMap, out: &std::path::Path) -> u8 {
             found.rows.len()
         ));
     }
-    ended(found.cancelled, missing == 0, "what was found", out)
+    if found.cancelled {
+        interrupted("what was found", out)
+    } else if missing == 0 {
+        DONE
+    } else {
+        NOT_CONVERGED
+    }
 }

@@ -145,12 +145,3 @@ pub fn figure_1() -> Scene {
         ..flat(title, 8.0, Points::Line(256), 1.0, -0.6, 0.02)
     }
 }
-
-/// The turning point of a scene that has one as a number; NaN else.
-pub(super) fn turn(scene: &Scene) -> f64 {
-    if let Turn::At(turn) = scene.drive.turn {
-        turn
-    } else {
-        f64::NAN
-    }
-}

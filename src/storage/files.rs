@@ -60,13 +60,7 @@ impl Growing {
 /// # Errors
 /// An empty path, a `~` without a home folder, or `~name` that is no file.
 pub fn typed(path: &Path) -> Result<PathBuf, Failure> {
-    let refuse = |reason: &str, remedy: &str| {
-        Err(Failure::Path {
-            path: path.display().to_string(),
-            reason: reason.to_owned(),
-            remedy: remedy.to_owned(),
-        })
-    };
+    let refuse = |reason: &str, remedy: &str| Err(Failure::no_path(path, reason, remedy));
     if path.as_os_str().is_empty() {
         return refuse("the path is empty", "give the path of a file or folder");
     }
