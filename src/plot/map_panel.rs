@@ -48,9 +48,7 @@ pub fn page(map: &PatternMap, scene: &Scene) -> Page<'static> {
 
 /// Approach, retraction, and the loss; what goes is told in its unit, where the scene has units.
 pub fn map_panels(map: &PatternMap, units: Option<Units>) -> [Panel; 3] {
-    let parameter = parameter::all()
-        .into_iter()
-        .find(|parameter| parameter.key == map.vary.key);
+    let parameter = parameter::find(&map.vary.key);
     let mut label = parameter.map_or_else(|| map.vary.key.clone(), Parameter::title);
     if let (Some(units), Some(parameter)) = (units, parameter) {
         let word = units.word(parameter.unit);

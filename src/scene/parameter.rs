@@ -64,6 +64,11 @@ parameters! {
         Some(Value::Number(298.15)), POSITIVE;
 }
 
+/// The number of this key.
+pub fn find(key: &str) -> Option<&'static Parameter> {
+    all().into_iter().find(|parameter| parameter.key == key)
+}
+
 /// Every number of the scene file, in the order of its tables.
 pub fn all() -> Vec<&'static Parameter> {
     let table = |name: &'static str| {

@@ -2,10 +2,11 @@
 
 use super::{Fault, Map, metres, points};
 use crate::physics::topography::Unit;
+use crate::storage::files;
 use netcdf_reader::NcFile;
 use npyz::{NpyFile, Order};
 use roxmltree::{Document, Node};
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use zip::ZipArchive;
 
 /// An array of numpy: one row is a profile.
@@ -102,17 +103,7 @@ fn array_of_sizes(bytes: &[u8]) -> Result<Vec<f64>, Fault> {
 
 /// The bytes of an entry, not more than its map may have.
 fn entry(archive: &mut Archive<'_>, name: &str) -> Result<Vec<u8>, Fault> {
-    let broken = |why: &dyn std::fmt::Display| Fault::broken(format!("{name}: {why}"));
-    let file = archive.by_name(name).map_err(|error| broken(&error))?;
-    let mut bytes = Vec::new();
-    let limit = super::BYTES_MAX;
-    file.take(limit)
-        .read_to_end(&mut bytes)
-        .map_err(|error| broken(&error))?;
-    if bytes.len() as u64 == limit {
-        return Err(broken(&"longer than any map"));
-    }
-    Ok(bytes)
+    files::member(archive, name, super::BYTES_MAX).map_err(Fault::broken)
 }
 
 /// ISO 25178-72: `main.xml` tells the grid in metres, and where the heights are.
