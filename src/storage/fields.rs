@@ -230,7 +230,7 @@ impl Collector {
         )?;
         let records = || self.rows.iter().map(|row| &row.record);
         archive.numbers(
-            |what| what.to_owned(),
+            str::to_owned,
             records().map(|s| {
                 [
                     s.mean_displacement,
