@@ -37,7 +37,7 @@ fn rows(scene: &Scene) -> Result<Vec<String>, Box<dyn Error>> {
         })
     });
     let mut rows = Vec::new();
-    for direction in [Direction::Approach, Direction::Retraction] {
+    for direction in Direction::BOTH {
         let states = record.states.iter().filter(|s| s.direction == direction);
         let states: Vec<&StateRecord> = states.collect();
         let every = states.len().div_ceil(PLACES).max(1);

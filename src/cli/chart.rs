@@ -1,7 +1,7 @@
 //! `tackscope chart`: every method on the same loop, speed against accuracy.
 
 use super::progress::Monitor;
-use super::{ChartArguments, DONE, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, failures, warn};
+use super::{ChartArguments, DONE, NOT_CONVERGED, cancel_on_signal, failures, interrupted, warn};
 use crate::plot::chart_panel::{headline, page};
 use crate::storage::export::write_chart_csv;
 use crate::storage::summary::write_chart_json;
@@ -40,38 +40,27 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<u8, Failure> {
     })
     .map_err(refused)?;
     monitor.finish();
-    let [csv, svg, png, json] = FILES.map(|name| folder.join(name));
-    let page = page(&chart, &scene.title);
-    let written = [
-        write_chart_csv(&csv, &chart),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page),
-        write_chart_json(&json, &arguments.scene, &scene, &chart),
-    ];
+    let [csv, picture, _, json] = FILES.map(|name| folder.join(name));
+    let mut written = vec![write_chart_csv(&csv, &chart)];
+    written.extend(drawing::write_page(&picture, &page(&chart, &scene.title)));
+    written.push(write_chart_json(&json, &arguments.scene, &scene, &chart));
     let code = exit_code(&chart, &output.out);
     output.close(&failures(written), code, &closing_words(&chart))
 }
 
 fn exit_code(chart: &Chart, out: &std::path::Path) -> u8 {
-    let sound = chart
-        .reference
-        .as_ref()
-        .is_some_and(|reference| reference.finest.is_complete());
+    let reference = chart.reference.as_ref();
     if chart.cancelled {
+        interrupted("what was measured", out)
+    } else if reference.is_some_and(|reference| reference.finest.is_complete()) {
+        DONE
+    } else {
+        let out = out.display();
         warn(format_args!(
-            "interrupted; what was measured is in {}",
-            out.display()
+            "the reference did not close its loop: there are no errors in {out}"
         ));
-        return INTERRUPTED;
+        NOT_CONVERGED
     }
-    if !sound {
-        warn(format_args!(
-            "the reference did not close its loop: there are no errors in {}",
-            out.display()
-        ));
-        return NOT_CONVERGED;
-    }
-    DONE
 }
 
 fn tell(monitor: &mut Monitor, news: &News<'_>) {
@@ -108,9 +97,7 @@ fn closing_words(chart: &Chart) -> String {
         .filter(|row| matches!(row.verdict, Verdict::Failed { .. }))
         .count();
     let (points, skipped) = (chart.rows.len(), chart.skipped.len());
-    let reference = chart.reference.as_ref();
-    let floor = reference.map(|reference| reference.errors.dissipated_energy);
-    let mut words = headline(&chart.rows, floor);
+    let mut words = headline(&chart.rows, chart.floor());
     words.push(format!(
         "{points} points measured, {failed} of them failed in a way that is named, {skipped} \
          skipped"

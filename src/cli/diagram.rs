@@ -2,7 +2,7 @@
 
 use super::progress::Monitor;
 use super::{
-    DONE, DiagramArguments, INTERRUPTED, NOT_CONVERGED, cancel_on_signal, failures,
+    DONE, DiagramArguments, NOT_CONVERGED, cancel_on_signal, failures, interrupted,
     scene_with_points, warn,
 };
 use crate::follow::diagram::Diagram;
@@ -63,7 +63,7 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
         (written, missing)
     });
     monitor.finish();
-    let [branches, points, svg, png] = FILES.map(|name| folder.join(name));
+    let [branches, points, picture, _] = FILES.map(|name| folder.join(name));
     let mut written = Vec::new();
     if let Some((barriers, missing)) = barriers {
         written.push(barriers);
@@ -78,9 +78,8 @@ pub(super) fn diagram(arguments: &DiagramArguments) -> Result<u8, Failure> {
     written.extend([
         write_branches_csv(&branches, &found, &scene),
         write_points_csv(&points, &found, &scene),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page),
     ]);
+    written.extend(drawing::write_page(&picture, &page));
     let code = exit_code(&found, &output.out);
     output.close(&failures(written), code, &counts(&found))
 }
@@ -111,11 +110,8 @@ fn exit_code(found: &Diagram, out: &std::path::Path) -> u8 {
         warn(format_args!("missing: {words}"));
     }
     if found.cancelled {
-        let out = out.display();
-        warn(format_args!("interrupted; what was found is in {out}"));
-        return INTERRUPTED;
-    }
-    if found.is_complete() {
+        interrupted("what was found", out)
+    } else if found.is_complete() {
         DONE
     } else {
         NOT_CONVERGED

@@ -3,7 +3,7 @@
 use super::progress::Monitor;
 use super::{
     DONE, FigureArguments, INTERRUPTED, NOT_CONVERGED, TableArguments, cancel_on_signal, failures,
-    warn,
+    interrupted, warn,
 };
 use crate::numerics::cancel::Cancel;
 use crate::paper::errata::errata;
@@ -14,6 +14,7 @@ use crate::storage::folder::Folder;
 use crate::storage::report::{Report, write_report};
 use crate::storage::{Failure, drawing, export, presets, scene_file};
 use crate::worker::background::{self, Progress};
+use std::path::Path;
 
 /// The figure that can be of another scene than the paper's.
 const OF_A_SCENE: &str = "14";
@@ -125,20 +126,16 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<u8, Failure> {
     {
         warn(format_args!("Fig. {number}: {why}"));
     }
-    let code = exit_code(&gathered.missing);
-    if code == INTERRUPTED {
-        warn(format_args!(
-            "interrupted; what was computed is in {}",
-            out.display()
-        ));
-    }
+    let code = exit_code(&gathered.missing, out);
     output.close(&gathered.unwritten, code, &closing_words(&gathered))
 }
 
-fn exit_code(missing: &[(usize, Stopped)]) -> u8 {
+fn exit_code(missing: &[(usize, Stopped)], out: &Path) -> u8 {
     match missing {
         [] => DONE,
-        _ if missing.iter().any(|(_, why)| *why == Stopped::Cancelled) => INTERRUPTED,
+        _ if missing.iter().any(|(_, why)| *why == Stopped::Cancelled) => {
+            interrupted("what was computed", out)
+        }
         _ => NOT_CONVERGED,
     }
 }
@@ -261,12 +258,10 @@ fn is_of(stem: &str, name: &str) -> bool {
 
 /// Writes the files of a figure; returns those that could not be written.
 fn write_figure(out: &Folder, figure: &Figure) -> Vec<Failure> {
-    let name = |end: &str| out.join(format!("{}.{end}", stem(figure.number)));
-    failures([
-        export::write_figure_csv(&name("csv"), figure),
-        drawing::write_page_svg(&name("svg"), &figure.page()),
-        drawing::write_page_png(&name("png"), &figure.page()),
-    ])
+    let stem = out.join(stem(figure.number));
+    let table = export::write_figure_csv(&stem.with_extension("csv"), figure);
+    let pictures = drawing::write_page(&stem, &figure.page());
+    failures([table].into_iter().chain(pictures))
 }
 
 /// The one line on standard output.
@@ -324,12 +319,9 @@ pub(super) fn table(arguments: &TableArguments) -> Result<u8, Failure> {
 }
 
 fn write_table(out: &Folder, table: &Table) -> Vec<Failure> {
-    let name = |end: &str| out.join(format!("table-{}.{end}", table.number));
-    failures([
-        export::write_table_csv(&name("csv"), table),
-        drawing::write_table_svg(&name("svg"), table),
-        drawing::write_table_png(&name("png"), table),
-    ])
+    let stem = out.join(format!("table-{}", table.number));
+    let text = export::write_table_csv(&stem.with_extension("csv"), table);
+    failures([text].into_iter().chain(drawing::write_table(&stem, table)))
 }
 
 #[cfg(test)]
@@ -344,7 +336,7 @@ mod tests {
             vec![failed.clone()],
             vec![failed, (6, Stopped::Cancelled)],
         ]
-        .map(|missing| exit_code(&missing));
+        .map(|missing| exit_code(&missing, Path::new("")));
         assert_eq!(codes, [0, 3, 130]);
     }
 }

@@ -30,15 +30,16 @@ pub(super) fn ground(arguments: &GroundArguments) -> Result<u8, Failure> {
     let (report, title) = report(arguments)?;
     let output = &arguments.output;
     let folder = output.claim(&[], ROOM, |name| FILES.contains(&name))?;
-    let [json, spectrum, heights, svg, png] = FILES.map(|name| folder.join(name));
+    let [json, spectrum, heights, picture, _] = FILES.map(|name| folder.join(name));
     let page = page(&report, &title);
-    let written = [
+    let tables = [
         write_ground_json(&json, &report),
         write_spectrum_csv(&spectrum, &report),
         write_heights_csv(&heights, &report),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page),
     ];
+    let written = tables
+        .into_iter()
+        .chain(drawing::write_page(&picture, &page));
     if !output.quiet {
         report.words.iter().for_each(warn);
     }

@@ -2,7 +2,7 @@
 
 use super::progress::Monitor;
 use super::{
-    DONE, INTERRUPTED, NOT_CONVERGED, Output, cancel_on_signal, failures, scene_with_points, warn,
+    DONE, NOT_CONVERGED, Output, cancel_on_signal, failures, interrupted, scene_with_points, warn,
 };
 use crate::plot::map_panel::page;
 use crate::plot::ticks::digits;
@@ -60,13 +60,9 @@ pub(super) fn map(arguments: &MapArguments) -> Result<u8, Failure> {
     let found = PatternMap::of(&scene, vary, arguments.rows as usize, &cancel, &mut told)
         .map_err(refused)?;
     monitor.finish();
-    let [csv, svg, png] = FILES.map(|name| folder.join(name));
-    let page = page(&found, &scene);
-    let written = [
-        write_map_csv(&csv, &found),
-        drawing::write_page_svg(&svg, &page),
-        drawing::write_page_png(&png, &page),
-    ];
+    let [csv, picture, _] = FILES.map(|name| folder.join(name));
+    let pictures = drawing::write_page(&picture, &page(&found, &scene));
+    let written = [write_map_csv(&csv, &found)].into_iter().chain(pictures);
     let code = exit_code(&found, &output.out);
     output.close(
         &failures(written),
@@ -84,9 +80,7 @@ fn exit_code(found: &PatternMap, out: &std::path::Path) -> u8 {
         ));
     }
     if found.cancelled {
-        let out = out.display();
-        warn(format_args!("interrupted; what was found is in {out}"));
-        INTERRUPTED
+        interrupted("what was found", out)
     } else if missing == 0 {
         DONE
     } else {

@@ -5,11 +5,11 @@
 //! far is written, after 2 all of it that could be. Results go to files, one closing line to
 //! standard output, progress and refusals to standard error. May use every room below.
 
+mod catalogue;
 mod chart;
 mod diagram;
 mod figure;
 mod ground;
-mod lessons;
 mod map;
 mod progress;
 mod report;
@@ -17,15 +17,12 @@ mod run;
 mod sweep;
 
 use crate::numerics::cancel::Cancel;
-use crate::physics::grid::Grid;
 use crate::scene::Scene;
-use crate::scene::edit::decided;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::fields::Keep;
 use crate::storage::folder::Folder;
-use crate::storage::{Failure, VERSION, files, line, presets, scene_file};
-use crate::study::reality::reality;
+use crate::storage::{Failure, VERSION, files, line, presets};
 use crate::worker::signals;
 use clap::builder::{PathBufValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -336,9 +333,9 @@ pub fn main() -> ExitCode {
             Some(Command::Chart(arguments)) => code(chart::chart(&arguments)),
             Some(Command::Figure(arguments)) => code(figure::figure(&arguments)),
             Some(Command::Table(arguments)) => code(figure::table(&arguments)),
-            Some(Command::Presets) => code(list()),
-            Some(Command::Lessons(arguments)) => code(lessons::lessons(&arguments)),
-            Some(Command::Scene(arguments)) => code(print_scene(&arguments)),
+            Some(Command::Presets) => code(catalogue::presets()),
+            Some(Command::Lessons(arguments)) => code(catalogue::lessons(&arguments)),
+            Some(Command::Scene(arguments)) => code(catalogue::scene(&arguments)),
             None => window_or_default_scene(),
         },
         Err(words) => code(explain(&words)),
@@ -411,6 +408,12 @@ impl Output {
         }
         Ok(code)
     }
+}
+
+/// Says that somebody asked to stop, and where `what` there is by then is; the exit code.
+fn interrupted(what: &str, out: &Path) -> u8 {
+    warn(format_args!("interrupted; {what} is in {}", out.display()));
+    INTERRUPTED
 }
 
 /// What of all that was written could not be.
@@ -522,54 +525,6 @@ fn tell(text: &str) {
 /// Tells what went wrong, or what must be known.
 fn warn(text: impl std::fmt::Display) {
     tell(&format!("tackscope: {text}"));
-}
-
-/// Prints name, title, mesh and mu_rho of every preset, and what to look for.
-fn list() -> Result<u8, Failure> {
-    for preset in presets::all() {
-        for line in entry(preset)? {
-            say(&line)?;
-        }
-    }
-    Ok(DONE)
-}
-
-/// Prints the decided scene.
-fn print_scene(arguments: &SceneArguments) -> Result<u8, Failure> {
-    let (scene, place) = scene_with_points(&arguments.scene, None)?;
-    let model = scene
-        .model()
-        .map_err(|error| scene_file::refused(&place, error))?;
-    let decided = decided(&scene, &model);
-    let text = if arguments.json {
-        scene_file::to_json(&decided)
-    } else {
-        scene_file::to_text(&decided)
-    };
-    print(text.trim_end())?;
-    // What people read stands beside what programs do.
-    warn("is this scene real?");
-    reality(&model).iter().for_each(warn);
-    Ok(DONE)
-}
-
-fn entry(preset: &presets::Preset) -> Result<[String; 4], Failure> {
-    let scene = preset.scene()?;
-    let model = scene
-        .model()
-        .map_err(|error| scene_file::refused(preset.name, error))?;
-    let Grid { length, nx, ny } = model.grid;
-    let facts = format!(
-        "L = {length}, {nx} x {ny} points; mu_rho = {:.3}",
-        model.mu_rho
-    );
-    let below = |text: &str| format!("{:16}{text}", "");
-    Ok([
-        format!("{:<14}  {}", preset.name, scene.title),
-        below(&facts),
-        below(&preset.hint()),
-        String::new(),
-    ])
 }
 
 #[cfg(test)]

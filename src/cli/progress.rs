@@ -48,33 +48,28 @@ impl Monitor {
 
     /// Tells one piece of news, u0 to a hundredth of the drive's `step`.
     pub(super) fn tell(&mut self, news: &Report<'_>, step: f64) {
-        match (self, news) {
-            (Monitor::Silent, _) => {}
-            (Monitor::Bar(bar), Report::Jump(jump)) => bar.println(jump_words(jump, step)),
-            (
-                Monitor::Bar(bar),
-                Report::State {
-                    record, fraction, ..
-                },
-            ) => {
-                bar.set_position((fraction.clamp(0.0, 1.0) * TICKS as f64) as u64);
-                bar.set_message(state_words(record, step));
+        match news {
+            Report::Jump(jump) => self.note(&jump_words(jump, step)),
+            Report::State {
+                record, fraction, ..
+            } => self.reached(*fraction, || state_words(record, step), String::new),
+        }
+    }
+
+    /// Moves the bar, with `words` beside it; in lines says them and what is `left` every tenth of
+    /// the way.
+    fn reached(&mut self, fraction: f64, words: impl Fn() -> String, left: impl Fn() -> String) {
+        match self {
+            Monitor::Silent => {}
+            Monitor::Bar(_) => {
+                self.fraction(fraction);
+                self.now(&words());
             }
-            (Monitor::Lines { .. }, Report::Jump(jump)) => tell(&jump_words(jump, step)),
-            (
-                Monitor::Lines { tenths },
-                Report::State {
-                    record, fraction, ..
-                },
-            ) => {
+            Monitor::Lines { tenths } => {
                 let reached = (fraction.clamp(0.0, 1.0) * 10.0 + 1e-9) as u64;
                 if reached > *tenths {
                     *tenths = reached;
-                    tell(&format!(
-                        "{:>3} %  {}",
-                        10 * reached,
-                        state_words(record, step)
-                    ));
+                    tell(&format!("{:>3} %  {}{}", 10 * reached, words(), left()));
                 }
             }
         }
@@ -97,19 +92,11 @@ impl Monitor {
     /// Tells how many loops of so many are done after so many `seconds`, and which share of the work
     /// that is expected to be.
     pub(super) fn loops(&mut self, [done, of]: [usize; 2], fraction: f64, seconds: f64) {
-        self.fraction(fraction);
-        let words = format!("{done} of {of} loops");
-        self.now(&words);
-        if let Monitor::Lines { tenths } = self {
-            let reached = (fraction * 10.0 + 1e-9) as u64;
-            if reached > *tenths {
-                *tenths = reached;
-                let left = HumanDuration(Duration::from_secs_f64(
-                    (seconds * (1.0 / fraction - 1.0)).max(0.0),
-                ));
-                tell(&format!("{:>3} %  {words}, {left} left", 10 * reached));
-            }
-        }
+        let left = || {
+            let left = (seconds * (1.0 / fraction - 1.0)).max(0.0);
+            format!(", {} left", HumanDuration(Duration::from_secs_f64(left)))
+        };
+        self.reached(fraction, || format!("{done} of {of} loops"), left);
     }
 
     /// Says something that stays.

@@ -16,10 +16,10 @@ use crate::storage::summary::{
     Contested, CountSummary, EndSummary, LossSummary, Number, PlanSummary, SceneSummary, Summary,
     UnitsSummary, Yardstick,
 };
-use crate::storage::{Failure, VERSION, drawing, export, picture};
+use crate::storage::{Failure, VERSION, drawing, export, files, picture};
 use crate::study::error_bar::reference;
 use crate::study::plan::{Plan, predicted_error, promise, stated_error};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A walk with what it took.
 pub(super) struct Timed {
@@ -294,19 +294,12 @@ pub(super) type Unwritten<'a> = Box<dyn FnOnce() -> Result<(), Failure> + Send +
 pub(super) fn written(files: Vec<Unwritten<'_>>) -> Vec<Failure> {
     let files: Vec<_> = files
         .into_iter()
-        .map(|file| Mutex::new((Some(file), Ok(()))))
+        .map(|file| Mutex::new(Some(file)))
         .collect();
-    side_by_side(files.len(), |i| {
-        let mut file = files[i].lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(write) = file.0.take() {
-            file.1 = write();
-        }
-    });
-    let results = files.into_iter().map(|file| {
-        let file = file.into_inner().unwrap_or_else(PoisonError::into_inner);
-        file.1
-    });
-    failures(results)
+    failures(side_by_side(0..files.len(), |i| {
+        let write = files[i].lock().ok().and_then(|mut file| file.take());
+        write.map_or(Ok(()), |write| write())
+    }))
 }
 
 /// The tables and pictures of a walk, to be written, the dearest first.
@@ -327,7 +320,7 @@ pub(super) fn results<'a>(
             let image = image.map_err(|error| Failure::write(&png, error))?;
             picture::write_with_scene(&png, &image, scene)
         }),
-        Box::new(move || drawing::write_page_svg(&svg, &drawn)),
+        Box::new(move || files::write_whole(&svg, drawing::page_svg(&drawn).as_bytes())),
         Box::new(move || export::write_loop_csv(&states, scene, &run.record.states)),
         Box::new(move || export::write_events_csv(&jumps, scene, &run.record.jumps)),
     ];
@@ -353,7 +346,6 @@ fn gap_picture(index: usize, landing: &Landing) -> String {
 
 /// True for a name that [`gap_picture`] can give.
 fn is_gap_picture(name: &str) -> bool {
-    use Pattern::{Bulge, Contact, Dimple, Flat, Other, Ridge};
     let parts: Vec<_> = name
         .strip_suffix(".png")
         .unwrap_or_default()
@@ -362,8 +354,7 @@ fn is_gap_picture(name: &str) -> bool {
     let [number, "approach" | "retraction", pattern] = parts[..] else {
         return false;
     };
-    let patterns = [Flat, Bulge, Ridge, Dimple, Contact, Other];
-    number.parse::<usize>().is_ok() && patterns.iter().any(|p| p.word() == pattern)
+    number.parse::<usize>().is_ok() && Pattern::ALL.iter().any(|p| p.word() == pattern)
 }
 
 #[cfg(test)]

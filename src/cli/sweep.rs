@@ -18,8 +18,8 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Pictures of the study, and where its numbers converge to.
-const PICTURES: [&str; 2] = ["sweep.svg", "sweep.png"];
+/// Pictures of the study, without their endings, and where its numbers converge to.
+const PICTURES: &str = "sweep";
 const CONVERGENCE: &str = "convergence.csv";
 /// Room that a row needs, and the pictures, in bytes.
 const ROOM: [u64; 2] = [400, 2_000_000];
@@ -278,11 +278,7 @@ impl Sweep<'_> {
             return Vec::new();
         }
         let page = sweep_panel::page(&self.study, rows);
-        let [svg, png] = PICTURES.map(|name| folder.join(name));
-        let mut written = vec![
-            drawing::write_page_svg(&svg, &page),
-            drawing::write_page_png(&png, &page),
-        ];
+        let mut written = drawing::write_page(&folder.join(PICTURES), &page).to_vec();
         if arguments.converge.is_some() {
             let found = convergences(&self.study, rows);
             if !arguments.output.quiet {

@@ -21,6 +21,11 @@ pub enum Direction {
     Retraction,
 }
 
+impl Direction {
+    /// Both, in the order of a loop.
+    pub const BOTH: [Self; 2] = [Self::Approach, Self::Retraction];
+}
+
 impl fmt::Display for Direction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {

@@ -16,7 +16,6 @@ pub mod fourier;
 pub mod harmonic;
 pub mod krylov;
 pub mod lanczos;
-pub mod memory;
 pub mod precision;
 pub mod spherical_bessel;
 pub mod threads;

@@ -2,9 +2,10 @@
 
 use super::basis::{Basis, BasisScratch};
 use super::fourier::Real;
-use super::memory::keep_freed;
 use super::threads::{each, piece};
 use ndarray::Array2;
+use std::hint::black_box;
+use std::sync::Once;
 
 /// Of which numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -211,4 +212,19 @@ fn copied<A: Real, B: Real>(from: &[A], to: &mut [B]) {
 
 fn flat<T>(array: &mut Array2<T>) -> &mut [T] {
     array.as_slice_mut().expect("standard layout")
+}
+
+/// Size of the largest block that raises the threshold of glibc when it is freed is 32 MiB: just
+/// below.
+const LARGE: usize = 31 << 20;
+
+/// Makes the allocator keep freed vectors instead of handing them back to the system.
+///
+/// Every increment makes and drops dozens of vectors. The GNU C library returns what is freed at
+/// once, until it has seen a larger block freed; that the system must clear each page anew then
+/// took longer than the arithmetic. The block here is never touched and so costs nothing; with
+/// other allocators nothing happens.
+fn keep_freed() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| drop(black_box(Vec::<u8>::with_capacity(LARGE))));
 }

@@ -48,26 +48,32 @@ pub fn each<T: Send>(tasks: impl ExactSizeIterator<Item = T>, work: impl Fn(T) +
     });
 }
 
-/// Does `work` on 0 to `count`, begun in this order, as many at a time as there are threads. They
-/// are threads of their own: what takes seconds must not stand before the transforms of somebody
-/// else.
-pub fn side_by_side(count: usize, work: impl Fn(usize) + Sync) {
-    let crew = count.min(rayon::current_num_threads());
-    let Some(pool) = (crew > 1)
-        .then(|| ThreadPoolBuilder::new().num_threads(crew).build().ok())
-        .flatten()
-    else {
-        return (0..count).for_each(work);
-    };
-    // No more tasks than threads: a thread that waits for a transform would begin any that is left
-    // over, and finish it first.
+/// Does `work` on these indices, begun in this order, as many at a time as there are threads, and
+/// returns what came of each, by growing index. They are threads of their own: what takes seconds
+/// must not stand before the transforms of somebody else.
+pub fn side_by_side<R: Send>(
+    order: impl IntoIterator<Item = usize>,
+    work: impl Fn(usize) -> R + Sync,
+) -> Vec<R> {
+    let order: Vec<usize> = order.into_iter().collect();
+    let crew = order.len().min(rayon::current_num_threads());
+    let pool = ThreadPoolBuilder::new().num_threads(crew);
+    let pool = (crew > 1).then(|| pool.build().ok()).flatten();
     let next = AtomicUsize::new(0);
-    let run = || {
+    let run = || -> Vec<(usize, R)> {
         std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed))
-            .take_while(|i| *i < count)
-            .for_each(&work);
+            .map_while(|k| order.get(k))
+            .map(|i| (*i, work(*i)))
+            .collect()
     };
-    pool.in_place_scope(|scope| (0..crew).for_each(|_| scope.spawn(|_| run())));
+    // One task a thread: one that waits for a transform would begin any that is left over, and
+    // finish it first.
+    let mut done = match pool {
+        Some(pool) => pool.broadcast(|_| run()).into_iter().flatten().collect(),
+        None => run(),
+    };
+    done.sort_unstable_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 #[cfg(test)]
@@ -78,13 +84,15 @@ mod tests {
     fn every_piece_of_work_is_done_once() {
         for count in [0, 1, 2, 3, 40] {
             let done: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
-            side_by_side(count, |i| {
+            let results = side_by_side((0..count).rev(), |i| {
                 done[i].fetch_add(1, Ordering::Relaxed);
+                i
             });
             assert!(
                 done.iter().all(|times| times.load(Ordering::Relaxed) == 1),
                 "of {count}"
             );
+            assert!(results.into_iter().eq(0..count), "of {count}");
         }
     }
 }

@@ -1,15 +1,15 @@
 //! Fig. 1: the model from the side, drawn from a solved state.
 
 use super::figure::{Figure, Finding};
+use super::loops::{refused, seen};
 use super::task::{Stopped, Task};
 use super::{Entry, scenes};
 use crate::follow::record::Direction;
-use crate::follow::walk::{Observed, Progress, Walk};
+use crate::follow::walk::WalkOptions;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::{Hertz, Indenter};
 use crate::plot::panel::{Along, Area, Arrow, Axis, Colour, Label, Panel, Role, Series};
 use crate::plot::scale::ends;
-use crate::solver::methods::MethodKind;
 
 pub(super) const ENTRY: Entry = Entry {
     number: 1,
@@ -43,10 +43,7 @@ fn compute(task: &mut Task<'_>) -> Result<Figure, Stopped> {
         .map(|(i, (g, h))| [place(i), *h, h + g])
         .collect();
     let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-    let law = scene
-        .model()
-        .map_err(|error| Stopped::Failed(error.to_string()))?
-        .law;
+    let law = scene.model().map_err(|error| refused(&scene, error))?.law;
     let traction = profile.gap.iter().map(|g| law.at(*g).traction).sum::<f64>() / rows.len() as f64;
     // The cell closes on itself.
     rows.push([0.5 * grid.length, rows[0][1], rows[0][2]]);
@@ -85,34 +82,18 @@ fn radius(indenter: &Indenter) -> f64 {
 
 /// The state of largest mean stress on retraction.
 fn strongest_pull(task: &mut Task<'_>) -> Result<(Grid, Profile), Stopped> {
-    let scene = scenes::figure_1();
-    let mut walk = Walk::start(&scene, MethodKind::NewtonKrylov.into(), task.cancel)
-        .map_err(|error| Stopped::Failed(error.to_string()))?;
-    let mut best = Profile::default();
-    for target in [scenes::turn(&scene), scene.drive.start] {
-        walk.set_target(target);
-        loop {
-            task.tell(
-                0.5 * f64::from(u8::from(target > 0.0)),
-                "a cylinder under tension",
-            )?;
-            let mut fresh = false;
-            match walk.step(task.cancel, &mut |observed| {
-                fresh |= matches!(observed, Observed::State(_));
-            }) {
-                Progress::Working => {}
-                Progress::Resting => break,
-                Progress::Cancelled => return Err(Stopped::Cancelled),
-                Progress::Stuck(reason) => return Err(Stopped::Failed(reason.to_string())),
-            }
-            let record = walk.record();
-            if fresh && record.direction == Direction::Retraction && record.stress > best.stress {
-                (best.mean_displacement, best.stress) = (record.mean_displacement, record.stress);
-                best.gap = walk.gap().into_raw_vec_and_offset().0;
-            }
+    let (scene, mut best) = (scenes::figure_1(), Profile::default());
+    seen(&scene, WalkOptions::default(), task, &mut |record, gap| {
+        if record.direction == Direction::Retraction && record.stress > best.stress {
+            best = Profile {
+                mean_displacement: record.mean_displacement,
+                stress: record.stress,
+                gap: gap.iter().copied().collect(),
+            };
         }
-    }
-    Ok((walk.model().grid, best))
+    })?;
+    let model = scene.model().map_err(|error| refused(&scene, error))?;
+    Ok((model.grid, best))
 }
 
 /// `rows`: x, height of the indenter, height of the elastomer's surface.

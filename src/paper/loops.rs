@@ -18,6 +18,7 @@ use crate::scene::part::Part;
 use crate::scene::{Model, Points, Scene};
 use crate::solver::methods::MethodKind;
 use crate::study::plan::{plan, run_as_planned};
+use ndarray::Array2;
 
 /// Runs the closed loop of `scene` by a walk with these options, and tells how far it is.
 pub(super) fn walked(
@@ -25,9 +26,24 @@ pub(super) fn walked(
     options: WalkOptions,
     task: &mut Task<'_>,
 ) -> Result<LoopRun, Stopped> {
+    seen(scene, options, task, &mut |_, _| {})
+}
+
+/// The same, showing every state with its gap.
+pub(super) fn seen(
+    scene: &Scene,
+    options: WalkOptions,
+    task: &mut Task<'_>,
+    see: &mut dyn FnMut(&StateRecord, &Array2<f64>),
+) -> Result<LoopRun, Stopped> {
     task.tell(0.0, &scene.title)?;
     closed(scene, task, &scene.title, |cancel, observe| {
-        run_loop(scene, options, cancel, observe)
+        run_loop(scene, options, cancel, &mut |report| {
+            if let Report::State { record, fields, .. } = &report {
+                see(record, fields[0]);
+            }
+            observe(report);
+        })
     })
 }
 

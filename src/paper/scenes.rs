@@ -97,25 +97,12 @@ pub fn rough(waves: usize, seed: u64, turn: f64) -> Scene {
         seed,
     };
     let mean = surface.mean_height(&Grid::square(length, points));
+    let (start, turn, step) = (1.5 * ROUGH_RMS, mean + turn * ROUGH_RMS, 0.01 * ROUGH_RMS);
+    let mesh = Points::Square(points);
     Scene {
-        title: "Fig. 14: rough ground".to_owned(),
-        source: "Wang, Zhou, Mueser 2020".to_owned(),
-        cell: Cell {
-            length,
-            points: Points::Square(points),
-        },
-        body: Body::HalfSpace,
         law: morse(0.2 * ROUGH_RMS, Range::Length(ROUGH_RANGE * ROUGH_RMS)),
         indenter: Indenter::Rough(surface),
-        drive: Drive {
-            control: Default::default(),
-            start: 1.5 * ROUGH_RMS,
-            turn: Turn::At(mean + turn * ROUGH_RMS),
-            step: 0.01 * ROUGH_RMS,
-        },
-        accuracy: 0.01,
-        seed: 1,
-        units: None,
+        ..flat("Fig. 14: rough ground", length, mesh, start, turn, step)
     }
 }
 
@@ -127,59 +114,34 @@ pub fn tip(points: usize, mu_rho: f64) -> Scene {
     let range = (TIP_SURFACE_ENERGY / points as f64).sqrt() / (2.0 * mu_rho);
     // Single points that let go are close together on the way.
     let step = if mu_rho < 0.75 { 0.15 } else { 0.05 };
-    Scene {
-        title: format!("A Hertzian tip: mu_rho = {mu_rho}"),
+    // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the edge of
+    // the contact holds on for longer.
+    let start = 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0);
+    let title = format!("A Hertzian tip: mu_rho = {mu_rho}");
+    let mut scene = Scene {
         source: "Wang, Zhou, Mueser 2020, Figs 12 and 13".to_owned(),
-        cell: Cell {
-            length: 1.0,
-            points: Points::Square(points),
-        },
-        body: Body::HalfSpace,
         law: morse(TIP_SURFACE_ENERGY, Range::MuRho(mu_rho)),
         indenter: Indenter::Hertz(Hertz { radius: 1.0 }),
-        // JKR lets go at 0.0113; a longer range acts from farther off, and a mesh that traps the
-        // edge of the contact holds on for longer.
-        drive: Drive {
-            control: Default::default(),
-            start: 0.012 + 4.0 * range + 0.02 * (mu_rho - 0.7).max(0.0),
-            turn: Turn::ZeroLoad,
-            step: step * range,
-        },
-        accuracy: 0.01,
-        seed: 1,
-        units: None,
-    }
+        ..flat(
+            &title,
+            1.0,
+            Points::Square(points),
+            start,
+            f64::NAN,
+            step * range,
+        )
+    };
+    scene.drive.turn = Turn::ZeroLoad;
+    scene
 }
 
 /// A cylinder under tension, for the schematic of Fig. 1.
 pub fn figure_1() -> Scene {
+    let title = "Fig. 1: a cylinder, seen from the side";
     Scene {
-        title: "Fig. 1: a cylinder, seen from the side".to_owned(),
         source: "Wang, Zhou, Mueser 2020, Fig. 1".to_owned(),
-        cell: Cell {
-            length: 8.0,
-            points: Points::Line(256),
-        },
-        body: Body::HalfSpace,
         law: morse(0.3, Range::Length(0.2)),
         indenter: Indenter::Hertz(Hertz { radius: 4.0 }),
-        drive: Drive {
-            control: Default::default(),
-            start: 1.0,
-            turn: Turn::At(-0.6),
-            step: 0.02,
-        },
-        accuracy: 0.01,
-        seed: 1,
-        units: None,
-    }
-}
-
-/// The turning point of a scene that has one as a number; NaN else.
-pub(super) fn turn(scene: &Scene) -> f64 {
-    if let Turn::At(turn) = scene.drive.turn {
-        turn
-    } else {
-        f64::NAN
+        ..flat(title, 8.0, Points::Line(256), 1.0, -0.6, 0.02)
     }
 }

@@ -102,11 +102,8 @@ impl<'a> Task<'a> {
         let mut order: Vec<usize> = (0..items.len()).collect();
         order.sort_by(|a, b| costs[*b].total_cmp(&costs[*a]));
         let (size, scene, cancel) = (self.size, self.scene, self.cancel.part());
-        let results: Vec<Mutex<Option<Result<R, Stopped>>>> =
-            items.iter().map(|_| Mutex::default()).collect();
         let told = Mutex::new((self, vec![0.0; items.len()]));
-        threads::side_by_side(items.len(), |place| {
-            let index = order[place];
+        let results = threads::side_by_side(order, |index| {
             let mut observe = |done: f64, what: &str| {
                 let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
                 let (task, shares) = &mut *told;
@@ -119,16 +116,9 @@ impl<'a> Task<'a> {
             if result.is_err() {
                 cancel.request();
             }
-            *results[index]
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner) = Some(result);
+            result
         });
-        let results = results
-            .into_iter()
-            .map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
-        let (done, mut failed): (Vec<_>, Vec<_>) = results
-            .map(|result| result.unwrap_or(Err(Stopped::Cancelled)))
-            .partition(Result::is_ok);
+        let (done, mut failed): (Vec<_>, Vec<_>) = results.into_iter().partition(Result::is_ok);
         failed.sort_by_key(|why| matches!(why, Err(Stopped::Cancelled)));
         failed.into_iter().chain(done).collect()
     }

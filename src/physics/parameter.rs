@@ -226,15 +226,6 @@ impl Value {
         if let Value::Whole(n) = self { n } else { 0 }
     }
 
-    /// Two counts; none if it is of another kind.
-    pub(crate) fn counts(self) -> [usize; 2] {
-        if let Value::Counts(both) = self {
-            both
-        } else {
-            [0; 2]
-        }
-    }
-
     /// Yes or no; no if it is of another kind.
     pub(crate) fn flag(self) -> bool {
         self == Value::Flag(true)
@@ -261,6 +252,49 @@ pub fn number(x: f64) -> String {
         format!("{x:e}")
     }
 }
+
+/// A parameter in a row: key, label, symbol, unit, range, default, hint.
+macro_rules! parameter {
+    ($key:expr, $label:expr, $symbol:expr, $unit:expr, $range:expr, $default:expr, $hint:expr) => {
+        $crate::physics::parameter::Parameter {
+            key: $key,
+            label: $label,
+            symbol: $symbol,
+            unit: $unit,
+            range: $range,
+            default: $default,
+            hint: $hint,
+        }
+    };
+}
+pub(crate) use parameter;
+
+/// [`Own`] of a type whose fields are its parameters: of each the field, the kind of its value and
+/// its row. After them come the methods that it has otherwise.
+macro_rules! own {
+    ($name:ident { $($field:ident: $kind:ident = $($row:expr),*;)* } $($method:item)*) => {
+        impl $crate::physics::parameter::Own for $name {
+            const PARAMETERS: &'static [$crate::physics::parameter::Parameter] =
+                &[$($crate::physics::parameter::parameter!($($row),*),)*];
+
+            fn values(&self) -> Vec<$crate::physics::parameter::Value> {
+                vec![$($crate::physics::parameter::Value::$kind(self.$field),)*]
+            }
+
+            fn with(&self, values: &[$crate::physics::parameter::Value]) -> Self {
+                let mut values = values.iter();
+                $(let $field = match values.next() {
+                    Some($crate::physics::parameter::Value::$kind(value)) => *value,
+                    _ => self.$field,
+                };)*
+                Self { $($field,)* }
+            }
+
+            $($method)*
+        }
+    };
+}
+pub(crate) use own;
 
 /// An enum of kinds, each a type of its own with an [`Own`]: its word, its parameters and their
 /// values come from there. A `method` gives what all kinds have in common, a trait. Kinds in

@@ -29,6 +29,16 @@ pub enum Pattern {
 }
 
 impl Pattern {
+    /// Every one of them.
+    pub const ALL: [Self; 6] = [
+        Self::Flat,
+        Self::Bulge,
+        Self::Ridge,
+        Self::Dimple,
+        Self::Contact,
+        Self::Other,
+    ];
+
     /// The word of the tables and labels.
     pub fn word(self) -> &'static str {
         match self {

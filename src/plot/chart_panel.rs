@@ -301,12 +301,8 @@ fn failures(rows: &[Judged]) -> Vec<&str> {
 
 /// The picture of a whole chart, against both costs.
 pub fn page(chart: &Chart, title: &str) -> Page<'static> {
-    let floor = chart
-        .reference
-        .as_ref()
-        .map(|reference| reference.errors.dissipated_energy);
     let panels = [Cost::Transforms, Cost::Time]
-        .map(|cost| ChartPanel::new(&chart.rows, floor, cost).panel());
+        .map(|cost| ChartPanel::new(&chart.rows, chart.floor(), cost).panel());
     Page::new(
         &format!("Speed against accuracy: {title}"),
         caption(chart),
@@ -335,9 +331,7 @@ fn caption(chart: &Chart) -> Vec<String> {
             reference.errors.dissipated_energy,
         ),
     }];
-    let floor = chart.reference.as_ref();
-    let floor = floor.map(|reference| reference.errors.dissipated_energy);
-    lines.extend(headline(&chart.rows, floor));
+    lines.extend(headline(&chart.rows, chart.floor()));
     let short = |what: &str| {
         if what.chars().count() <= SHORT {
             what.to_owned()

@@ -78,7 +78,7 @@ pub fn page(record: &LoopRecord, model: &Model, title: &str, error: Option<f64>)
 /// dashed one of what is not, and hollow circles of states that are no equilibria.
 pub fn branches(curve: &Curve) -> Vec<Series> {
     let mut all = Vec::new();
-    for direction in [Direction::Approach, Direction::Retraction] {
+    for direction in Direction::BOTH {
         let of = |kind| {
             gone(curve, |piece| {
                 (piece.direction, piece.kind) == (direction, kind)
@@ -159,8 +159,8 @@ pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<
 
 /// The areas between both ways: what is lost. Under a spring a jump goes along the spring's line.
 pub fn loss(curve: &Curve) -> Vec<Area> {
-    let [approach, retraction] = [Direction::Approach, Direction::Retraction]
-        .map(|direction| finite(gone(curve, |piece| piece.direction == direction)));
+    let [approach, retraction] =
+        Direction::BOTH.map(|direction| finite(gone(curve, |piece| piece.direction == direction)));
     let (low, high) = scale::ends(approach.iter().map(|p| p[0]).filter(|u| u.is_finite()));
     let mut areas: Vec<Area> = Vec::new();
     let mut open = false;

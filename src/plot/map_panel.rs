@@ -48,9 +48,7 @@ pub fn page(map: &PatternMap, scene: &Scene) -> Page<'static> {
 
 /// Approach, retraction, and the loss; what goes is told in its unit, where the scene has units.
 pub fn map_panels(map: &PatternMap, units: Option<Units>) -> [Panel; 3] {
-    let parameter = parameter::all()
-        .into_iter()
-        .find(|parameter| parameter.key == map.vary.key);
+    let parameter = parameter::find(&map.vary.key);
     let mut label = parameter.map_or_else(|| map.vary.key.clone(), Parameter::title);
     if let (Some(units), Some(parameter)) = (units, parameter) {
         let word = units.word(parameter.unit);
@@ -141,16 +139,8 @@ fn stretch(row: &Row, direction: Direction, pattern: Pattern, number: usize) -> 
 
 /// One area for each pattern, as often as it is passed on one way.
 fn regions(map: &PatternMap, direction: Direction) -> Vec<Area> {
-    let all = [
-        Pattern::Flat,
-        Pattern::Bulge,
-        Pattern::Ridge,
-        Pattern::Dimple,
-        Pattern::Contact,
-        Pattern::Other,
-    ];
     let mut areas = Vec::new();
-    for pattern in all {
+    for pattern in Pattern::ALL {
         for number in 0.. {
             let at = |i: usize| {
                 let row = map.rows.get(i)?;

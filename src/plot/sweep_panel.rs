@@ -134,10 +134,7 @@ fn others(study: &Study, row: &Row, x: &str) -> String {
 }
 
 fn axis(name: &str, values: &[f64]) -> Axis {
-    let known = parameter::all()
-        .into_iter()
-        .find(|parameter| parameter.key == name);
-    let label = known.map_or_else(|| name.replace('_', " "), Parameter::title);
+    let label = parameter::find(name).map_or_else(|| name.replace('_', " "), Parameter::title);
     Axis {
         logarithmic: is_logarithmic(values),
         ..Axis::linear(&label)

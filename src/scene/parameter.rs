@@ -8,7 +8,9 @@ use crate::physics::grid::POINTS_MAX;
 use crate::physics::indenter::Indenter;
 use crate::physics::law::Shape;
 use crate::physics::parameter::Dimension::{Driven, Length, Pure, Stiffness, SurfaceEnergy};
-use crate::physics::parameter::{BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MAX, Value};
+use crate::physics::parameter::{
+    BELOW_ONE, LENGTHS, POSITIVE, Parameter, SEED_MAX, Value, parameter,
+};
 
 /// Largest magnitude of a mean displacement.
 const FAR: f64 = 1e110;
@@ -16,15 +18,8 @@ const FAR: f64 = 1e110;
 macro_rules! parameters {
     ($($(#[$doc:meta])* $name:ident: $key:literal, $label:literal, $symbol:literal, $unit:expr,
         $range:expr, $default:expr, $hint:expr;)*) => {
-        $($(#[$doc])* pub static $name: Parameter = Parameter {
-            key: $key,
-            label: $label,
-            symbol: $symbol,
-            unit: $unit,
-            range: $range,
-            default: $default,
-            hint: $hint,
-        };)*
+        $($(#[$doc])* pub static $name: Parameter =
+            parameter!($key, $label, $symbol, $unit, $range, $default, $hint);)*
 
         /// The scene's own numbers, in the order of the file's tables.
         static OWN: &[&Parameter] = &[$(&$name,)*];
@@ -67,6 +62,11 @@ parameters! {
     /// Temperature, of a scene with units.
     TEMPERATURE: "units.temperature", "Temperature", "T", Pure("K"), 1e-3..=1e5,
         Some(Value::Number(298.15)), POSITIVE;
+}
+
+/// The number of this key.
+pub fn find(key: &str) -> Option<&'static Parameter> {
+    all().into_iter().find(|parameter| parameter.key == key)
 }
 
 /// Every number of the scene file, in the order of its tables.

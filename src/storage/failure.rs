@@ -61,31 +61,14 @@ pub enum Failure {
         /// What the parser says.
         message: String,
     },
-    /// A file cannot be read, or is no scene file at all.
-    #[error("{file}: cannot be read ({reason}): {remedy}")]
-    Read {
+    /// A file cannot be read, or not as what it should be; it cannot be written; or what was typed is
+    /// no path.
+    #[error("{file}: {what} ({reason}): {remedy}")]
+    File {
         /// The file.
         file: String,
-        /// Why.
-        reason: String,
-        /// How to mend it.
-        remedy: String,
-    },
-    /// A file cannot be written.
-    #[error("{file}: cannot be written ({reason}): {remedy}")]
-    Write {
-        /// The file.
-        file: String,
-        /// Why.
-        reason: String,
-        /// How to mend it.
-        remedy: String,
-    },
-    /// What was typed is no path.
-    #[error("{path}: is no path here ({reason}): {remedy}")]
-    Path {
-        /// What was typed.
-        path: String,
+        /// What is the matter with it.
+        what: &'static str,
         /// Why.
         reason: String,
         /// How to mend it.
@@ -126,11 +109,7 @@ impl Failure {
 
     /// A file that cannot be read, or not as what it should be.
     pub(super) fn unreadable(path: &Path, reason: &str, remedy: &str) -> Self {
-        Self::Read {
-            file: path.display().to_string(),
-            reason: reason.to_owned(),
-            remedy: remedy.to_owned(),
-        }
+        Self::file(path, "cannot be read", reason, remedy)
     }
 
     /// A file too long for a scene, which may have `limit` bytes.
@@ -141,8 +120,18 @@ impl Failure {
 
     /// A path that is not to be written to.
     pub fn refused(path: &Path, reason: &str, remedy: &str) -> Self {
-        Self::Write {
+        Self::file(path, "cannot be written", reason, remedy)
+    }
+
+    /// What was typed is no path.
+    pub(super) fn no_path(path: &Path, reason: &str, remedy: &str) -> Self {
+        Self::file(path, "is no path here", reason, remedy)
+    }
+
+    fn file(path: &Path, what: &'static str, reason: &str, remedy: &str) -> Self {
+        Self::File {
             file: path.display().to_string(),
+            what,
             reason: reason.to_owned(),
             remedy: remedy.to_owned(),
         }

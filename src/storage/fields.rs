@@ -194,41 +194,30 @@ impl Collector {
         let shape = [self.rows.len() as u64, ny as u64, nx as u64];
         let mut archive = Archive(ZipWriter::new(BufWriter::new(file)));
         let given = |of, value| scene.number_given(of, value);
-        let place = |row: usize, which: usize| {
-            SeekFrom::Start(((2 * row + which) * nx * ny * size_of::<f64>()) as u64)
+        let mut read = |row: usize, which: usize| -> io::Result<Array2<f64>> {
+            let mut bytes = vec![0; nx * ny * size_of::<f64>()];
+            let start = ((2 * row + which) * bytes.len()) as u64;
+            scratch.seek(SeekFrom::Start(start))?;
+            scratch.read_exact(&mut bytes)?;
+            let numbers = bytes.chunks_exact(size_of::<f64>()).map(number_of);
+            Array2::from_shape_vec((ny, nx), numbers.collect()).map_err(io::Error::other)
         };
-        let mut field = |archive: &mut Archive<'_>, name: &str, which: usize, law: bool| {
+        let traction = |gap: f64| given(Dimension::Stress, model.law.at(gap).traction);
+        let kept: [(_, _, &dyn Fn(f64) -> f64); 3] = [
+            ("gap", 0, &|gap| gap),
+            ("displacement", 1, &|displacement| displacement),
+            ("traction", 0, &traction),
+        ];
+        for (name, which, of) in kept {
             archive.array(name, &shape, |push| {
-                let mut bytes = vec![0; nx * ny * size_of::<f64>()];
-                for row in 0..self.rows.len() {
-                    scratch.seek(place(row, which))?;
-                    scratch.read_exact(&mut bytes)?;
-                    for number in bytes.chunks_exact(size_of::<f64>()) {
-                        let value = number_of(number);
-                        push(if law {
-                            given(Dimension::Stress, model.law.at(value).traction)
-                        } else {
-                            value
-                        })?;
-                    }
-                }
-                Ok(())
-            })
-        };
-        field(&mut archive, "gap", 0, false)?;
-        field(&mut archive, "displacement", 1, false)?;
-        field(&mut archive, "traction", 0, true)?;
+                let mut rows = 0..self.rows.len();
+                rows.try_for_each(|row| read(row, which)?.iter().try_for_each(|x| push(of(*x))))
+            })?;
+        }
         let modes = [soft.len() as u64, ny as u64, nx as u64];
         archive.array("soft_mode", &modes, |push| {
-            let mut bytes = vec![0; nx * ny * size_of::<f64>()];
             for &row in &soft {
-                scratch.seek(place(row, 1))?;
-                scratch.read_exact(&mut bytes)?;
-                let numbers = bytes.chunks_exact(size_of::<f64>());
-                let values = numbers.map(number_of).collect();
-                let displacement =
-                    Array2::from_shape_vec((ny, nx), values).map_err(io::Error::other)?;
-                match soft_mode(&self.rows[row].record, &displacement) {
+                match soft_mode(&self.rows[row].record, &read(row, 1)?) {
                     Some(mode) => mode.iter().try_for_each(|value| push(*value))?,
                     None => (0..nx * ny).try_for_each(|_| push(f64::NAN))?,
                 }
@@ -240,18 +229,16 @@ impl Collector {
             soft.iter().map(|row| self.rows[*row].index as i64),
         )?;
         let records = || self.rows.iter().map(|row| &row.record);
-        archive.list("mean_displacement", records().map(|s| s.mean_displacement))?;
-        archive.list(
-            "stress",
-            records().map(|s| given(Dimension::Stress, s.stress)),
-        )?;
-        archive.list(
-            "control",
-            records().map(|s| given(Dimension::Driven, s.control)),
-        )?;
-        archive.list(
-            "energy",
-            records().map(|s| given(Dimension::SurfaceEnergy, s.energy)),
+        archive.numbers(
+            str::to_owned,
+            records().map(|s| {
+                [
+                    s.mean_displacement,
+                    given(Dimension::Stress, s.stress),
+                    given(Dimension::Driven, s.control),
+                    given(Dimension::SurfaceEnergy, s.energy),
+                ]
+            }),
         )?;
         archive.list("state", self.rows.iter().map(|row| row.index as i64))?;
         archive.list("event", self.rows.iter().map(|row| row.event))?;
@@ -338,6 +325,21 @@ impl<'a> Archive<'a> {
         })
     }
 
+    /// Mean displacement, stress, control and energy by state, under these names.
+    fn numbers(
+        &mut self,
+        name: impl Fn(&str) -> String,
+        states: impl ExactSizeIterator<Item = [f64; 4]> + Clone,
+    ) -> io::Result<()> {
+        for (k, what) in ["mean_displacement", "stress", "control", "energy"]
+            .iter()
+            .enumerate()
+        {
+            self.list(&name(what), states.clone().map(|state| state[k]))?;
+        }
+        Ok(())
+    }
+
     /// The points of a branch.
     fn branch(
         &mut self,
@@ -367,14 +369,17 @@ impl<'a> Archive<'a> {
         })?;
         let traction = |gap: f64| given(Dimension::Stress, model.law.at(gap).traction);
         field(self, "traction", &|point| branch.gap(point).mapv(traction))?;
-        let mut list =
-            |what: &str, of: &dyn Fn(&Point) -> f64| self.list(&name(what), points.iter().map(of));
-        list("mean_displacement", &|p| p.state.mean_displacement)?;
-        list("stress", &|p| given(Dimension::Stress, p.state.stress))?;
-        list("control", &|p| given(Dimension::Driven, p.state.control))?;
-        list("energy", &|p| {
-            given(Dimension::SurfaceEnergy, p.state.body_energy(driven))
-        })?;
+        self.numbers(
+            name,
+            points.iter().map(|p| {
+                [
+                    p.state.mean_displacement,
+                    given(Dimension::Stress, p.state.stress),
+                    given(Dimension::Driven, p.state.control),
+                    given(Dimension::SurfaceEnergy, p.state.body_energy(driven)),
+                ]
+            }),
+        )?;
         let least = |p: &Point| p.index[0].min(p.index[1]) as i64;
         self.list(&name("index"), points.iter().map(least))?;
         let kinds: Vec<String> = points.iter().map(|p| p.kind.to_string()).collect();

@@ -2,9 +2,10 @@
 
 use super::Failure;
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{RwLock, RwLockWriteGuard};
+use zip::ZipArchive;
 
 /// How the name of a file begins that is being written.
 pub(super) const TEMPORARY: &str = ".tackscope-";
@@ -60,13 +61,7 @@ impl Growing {
 /// # Errors
 /// An empty path, a `~` without a home folder, or `~name` that is no file.
 pub fn typed(path: &Path) -> Result<PathBuf, Failure> {
-    let refuse = |reason: &str, remedy: &str| {
-        Err(Failure::Path {
-            path: path.display().to_string(),
-            reason: reason.to_owned(),
-            remedy: remedy.to_owned(),
-        })
-    };
+    let refuse = |reason: &str, remedy: &str| Err(Failure::no_path(path, reason, remedy));
     if path.as_os_str().is_empty() {
         return refuse("the path is empty", "give the path of a file or folder");
     }
@@ -275,6 +270,26 @@ pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
         .map_err(missing)?;
     if bytes.len() as u64 > limit {
         return Err(Failure::too_long(path, limit));
+    }
+    Ok(bytes)
+}
+
+/// Reads a member of an archive of at most `limit` bytes, whatever the archive says of its length.
+///
+/// # Errors
+/// In words, one that is missing, broken, or longer.
+pub(super) fn member(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    name: &str,
+    limit: u64,
+) -> Result<Vec<u8>, String> {
+    let fault = |why: &dyn std::fmt::Display| format!("{name}: {why}");
+    let member = archive.by_name(name).map_err(|error| fault(&error))?;
+    let mut bytes = Vec::new();
+    let read = member.take(limit + 1).read_to_end(&mut bytes);
+    read.map_err(|error| fault(&error))?;
+    if bytes.len() as u64 > limit {
+        return Err(fault(&format_args!("longer than {limit} bytes")));
     }
     Ok(bytes)
 }

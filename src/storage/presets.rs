@@ -138,7 +138,7 @@ impl Preset {
             is_its_own.then_some((direction, at))
         });
         let rows: Vec<(&str, [f32; 2])> = rows.collect();
-        [Direction::Approach, Direction::Retraction]
+        Direction::BOTH
             .map(|direction| {
                 let of = rows
                     .iter()

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufWriter, Cursor, Read, Seek, Write};
+use std::io::{BufWriter, Cursor, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
@@ -195,19 +195,7 @@ impl<'a> Members<'a> {
 
     /// A member of at most so many bytes, whatever the archive says of its length.
     fn member(&mut self, name: &str, most: u64) -> Result<Vec<u8>, Failure> {
-        let path = self.path;
-        let fault = |why: String| broken(path, &format!("{name}: {why}"));
-        let member = self
-            .archive
-            .by_name(name)
-            .map_err(|e| fault(e.to_string()))?;
-        let mut bytes = Vec::new();
-        let read = member.take(most + 1).read_to_end(&mut bytes);
-        read.map_err(|error| fault(error.to_string()))?;
-        if bytes.len() as u64 > most {
-            return Err(fault(format!("longer than {most} bytes")));
-        }
-        Ok(bytes)
+        files::member(&mut self.archive, name, most).map_err(|why| broken(self.path, &why))
     }
 }
 

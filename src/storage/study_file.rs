@@ -21,9 +21,7 @@ const AXIS: [&str; 5] = ["key", "values", "linear", "logarithmic", "seeds"];
 /// # Errors
 /// A file that cannot be read or is no allowed study, or the same of its scene.
 pub fn load(path: &Path) -> Result<Study, Failure> {
-    let bytes = files::read_bytes(path, BYTES_MAX)?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| Failure::unreadable(path, "not UTF-8", "save it as UTF-8 text"))?;
+    let text = scene_file::text_of(path, files::read_bytes(path, BYTES_MAX)?)?;
     parse(&text, &path.display().to_string())
 }
 

@@ -42,6 +42,14 @@ pub struct Chart {
     pub cancelled: bool,
 }
 
+impl Chart {
+    /// The reference's own error of the dissipated energy, below which nothing is told apart.
+    pub fn floor(&self) -> Option<f64> {
+        let reference = self.reference.as_ref();
+        reference.map(|reference| reference.errors.dissipated_energy)
+    }
+}
+
 /// What the cheapest loop that is no worse than one of the paper's method saves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saved<'a> {
@@ -162,6 +170,7 @@ pub fn run(
         };
         skip(&mut chart, observe, skipped);
     }
+    let [planned, budget] = points::own(&scene)?;
     for point in list {
         let predicted_seconds = work.predictor.seconds(&point);
         let allowed_seconds =
@@ -178,8 +187,8 @@ pub fn run(
         }
         let measured = work.measured(&point, allowed_seconds, observe)?;
         let judged = Judged {
-            plan: points::is_plan(&scene, &point)?,
-            paper_budget: points::is_paper_budget(&scene, &point)?,
+            plan: point == planned,
+            paper_budget: point == budget,
             ..reference.judge(&measured)
         };
         observe(News::Measured(&judged));

@@ -21,7 +21,7 @@ use crate::physics::pattern::Pattern;
 use crate::scene::part::{Part, Strategy};
 use crate::scene::{Model, Scene, Turn, edit};
 use std::cmp::Reverse;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// From this ratio of its ends on a parameter goes by equal factors.
 const DECADE: f64 = 2.0;
@@ -234,13 +234,9 @@ impl<'a> Survey<'a> {
         let rows: Vec<usize> = (0..last).step_by(APART).chain([last]).collect();
         let mut first: Vec<usize> = (0..rows.len()).collect();
         first.sort_by_key(|k| Reverse(k.trailing_zeros()));
-        let learnt: Vec<OnceLock<LiveLoops>> = vec![OnceLock::new(); rows.len()];
-        side_by_side(first.len(), |k| {
-            learnt[first[k]].get_or_init(|| self.learnt(rows[first[k]]));
-        });
-        side_by_side(rows.len() - 1, |k| {
-            let loops = learnt[k].get().cloned().unwrap_or_default();
-            self.between(rows[k], rows[k + 1], loops);
+        let learnt = side_by_side(first, |k| self.learnt(rows[k]));
+        side_by_side(0..rows.len() - 1, |k| {
+            self.between(rows[k], rows[k + 1], learnt[k].clone());
         });
     }
 

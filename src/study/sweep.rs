@@ -247,7 +247,7 @@ impl Study {
         order.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let whole: f64 = order.iter().map(|point| point.cost).sum();
         let told = Mutex::new((0.0, observe));
-        side_by_side(order.len(), |i| {
+        side_by_side(0..order.len(), |i| {
             if cancel.requested() {
                 return;
             }

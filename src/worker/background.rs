@@ -1,18 +1,23 @@
 //! What is computed in the background, with partial results as they come: for the window, beside
-//! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria,
-//! and a page of the paper; for the command line the paper's figures, several at once, one on each
+//! the walk, which time steps GFMD survives, speed against accuracy, every branch of equilibria, a
+//! page of the paper, the live loop and the states that it foresees; for the command line the paper's figures, several at once, one on each
 //! core.
 
 use super::job::{Pace, Reporter};
+use super::protocol::{LiveState, Stored};
 use super::system::{self, Instant};
 use crate::follow::diagram::Diagram;
+use crate::follow::walk::{Walk, WalkOptions};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::threads::FAULT;
 use crate::paper::errata::{Erratum, errata};
 use crate::paper::overlay::ZeroRange;
 use crate::paper::{Entry, Figure, GALLERY, Size, Stopped, Task};
-use crate::scene::Scene;
+use crate::scene::part::Part;
+use crate::scene::{Model, Scene};
+use crate::solver::Lost;
 use crate::study::chart::{self, Effort, Judged, News};
+use crate::study::live_loop::{Fineness, LiveLoops, Spot};
 use crate::study::plan;
 use crate::study::time_step_map::{Progress as Step, Survey, TimeStepMap};
 use crossbeam_channel::unbounded;
@@ -115,12 +120,9 @@ pub fn chart(
         report.result(so_far.clone());
     })
     .map_err(|error| error.to_string())?;
-    let floor = chart
-        .reference
-        .map(|reference| reference.errors.dissipated_energy);
     report.result(ChartSoFar {
+        floor: chart.floor(),
         rows: chart.rows,
-        floor,
     });
     Ok(())
 }
@@ -181,6 +183,97 @@ fn content(page: Page, report: &Reporter<PageContent>) -> Result<PageContent, St
                 .ok_or(Stopped::Cancelled)
         }
     }
+}
+
+/// How far before the end of a branch (units of the control) its state is looked for, where nearer
+/// there is none: the atlas knows the end on a mesh of its own.
+const BEFORE: [f64; 3] = [0.0, 1e-3, 1e-2];
+
+/// A place on the live loop of a scene.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The part of the cell on which the state is to be solved.
+    pub part: Part,
+    /// Its live loop.
+    pub live: Arc<LiveState>,
+    /// The place.
+    pub spot: Spot,
+}
+
+/// Finds the state at a place.
+///
+/// # Errors
+/// Why there is none, in words.
+pub fn foreseen(wanted: &Wanted, report: &Reporter<Arc<Stored>>) -> Result<(), String> {
+    let live = wanted.live.found.as_ref().map_err(Clone::clone)?;
+    let leg = &live.legs[wanted.spot.leg];
+    let (low, high) = (leg.from.min(leg.to), leg.from.max(leg.to));
+    let options = WalkOptions {
+        part: wanted.part,
+        ..WalkOptions::default()
+    };
+    let mut refused = Lost::Gone;
+    let mut tried = None;
+    for before in BEFORE {
+        let inside = (before * live.control.unit(&live.law)).min(0.5 * (high - low));
+        let control = wanted.spot.control.clamp(low + inside, high - inside);
+        if tried.replace(control) == Some(control) {
+            continue;
+        }
+        let walk = Walk::start(&wanted.scene, options, &report.cancel);
+        let walk = walk.map_err(|error| error.to_string())?;
+        let place = live.segments[leg.segment].place;
+        let z = live.atlas.guess(place, control, walk.system());
+        match walk.standing_near(z, control, leg.direction) {
+            Ok(walk) => {
+                report.result(Arc::new(Stored::of(&walk, wanted.part, [0, 0])));
+                return Ok(());
+            }
+            Err(Lost::Cancelled) => return Ok(()),
+            Err(lost) => refused = lost,
+        }
+    }
+    Err(match refused {
+        Lost::Unstable => "on this mesh the state there is not stable".to_owned(),
+        _ => format!(
+            "there is no such state on this mesh: the live loop is of {} points",
+            live.points
+        ),
+    })
+}
+
+/// The live loop of a scene, as fine as it gets.
+///
+/// # Errors
+/// The first value of the scene that is not allowed.
+pub fn live_loop(scene: &Arc<Scene>, report: &Reporter<Arc<LiveState>>) -> Result<(), String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    let mut loops = LiveLoops::obeying(&report.cancel);
+    report.result(live_state(&mut loops, scene, &model, Fineness::Fine));
+    Ok(())
+}
+
+/// The next of the live loops.
+pub(super) fn live_state(
+    loops: &mut LiveLoops,
+    scene: &Scene,
+    model: &Model,
+    fineness: Fineness,
+) -> Arc<LiveState> {
+    let began = Instant::now();
+    let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
+    let found = match found {
+        Ok(found) => found.map_err(|error| error.to_string()),
+        // What it holds after a panic is not to be trusted; `next` has taken it out.
+        Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
+    };
+    Arc::new(LiveState {
+        found,
+        fineness,
+        milliseconds: began.elapsed().as_secs_f64() * 1e3,
+    })
 }
 
 /// What is heard of several figures while they are computed.

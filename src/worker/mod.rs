@@ -4,7 +4,6 @@
 //! be received. Names no window, writes no files.
 
 pub mod background;
-pub mod foreseen;
 pub mod job;
 pub mod protocol;
 pub mod rehearsal;

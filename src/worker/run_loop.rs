@@ -2,6 +2,7 @@
 //! beside it the live loop's, where the newest scene wins: a coarse loop first, a finer one when
 //! the hand rests.
 
+use super::background::live_state;
 use super::job::{Wake, Work};
 use super::protocol::{Command, Envelope, Event, Failure, LiveState, RunId, SolverHandle};
 use super::session::Session;
@@ -276,7 +277,7 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
             .take()
             .filter(|(m, d, s, _)| *m == model && *d == drive && *s == seed);
         let mut state = same.map_or_else(
-            || computed(&mut loops, &scene, &model, Fineness::Coarse),
+            || live_state(&mut loops, &scene, &model, Fineness::Coarse),
             |(.., state)| state,
         );
         tell(Envelope {
@@ -288,7 +289,7 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
                 Ok(newer) => next = Some(newer),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    state = computed(&mut loops, &scene, &model, Fineness::Fine);
+                    state = live_state(&mut loops, &scene, &model, Fineness::Fine);
                     tell(Envelope {
                         run,
                         message: Event::Live(state.clone()),
@@ -301,26 +302,6 @@ fn run_live(wanted: &Receiver<Wanted>, mut loops: LiveLoops, tell: &dyn Fn(Envel
             next = wanted.recv().ok();
         }
     }
-}
-
-fn computed(
-    loops: &mut LiveLoops,
-    scene: &Scene,
-    model: &Model,
-    fineness: Fineness,
-) -> Arc<LiveState> {
-    let began = Instant::now();
-    let found = catch_unwind(AssertUnwindSafe(|| loops.next(scene, model, fineness)));
-    let found = match found {
-        Ok(found) => found.map_err(|error| error.to_string()),
-        // What it holds after a panic is not to be trusted; `next` has taken it out.
-        Err(_) => Err("the atlas stopped with a fault of its own".to_owned()),
-    };
-    Arc::new(LiveState {
-        found,
-        fineness,
-        milliseconds: began.elapsed().as_secs_f64() * 1e3,
-    })
 }
 
 #[cfg(test)]

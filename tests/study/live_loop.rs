@@ -14,7 +14,7 @@ use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::study::live_loop::{Fineness, LiveLoop, LiveLoops, Spot};
 use tackscope::worker;
-use tackscope::worker::foreseen::Wanted;
+use tackscope::worker::background::Wanted;
 use tackscope::worker::job::Job;
 use tackscope::worker::protocol::{LiveState, Stored};
 
@@ -278,7 +278,7 @@ fn foreseen(scene: &Scene, live: &LiveLoop, part: Part, spot: Spot) -> Result<Ar
         spot,
     };
     let (mut job, report) = Job::new(Arc::new(|| {}));
-    let found = worker::foreseen::foreseen(&wanted, &report);
+    let found = worker::background::foreseen(&wanted, &report);
     job.poll();
     found.map(|()| job.so_far.take().expect("a state"))
 }

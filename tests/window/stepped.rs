@@ -16,7 +16,7 @@ use tackscope::ui::App;
 use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
 use tackscope::worker::SolverHandle;
-use tackscope::worker::foreseen::Wanted;
+use tackscope::worker::background::Wanted;
 use tackscope::worker::job::{Computation, Wake, Work};
 use tackscope::worker::protocol::{Command, Envelope, Event, LiveState, RunId, Stored};
 use tackscope::worker::session::Session;

@@ -137,7 +137,7 @@ fn the_letters_of_the_strip_are_those_of_the_jumps() {
     let (window, _) = looped();
     let record = &run(&window).record;
     let mut wanted = String::new();
-    for direction in [Direction::Approach, Direction::Retraction] {
+    for direction in Direction::BOTH {
         let jumps = record.jumps.iter().filter(|j| j.direction == direction);
         let all: Vec<&str> = jumps
             .clone()

@@ -2,9 +2,7 @@
 
 use super::{Body, Elastic};
 use crate::physics::grid::Grid;
-use crate::physics::parameter::{
-    BELOW_ONE, Dimension, LENGTHS, Own, POSITIVE, Parameter, Refusal, Value, number,
-};
+use crate::physics::parameter::{BELOW_ONE, Dimension, LENGTHS, POSITIVE, Refusal, number, own};
 
 /// A layer of uniform thickness t, bonded to a rigid plate; its surface is free of friction.
 ///
@@ -31,39 +29,12 @@ impl Default for Layer {
     }
 }
 
-impl Own for Layer {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter {
-            key: "body.thickness",
-            label: "Layer thickness",
-            symbol: "t",
-            unit: Dimension::Length,
-            range: LENGTHS,
-            default: None,
-            hint: POSITIVE,
-        },
-        Parameter {
-            key: "body.poisson",
-            label: "Poisson's ratio",
-            symbol: "ν",
-            unit: Dimension::Pure(""),
-            range: -BELOW_ONE..=0.5,
-            default: None,
-            hint: "a number above -1, at most 0.5 (incompressible), {range}",
-        },
-    ];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Number(self.thickness), Value::Number(self.poisson)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            thickness: values[0].number(),
-            poisson: values[1].number(),
-        }
-    }
-}
+own! { Layer {
+    thickness: Number = "body.thickness", "Layer thickness", "t", Dimension::Length,
+        LENGTHS, None, POSITIVE;
+    poisson: Number = "body.poisson", "Poisson's ratio", "ν", Dimension::Pure(""),
+        -BELOW_ONE..=0.5, None, "a number above -1, at most 0.5 (incompressible), {range}";
+}}
 
 impl Layer {
     /// f(x) of x = q t > 0: the displacement of a wave over that of a half-space under the same

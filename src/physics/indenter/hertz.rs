@@ -3,7 +3,7 @@
 use super::{Ground, Indenter};
 use crate::physics::grid::Grid;
 use crate::physics::law::Law;
-use crate::physics::parameter::{Dimension, LENGTHS, Own, POSITIVE, Parameter, Value};
+use crate::physics::parameter::{Dimension, LENGTHS, POSITIVE, own};
 use crate::physics::theory::jkr::Jkr;
 use std::f64::consts::PI;
 
@@ -21,27 +21,10 @@ impl Default for Hertz {
     }
 }
 
-impl Own for Hertz {
-    const PARAMETERS: &'static [Parameter] = &[Parameter {
-        key: "indenter.radius",
-        label: "Tip radius",
-        symbol: "R",
-        unit: Dimension::Length,
-        range: LENGTHS,
-        default: None,
-        hint: POSITIVE,
-    }];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Number(self.radius)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            radius: values[0].number(),
-        }
-    }
-}
+own! { Hertz {
+    radius: Number = "indenter.radius", "Tip radius", "R", Dimension::Length,
+        LENGTHS, None, POSITIVE;
+}}
 
 impl Ground for Hertz {
     fn name(&self) -> &'static str {

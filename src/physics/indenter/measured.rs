@@ -10,7 +10,9 @@ use super::{Ground, Indenter};
 use crate::numerics::fourier::amplitudes;
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::law::Law;
-use crate::physics::parameter::{Dimension, LENGTHS, Own, Parameter, Refusal, Value, number};
+use crate::physics::parameter::{
+    Dimension, LENGTHS, Own, Parameter, Refusal, Value, number, parameter,
+};
 use crate::physics::topography::{Detrend, Levelled, Periodic, Topography, Unit};
 use ndarray::Array2;
 use rustfft::num_complex::Complex;
@@ -82,15 +84,15 @@ const fn choice(
     (chosen, words): (usize, &'static [&'static str]),
     hint: &'static str,
 ) -> Parameter {
-    Parameter {
+    parameter!(
         key,
         label,
-        symbol: "",
-        unit: Dimension::Pure(""),
-        range: 0.0..=0.0,
-        default: Some(Value::Choice { chosen, words }),
-        hint,
-    }
+        "",
+        Dimension::Pure(""),
+        0.0..=0.0,
+        Some(Value::Choice { chosen, words }),
+        hint
+    )
 }
 
 /// No map at all, which [`Own::check`] refuses.
@@ -108,24 +110,24 @@ impl Default for Measured {
 
 impl Own for Measured {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter {
-            key: "indenter.size",
-            label: "Measured side",
-            symbol: "",
-            unit: Dimension::Length,
-            range: 0.0..=1e110,
-            default: Some(Value::Number(0.0)),
-            hint: "the side along x of the whole map, {range}, or 0: as the file says",
-        },
-        Parameter {
-            key: "indenter.height_scale",
-            label: "Height scale",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 1e-12..=1e12,
-            default: Some(Value::Number(1.0)),
-            hint: "a number above 0 that heights are multiplied by, {range}",
-        },
+        parameter!(
+            "indenter.size",
+            "Measured side",
+            "",
+            Dimension::Length,
+            0.0..=1e110,
+            Some(Value::Number(0.0)),
+            "the side along x of the whole map, {range}, or 0: as the file says"
+        ),
+        parameter!(
+            "indenter.height_scale",
+            "Height scale",
+            "",
+            Dimension::Pure(""),
+            1e-12..=1e12,
+            Some(Value::Number(1.0)),
+            "a number above 0 that heights are multiplied by, {range}"
+        ),
         choice(
             "indenter.unit",
             "Unit",
@@ -146,15 +148,15 @@ impl Own for Measured {
             "how the map is continued: \"mirror\" (a cell of twice the side), \"window\" \
                 (faded to its mean over the outer eighths) or \"as_is\"",
         ),
-        Parameter {
-            key: "indenter.shortest",
-            label: "Shortest wave",
-            symbol: "",
-            unit: Dimension::Length,
-            range: 0.0..=*LENGTHS.end(),
-            default: Some(Value::Number(0.0)),
-            hint: "a wavelength below which waves are left out, {range}; 0 leaves none out",
-        },
+        parameter!(
+            "indenter.shortest",
+            "Shortest wave",
+            "",
+            Dimension::Length,
+            0.0..=*LENGTHS.end(),
+            Some(Value::Number(0.0)),
+            "a wavelength below which waves are left out, {range}; 0 leaves none out"
+        ),
     ];
 
     fn values(&self) -> Vec<Value> {

@@ -2,7 +2,6 @@
 //!
 //! A new ground is one file with a [`Ground`] and an [`Own`], its `mod` and its line in `kinds!`.
 
-mod flat;
 mod hertz;
 mod measured;
 mod rough;
@@ -14,7 +13,6 @@ pub use rough::WAVES_MAX;
 use super::grid::Grid;
 use super::law::Law;
 use super::parameter::{Own, Parameter, Refusal, Value, kinds};
-use flat::Flat;
 use ndarray::Array2;
 use std::f64::consts::TAU;
 
@@ -138,6 +136,43 @@ pub trait Ground {
     /// What a mesh cannot show of it, in words.
     fn left_out(&self, _grid: &Grid) -> Option<String> {
         None
+    }
+}
+
+/// Flat ground, h = 0 everywhere.
+struct Flat;
+
+impl Ground for Flat {
+    fn name(&self) -> &'static str {
+        "flat"
+    }
+
+    fn outline(&self, _share: f64) -> f64 {
+        0.45
+    }
+
+    fn suited(&self, _law: &Law, _grid: &Grid) -> Indenter {
+        Indenter::Flat
+    }
+
+    fn at(&self, _x: f64, _y: f64, _length: f64) -> f64 {
+        0.0
+    }
+
+    fn height(&self, _grid: &Grid) -> Option<Array2<f64>> {
+        None
+    }
+
+    fn even_height(&self, _grid: &Grid) -> Option<Array2<f64>> {
+        None
+    }
+
+    fn is_uniform(&self) -> [bool; 2] {
+        [true; 2]
+    }
+
+    fn relief(&self, _law: &Law) -> f64 {
+        0.0
     }
 }
 

@@ -11,9 +11,7 @@ use super::waves::{Component, crest, synthesis};
 use super::{Ground, Indenter};
 use crate::physics::grid::Grid;
 use crate::physics::law::Law;
-use crate::physics::parameter::{
-    Dimension, LENGTHS, Own, Parameter, Refusal, SEED_MAX, Value, number,
-};
+use crate::physics::parameter::{Dimension, LENGTHS, Refusal, SEED_MAX, Value, number, own};
 use ndarray::Array2;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -52,74 +50,18 @@ impl Default for Rough {
     }
 }
 
-impl Own for Rough {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter {
-            key: "indenter.hurst",
-            label: "Hurst exponent",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 1e-12..=1.0,
-            default: None,
-            hint: "a number above 0, at most 1, {range}, as in 0.8",
-        },
-        Parameter {
-            key: "indenter.rms",
-            label: "RMS height",
-            symbol: "",
-            unit: Dimension::Length,
-            range: LENGTHS,
-            default: None,
-            hint: "the root mean square height, a finite number above 0, {range}",
-        },
-        Parameter {
-            key: "indenter.longest",
-            label: "Longest wave",
-            symbol: "",
-            unit: Dimension::Length,
-            range: LENGTHS,
-            default: None,
-            hint: "a wavelength, at most cell.length, {range}",
-        },
-        Parameter {
-            key: "indenter.shortest",
-            label: "Shortest wave",
-            symbol: "",
-            unit: Dimension::Length,
-            range: LENGTHS,
-            default: None,
-            hint: "a wavelength from cell.length/512 to indenter.longest, {range}",
-        },
-        Parameter {
-            key: "indenter.seed",
-            label: "Surface seed",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 0.0..=SEED_MAX,
-            default: Some(Value::Whole(1)),
-            hint: "a whole number {range}",
-        },
-    ];
-
-    fn values(&self) -> Vec<Value> {
-        [self.hurst, self.rms, self.longest, self.shortest]
-            .map(Value::Number)
-            .into_iter()
-            .chain([Value::Whole(self.seed)])
-            .collect()
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        let [hurst, rms, longest, shortest] = [0, 1, 2, 3].map(|i| values[i].number());
-        Self {
-            hurst,
-            rms,
-            longest,
-            shortest,
-            seed: values[4].whole(),
-        }
-    }
-}
+own! { Rough {
+    hurst: Number = "indenter.hurst", "Hurst exponent", "", Dimension::Pure(""),
+        1e-12..=1.0, None, "a number above 0, at most 1, {range}, as in 0.8";
+    rms: Number = "indenter.rms", "RMS height", "", Dimension::Length,
+        LENGTHS, None, "the root mean square height, a finite number above 0, {range}";
+    longest: Number = "indenter.longest", "Longest wave", "", Dimension::Length,
+        LENGTHS, None, "a wavelength, at most cell.length, {range}";
+    shortest: Number = "indenter.shortest", "Shortest wave", "", Dimension::Length,
+        LENGTHS, None, "a wavelength from cell.length/512 to indenter.longest, {range}";
+    seed: Whole = "indenter.seed", "Surface seed", "", Dimension::Pure(""),
+        0.0..=SEED_MAX, Some(Value::Whole(1)), "a whole number {range}";
+}}
 
 // The hint of `shortest` quotes it.
 const _: () = assert!(WAVES_MAX == 512);

@@ -3,7 +3,7 @@
 use super::{Ground, Indenter};
 use crate::physics::grid::{Grid, POINTS_MAX};
 use crate::physics::law::Law;
-use crate::physics::parameter::{Dimension, LENGTHS, Own, POSITIVE, Parameter, Refusal, Value};
+use crate::physics::parameter::{Dimension, LENGTHS, POSITIVE, Refusal, own};
 use std::f64::consts::TAU;
 
 /// Sinusoidal waves, h = -amplitude sum_i (1 - cos(2 pi periods_i r_i/L)), a crest in the middle of
@@ -28,39 +28,12 @@ impl Default for Wave {
     }
 }
 
-impl Own for Wave {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter {
-            key: "indenter.amplitude",
-            label: "Amplitude",
-            symbol: "",
-            unit: Dimension::Length,
-            range: LENGTHS,
-            default: None,
-            hint: POSITIVE,
-        },
-        Parameter {
-            key: "indenter.periods",
-            label: "Waves",
-            symbol: "",
-            unit: Dimension::Pure(""),
-            range: 0.0..=(POINTS_MAX / 4) as f64,
-            default: None,
-            hint: "a whole number of waves along x, or along x and y as in [2, 1], each {range}",
-        },
-    ];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Number(self.amplitude), Value::Counts(self.periods)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            amplitude: values[0].number(),
-            periods: values[1].counts(),
-        }
-    }
-
+own! { Wave {
+    amplitude: Number = "indenter.amplitude", "Amplitude", "", Dimension::Length,
+        LENGTHS, None, POSITIVE;
+    periods: Counts = "indenter.periods", "Waves", "", Dimension::Pure(""),
+        0.0..=(POINTS_MAX / 4) as f64, None, "a whole number of waves along x, or along x and y as in [2, 1], each {range}";
+}
     fn check(&self) -> Result<(), Refusal> {
         let allowed = "a whole number above 0 along x or y, as in 2 or [2, 1]";
         if self.periods == [0, 0] {

@@ -1,7 +1,7 @@
 //! The cosine law with a true cut-off (Eq. 31), as printed and with a continuous stiffness.
 
 use super::Form;
-use crate::physics::parameter::{Dimension, Own, Parameter, Value};
+use crate::physics::parameter::{Dimension, Value, own};
 use std::f64::consts::PI;
 
 /// f = -(1 + cos pi x)/2 for 0 < x < 1, 0 beyond, and a parabola for x < 0. The range is the
@@ -16,27 +16,10 @@ pub struct Cosine {
     pub smooth: bool,
 }
 
-impl Own for Cosine {
-    const PARAMETERS: &'static [Parameter] = &[Parameter {
-        key: "law.smooth",
-        label: "Smooth at contact (C2)",
-        symbol: "",
-        unit: Dimension::Pure(""),
-        range: 0.0..=1.0,
-        default: Some(Value::Flag(false)),
-        hint: "true or false",
-    }];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Flag(self.smooth)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            smooth: values[0].flag(),
-        }
-    }
-}
+own! { Cosine {
+    smooth: Flag = "law.smooth", "Smooth at contact (C2)", "", Dimension::Pure(""),
+        0.0..=1.0, Some(Value::Flag(false)), "true or false";
+}}
 
 impl Form for Cosine {
     fn at(&self, x: f64) -> [f64; 3] {

@@ -2,7 +2,7 @@
 
 use super::{Form, fill_by_point};
 use crate::numerics::exponential::{exp, map_sum};
-use crate::physics::parameter::{BELOW_ONE, Dimension, Own, Parameter, Value};
+use crate::physics::parameter::{BELOW_ONE, Dimension, own};
 
 /// Largest ratio at which the difference of two exponentials, each to 4e-16, is still good to
 /// 1e-14.
@@ -24,27 +24,10 @@ impl Default for DoubleExponential {
     }
 }
 
-impl Own for DoubleExponential {
-    const PARAMETERS: &'static [Parameter] = &[Parameter {
-        key: "law.ratio",
-        label: "Ratio of ranges",
-        symbol: "",
-        unit: Dimension::Pure(""),
-        range: 1e-6..=BELOW_ONE,
-        default: None,
-        hint: "a number above 0 and below 1, {range} (repulsive over attractive range)",
-    }];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Number(self.ratio)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            ratio: values[0].number(),
-        }
-    }
-}
+own! { DoubleExponential {
+    ratio: Number = "law.ratio", "Ratio of ranges", "", Dimension::Pure(""),
+        1e-6..=BELOW_ONE, None, "a number above 0 and below 1, {range} (repulsive over attractive range)";
+}}
 
 impl Form for DoubleExponential {
     fn at(&self, x: f64) -> [f64; 3] {

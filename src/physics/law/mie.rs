@@ -1,7 +1,7 @@
 //! The m-n Mie law (8-2 between half-spaces with Lennard-Jones interactions).
 
 use super::Form;
-use crate::physics::parameter::{Dimension, Own, Parameter, Refusal, Value, number};
+use crate::physics::parameter::{Dimension, Refusal, number, own};
 
 /// f = mn/(m-n) (x^-m/m - x^-n/n) with m > n > 0. For x <= 0 every value is NaN: the law is
 /// singular at zero gap, and even exponents would give a plausible number on the wrong side of it.
@@ -19,39 +19,12 @@ impl Default for Mie {
     }
 }
 
-impl Own for Mie {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter {
-            key: "law.m",
-            label: "Mie exponent",
-            symbol: "m",
-            unit: Dimension::Pure(""),
-            range: 1e-9..=100.0,
-            default: None,
-            hint: "a number above law.n, {range}, as in 8",
-        },
-        Parameter {
-            key: "law.n",
-            label: "Mie exponent",
-            symbol: "n",
-            unit: Dimension::Pure(""),
-            range: 1e-9..=100.0,
-            default: None,
-            hint: "a finite number above 0, {range}, as in 2",
-        },
-    ];
-
-    fn values(&self) -> Vec<Value> {
-        vec![Value::Number(self.m), Value::Number(self.n)]
-    }
-
-    fn with(&self, values: &[Value]) -> Self {
-        Self {
-            m: values[0].number(),
-            n: values[1].number(),
-        }
-    }
-
+own! { Mie {
+    m: Number = "law.m", "Mie exponent", "m", Dimension::Pure(""),
+        1e-9..=100.0, None, "a number above law.n, {range}, as in 8";
+    n: Number = "law.n", "Mie exponent", "n", Dimension::Pure(""),
+        1e-9..=100.0, None, "a finite number above 0, {range}, as in 2";
+}
     fn check(&self) -> Result<(), Refusal> {
         let (m, n, most) = (self.m, self.n, Self::PARAMETERS[0].range.end());
         if m > n {

@@ -55,6 +55,11 @@ impl Jkr {
         }
     }
 
+    /// The state at a^3 = `factor` pi gamma R^2.
+    fn of_cube(&self, factor: f64) -> Contact {
+        self.contact((factor * PI * self.surface_energy).cbrt() * self.radius.powf(2.0 / 3.0))
+    }
+
     /// sqrt(2 pi gamma a): how far adhesion pulls the contact out of its Hertzian depth (length).
     /// By it the edge is in equilibrium.
     pub fn opening(&self, a: f64) -> f64 {
@@ -68,22 +73,22 @@ impl Jkr {
 
     /// The last stable state under a given force: dF/da = 0, a^3 = (9/8) pi gamma R^2.
     pub fn end_under_force(&self) -> Contact {
-        self.contact((1.125 * PI * self.surface_energy).cbrt() * self.radius.powf(2.0 / 3.0))
+        self.of_cube(1.125)
     }
 
     /// The last stable state at a given displacement: du0/da = 0, a^3 = (1/8) pi gamma R^2.
     pub fn end_of_displacement(&self) -> Contact {
-        self.contact((0.125 * PI * self.surface_energy).cbrt() * self.radius.powf(2.0 / 3.0))
+        self.of_cube(0.125)
     }
 
     /// The contact just after the surfaces have touched at u0 = 0: a^3 = 2 pi gamma R^2.
     pub fn touch(&self) -> Contact {
-        self.contact((2.0 * PI * self.surface_energy).cbrt() * self.radius.powf(2.0 / 3.0))
+        self.of_cube(2.0)
     }
 
     /// The contact without force: a^3 = (9/2) pi gamma R^2.
     pub fn zero_load(&self) -> Contact {
-        self.contact((4.5 * PI * self.surface_energy).cbrt() * self.radius.powf(2.0 / 3.0))
+        self.of_cube(4.5)
     }
 
     /// Energy released when the surfaces touch (E* times volume).

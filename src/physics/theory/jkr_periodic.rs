@@ -63,13 +63,14 @@ impl PeriodicJkr {
     pub fn contact(&self, a: f64) -> Contact {
         let coefficients = coefficients();
         let mut moments = [0.0; ORDER + 1];
+        let depth = |shape: &[f64; ORDER + 1]| {
+            let dents = (1..=ORDER).map(|k| punch(k) * shape[k] * a.powi(2 * k as i32));
+            dents.sum::<f64>() - self.tip.opening(a)
+        };
         // Each image changes the shape by a share of (a/L)^3 of the force: this converges at once.
         for _ in 0..40 {
             let shape = self.shape(&moments, &coefficients);
-            let depth = (1..=ORDER)
-                .map(|k| punch(k) * shape[k] * a.powi(2 * k as i32))
-                .sum::<f64>()
-                - self.tip.opening(a);
+            let depth = depth(&shape);
             for (j, moment) in moments.iter_mut().enumerate() {
                 let integral = |k: usize| a.powi(2 * (j + k) as i32 + 1) / (2 * (j + k) + 1) as f64;
                 let dented: f64 = (1..=ORDER).map(|k| punch(k) * shape[k] * integral(k)).sum();
@@ -77,10 +78,7 @@ impl PeriodicJkr {
             }
         }
         let shape = self.shape(&moments, &coefficients);
-        let depth = (1..=ORDER)
-            .map(|k| punch(k) * shape[k] * a.powi(2 * k as i32))
-            .sum::<f64>()
-            - self.tip.opening(a);
+        let depth = depth(&shape);
         Contact {
             radius: a,
             mean_displacement: -depth - shape[0],

@@ -30,15 +30,32 @@ const BELOW_TITLE: f64 = 10.0;
 /// Distance between diagrams.
 const BETWEEN: f64 = 20.0;
 
-/// Writes the page as an SVG.
+/// Writes the page beside `stem`, a path without an ending, as an SVG and as a PNG at least 1800
+/// pixels wide.
 ///
 /// # Errors
-/// A file that cannot be written.
-pub fn write_page_svg(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
-    files::write_whole(path, page_svg(page).as_bytes())
+/// Of either file that cannot be written.
+pub fn write_page(stem: &Path, page: &Page<'_>) -> [Result<(), Failure>; 2] {
+    write_sheet(stem, &page_sheet(page))
 }
 
-/// Writes the page as a PNG, at least 1800 pixels wide.
+/// The same of a table.
+///
+/// # Errors
+/// As [`write_page`].
+pub fn write_table(stem: &Path, table: &Table) -> [Result<(), Failure>; 2] {
+    write_sheet(stem, &table_sheet(table))
+}
+
+fn write_sheet(stem: &Path, sheet: &Sheet) -> [Result<(), Failure>; 2] {
+    let [svg, png] = ["svg", "png"].map(|end| stem.with_extension(end));
+    [
+        files::write_whole(&svg, sheet.svg().as_bytes()),
+        write_pixels(&png, sheet),
+    ]
+}
+
+/// Writes the page as a PNG alone.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -46,20 +63,9 @@ pub fn write_page_png(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
     write_pixels(path, &page_sheet(page))
 }
 
-/// Writes the table as an SVG.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_table_svg(path: &Path, table: &Table) -> Result<(), Failure> {
-    files::write_whole(path, table_sheet(table).svg().as_bytes())
-}
-
-/// Writes the table as a PNG, at least 1800 pixels wide.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_table_png(path: &Path, table: &Table) -> Result<(), Failure> {
-    write_pixels(path, &table_sheet(table))
+fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
+    let pixels = sheet.pixels();
+    write_png(path, &pixels.map_err(|error| Failure::write(path, error))?)
 }
 
 /// The page as the text of an SVG.
@@ -74,15 +80,6 @@ pub fn page_svg(page: &Page<'_>) -> String {
 pub fn page_image(page: &Page<'_>) -> Result<RgbImage, String> {
     let image = page_sheet(page).pixels();
     image.map_err(|error| error.to_string())
-}
-
-fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
-    write_png(
-        path,
-        &sheet
-            .pixels()
-            .map_err(|error| Failure::write(path, error))?,
-    )
 }
 
 fn page_sheet(page: &Page<'_>) -> Sheet {

@@ -102,57 +102,40 @@ impl Plot<'_> {
         let size = self.size;
         let (xs, x_factor) = ticks(&self.x);
         let (ys, y_factor) = ticks(&self.y);
-        let at_x = |share: f64| left + share * (right - left);
-        let at_y = |share: f64| bottom - share * (bottom - top);
-        for tick in xs.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line(
-                &[[at_x(tick.at), top], [at_x(tick.at), bottom]],
-                solid(GRID, size),
-            );
-        }
-        for tick in ys.iter().filter(|tick| tick.label.is_some()) {
-            sheet.line(
-                &[[left, at_y(tick.at)], [right, at_y(tick.at)]],
-                solid(GRID, size),
-            );
-        }
-        if let Some(zero) = self.y.zero() {
-            sheet.line(
-                &[[left, at_y(zero)], [right, at_y(zero)]],
-                solid(RULE, size),
-            );
-        }
-        let stroke = solid(ink(), size);
-        for tick in &xs {
-            let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line(
-                &[[at_x(tick.at), bottom], [at_x(tick.at), bottom - long]],
-                stroke,
-            );
-            if let Some(label) = &tick.label {
-                sheet.words(
-                    [at_x(tick.at), bottom + (6.0 + 0.5 * TICK) * size],
-                    &set(label),
-                    TICK * size,
-                    ink(),
-                    Anchor::Middle,
-                );
+        // Both ends of either axis, and where a share of it lies at a place of the other.
+        let ends = [[left, right], [bottom, top]];
+        let place = |axis: usize, share: f64, other: f64| {
+            let [low, high] = ends[axis];
+            let mut place = [other; 2];
+            place[axis] = low + share * (high - low);
+            place
+        };
+        let across = |axis: usize, share: f64| ends[1 - axis].map(|end| place(axis, share, end));
+        for (axis, ticks) in [&xs, &ys].into_iter().enumerate() {
+            for tick in ticks.iter().filter(|tick| tick.label.is_some()) {
+                sheet.line(&across(axis, tick.at), solid(GRID, size));
             }
         }
-        for tick in &ys {
-            let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
-            sheet.line(
-                &[[left, at_y(tick.at)], [left + long, at_y(tick.at)]],
-                stroke,
-            );
-            if let Some(label) = &tick.label {
-                sheet.words(
-                    [left - 6.0 * size, at_y(tick.at)],
-                    &set(label),
-                    TICK * size,
-                    ink(),
-                    Anchor::End,
-                );
+        if let Some(zero) = self.y.zero() {
+            sheet.line(&across(1, zero), solid(RULE, size));
+        }
+        let stroke = solid(ink(), size);
+        let beyond = [
+            (bottom + (6.0 + 0.5 * TICK) * size, Anchor::Middle),
+            (left - 6.0 * size, Anchor::End),
+        ];
+        for (axis, ticks) in [&xs, &ys].into_iter().enumerate() {
+            let [edge, far] = ends[1 - axis];
+            for tick in ticks {
+                let long = if tick.label.is_some() { 5.0 } else { 3.0 } * size;
+                let inside = edge + (far - edge).signum() * long;
+                let mark = [edge, inside].map(|other| place(axis, tick.at, other));
+                sheet.line(&mark, stroke);
+                if let Some(label) = &tick.label {
+                    let (other, anchor) = beyond[axis];
+                    let at = place(axis, tick.at, other);
+                    sheet.words(at, &set(label), TICK * size, ink(), anchor);
+                }
             }
         }
         let named = |axis: &Axis, factor: i32| match (axis.label.as_str(), factor) {

@@ -2,10 +2,11 @@
 
 use super::{Fault, Map, metres, points};
 use crate::physics::topography::Unit;
+use crate::storage::files;
 use netcdf_reader::NcFile;
 use npyz::{NpyFile, Order};
 use roxmltree::{Document, Node};
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use zip::ZipArchive;
 
 /// An array of numpy: one row is a profile.
@@ -102,17 +103,7 @@ fn array_of_sizes(bytes: &[u8]) -> Result<Vec<f64>, Fault> {
 
 /// The bytes of an entry, not more than its map may have.
 fn entry(archive: &mut Archive<'_>, name: &str) -> Result<Vec<u8>, Fault> {
-    let broken = |why: &dyn std::fmt::Display| Fault::broken(format!("{name}: {why}"));
-    let file = archive.by_name(name).map_err(|error| broken(&error))?;
-    let mut bytes = Vec::new();
-    let limit = super::BYTES_MAX;
-    file.take(limit)
-        .read_to_end(&mut bytes)
-        .map_err(|error| broken(&error))?;
-    if bytes.len() as u64 == limit {
-        return Err(broken(&"longer than any map"));
-    }
-    Ok(bytes)
+    files::member(archive, name, super::BYTES_MAX).map_err(Fault::broken)
 }
 
 /// ISO 25178-72: `main.xml` tells the grid in metres, and where the heights are.
@@ -161,10 +152,10 @@ fn x3p(archive: &mut Archive<'_>) -> Result<Map, Fault> {
     let data = Bytes(&entry(archive, link)?);
     let kind = text("Record1/Axes/CZ/DataType").unwrap_or_default();
     let number = match kind {
-        "I" => Number::U16,
-        "L" => Number::U32,
-        "F" => Number::F32,
-        "D" => Number::F64,
+        "I" => U16,
+        "L" => U32,
+        "F" => F32,
+        "D" => F64,
         other => return Err(Fault::broken(format!("main.xml: DataType is \"{other}\""))),
     };
     let mut heights = data.numbers(0, number, count)?;
@@ -181,18 +172,22 @@ fn x3p(archive: &mut Archive<'_>) -> Result<Map, Fault> {
     Map::new("X3P", sides, heights, Some(size), Unit::Metre)
 }
 
-/// Numbers in a file, least byte first.
+/// A kind of number in a file, least byte first.
 #[derive(Clone, Copy)]
-enum Number {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
+struct Number {
+    bytes: usize,
+    read: fn(&[u8]) -> f64,
 }
+
+macro_rules! numbers {
+    ($($name:ident: $kind:ty),*) => {
+        $(const $name: Number = Number {
+            bytes: size_of::<$kind>(),
+            read: |b| f64::from(<$kind>::from_le_bytes(b.try_into().expect("of so many bytes"))),
+        };)*
+    };
+}
+numbers! { I8: i8, U8: u8, I16: i16, U16: u16, I32: i32, U32: u32, F32: f32, F64: f64 }
 
 /// A file as bytes.
 struct Bytes<'a>(&'a [u8]);
@@ -200,12 +195,7 @@ struct Bytes<'a>(&'a [u8]);
 impl Bytes<'_> {
     /// So many numbers from a place on.
     fn numbers(&self, at: usize, kind: Number, count: usize) -> Result<Vec<f64>, Fault> {
-        let size = match kind {
-            Number::I8 | Number::U8 => 1,
-            Number::I16 | Number::U16 => 2,
-            Number::I32 | Number::U32 | Number::F32 => 4,
-            Number::F64 => 8,
-        };
+        let Number { bytes: size, read } = kind;
         let end = count
             .checked_mul(size)
             .and_then(|length| at.checked_add(length));
@@ -215,17 +205,7 @@ impl Bytes<'_> {
                 "it ends at byte {have}, within {count} numbers from byte {at}"
             ))
         })?;
-        let one = |b: &[u8]| match kind {
-            Number::I8 => f64::from(b[0] as i8),
-            Number::U8 => f64::from(b[0]),
-            Number::I16 => f64::from(i16::from_le_bytes([b[0], b[1]])),
-            Number::U16 => f64::from(u16::from_le_bytes([b[0], b[1]])),
-            Number::I32 => f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            Number::U32 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            Number::F32 => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            Number::F64 => f64::from_le_bytes(b.try_into().expect("of eight bytes")),
-        };
-        Ok(bytes.chunks_exact(size).map(one).collect())
+        Ok(bytes.chunks_exact(size).map(read).collect())
     }
 
     fn number(&self, at: usize, kind: Number) -> Result<f64, Fault> {
@@ -243,8 +223,8 @@ impl Bytes<'_> {
 /// Digital Surf: a header of 512 bytes, a comment, whole numbers.
 pub(super) fn sur(bytes: &[u8]) -> Result<Map, Fault> {
     let file = Bytes(bytes);
-    let whole = |at: usize| file.number(at, Number::I32).map(|n| n.max(0.0) as usize);
-    let short = |at: usize| file.number(at, Number::U16);
+    let whole = |at: usize| file.number(at, I32).map(|n| n.max(0.0) as usize);
+    let short = |at: usize| file.number(at, U16);
     let sides = [whole(108)?, whole(112)?];
     let count = points(sides[0], sides[1])?;
     let unit = |at: usize| {
@@ -256,12 +236,11 @@ pub(super) fn sur(bytes: &[u8]) -> Result<Map, Fault> {
             )
         })
     };
-    let scale =
-        |at: usize, units: usize| Ok::<_, Fault>(file.number(at, Number::F32)? * unit(units)?);
+    let scale = |at: usize, units: usize| Ok::<_, Fault>(file.number(at, F32)? * unit(units)?);
     let [dx, dy, dz] = [scale(120, 180)?, scale(124, 196)?, scale(128, 212)?];
     let kind = match short(98)? {
-        16.0 => Number::I16,
-        32.0 => Number::I32,
+        16.0 => I16,
+        32.0 => I32,
         other => {
             return Err(Fault::broken(format!(
                 "heights of {other} bits, not 16 or 32"
@@ -270,7 +249,7 @@ pub(super) fn sur(bytes: &[u8]) -> Result<Map, Fault> {
     };
     let data = 512 + short(334)? as usize + short(336)? as usize;
     // With special points, two below the least height says that nothing was measured.
-    let unmeasured = file.number(100, Number::I32)? - 2.0;
+    let unmeasured = file.number(100, I32)? - 2.0;
     let special = short(86)? == 1.0;
     let height = |z: f64| {
         if special && z == unmeasured {
@@ -293,27 +272,27 @@ pub(super) fn sur(bytes: &[u8]) -> Result<Map, Fault> {
 /// ISO 25178-71, binary: a header of 81 bytes.
 pub(super) fn sdf(bytes: &[u8]) -> Result<Map, Fault> {
     let file = Bytes(bytes);
-    let sides = [42, 44].map(|at| file.number(at, Number::U16));
+    let sides = [42, 44].map(|at| file.number(at, U16));
     let [nx, ny] = sides;
     let sides = [nx? as usize, ny? as usize];
-    let scale = |at: usize| file.number(at, Number::F64);
+    let scale = |at: usize| file.number(at, F64);
     let [dx, dy, dz] = [scale(46)?, scale(54)?, scale(62)?];
-    if file.number(78, Number::U8)? != 0.0 {
+    if file.number(78, U8)? != 0.0 {
         return Err(Fault::new(
             "it is compressed",
             "save it without compression",
         ));
     }
     // The value that says that nothing was measured, of whole numbers.
-    let (kind, unmeasured) = match file.number(79, Number::U8)? {
-        0.0 => (Number::U8, f64::NAN),
-        1.0 => (Number::U16, f64::from(u16::MAX)),
-        2.0 => (Number::U32, f64::from(u32::MAX)),
-        3.0 => (Number::F32, f64::NAN),
-        4.0 => (Number::I8, f64::NAN),
-        5.0 => (Number::I16, f64::from(i16::MIN)),
-        6.0 => (Number::I32, f64::from(i32::MIN)),
-        7.0 => (Number::F64, f64::NAN),
+    let (kind, unmeasured) = match file.number(79, U8)? {
+        0.0 => (U8, f64::NAN),
+        1.0 => (U16, f64::from(u16::MAX)),
+        2.0 => (U32, f64::from(u32::MAX)),
+        3.0 => (F32, f64::NAN),
+        4.0 => (I8, f64::NAN),
+        5.0 => (I16, f64::from(i16::MIN)),
+        6.0 => (I32, f64::from(i32::MIN)),
+        7.0 => (F64, f64::NAN),
         other => {
             return Err(Fault::broken(format!(
                 "heights of the type {other}, not 0 to 7"

@@ -54,9 +54,13 @@ pub(super) fn scene_of(path: &Path, bytes: Vec<u8>) -> Result<Scene, Failure> {
     if bytes.len() as u64 > BYTES_MAX {
         return Err(Failure::too_long(path, BYTES_MAX));
     }
-    let text = String::from_utf8(bytes)
-        .map_err(|_| Failure::unreadable(path, "not UTF-8", "save it as UTF-8 text"))?;
-    parse(&text, &path.display().to_string())
+    parse(&text_of(path, bytes)?, &path.display().to_string())
+}
+
+/// The text in the bytes of a file.
+pub(super) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, Failure> {
+    String::from_utf8(bytes)
+        .map_err(|_| Failure::unreadable(path, "not UTF-8", "save it as UTF-8 text"))
 }
 
 /// Writes a scene to a file; a scene that [`load`] would refuse is not written. A height file in its

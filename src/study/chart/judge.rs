@@ -191,7 +191,7 @@ fn matched<'a>(a: &'a [JumpRecord], b: &'a [JumpRecord]) -> Vec<(&'a JumpRecord,
 fn jump_faults(measured: &Measured, truth: &Measured, matched: usize) -> Vec<(String, String)> {
     let (ours, theirs) = (&measured.record, &truth.record);
     let mut faults = Vec::new();
-    for branch in [Direction::Approach, Direction::Retraction] {
+    for branch in Direction::BOTH {
         let reached = |record: &LoopRecord, p: Pattern| {
             record
                 .jumps
@@ -303,8 +303,7 @@ fn stress_error(measured: &Measured, truth: &Measured) -> f64 {
     let unit = truth.record.control.unit(&truth.law);
     let away = (2.0 * measured.point.step).max(0.1 * unit);
     let (mut sum, mut count) = (0.0, 0);
-    let mut curve = [Direction::Approach, Direction::Retraction]
-        .map(|branch| Curve::new(&truth.record.states, branch));
+    let mut curve = Direction::BOTH.map(|branch| Curve::new(&truth.record.states, branch));
     for state in &measured.record.states {
         let value = state.control;
         let jumps = measured.record.jumps.iter().chain(&truth.record.jumps);

@@ -366,7 +366,8 @@ fn atlases(scene: &Scene, grid: &Grid, meshes: &[usize], step: f64) -> Vec<Point
         .collect()
 }
 
-/// The points that `tackscope run` and the paper would choose.
+/// What `tackscope run` would do, and the paper's 50 + 150 time steps per increment: both with the
+/// scene's own step on its own mesh.
 pub(super) fn own(scene: &Scene) -> Result<[Point; 2], Refusal> {
     let decided = scene.model()?;
     let (line, points, step) = (decided.grid.is_line(), decided.grid.nx, scene.drive.step);
@@ -383,16 +384,6 @@ pub(super) fn own(scene: &Scene) -> Result<[Point; 2], Refusal> {
         own(MethodKind::default(), planned),
         own(MethodKind::Gfmd, Strategy::WHOLE),
     ])
-}
-
-/// What `tackscope run` would do.
-pub(super) fn is_plan(scene: &Scene, point: &Point) -> Result<bool, Refusal> {
-    Ok(*point == own(scene)?[0])
-}
-
-/// The paper's 50 + 150 time steps per increment of the scene's own step on the scene's own mesh.
-pub(super) fn is_paper_budget(scene: &Scene, point: &Point) -> Result<bool, Refusal> {
-    Ok(*point == own(scene)?[1])
 }
 
 /// What the correction of a prediction depends on.

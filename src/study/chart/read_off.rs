@@ -214,7 +214,7 @@ impl Way<'_> {
 fn ways<'d>(ground: Ground<'d>, walked: &'d LoopRecord) -> Option<Vec<Way<'d>>> {
     let mut ways = Vec::new();
     let start = ground.scene.drive.start;
-    for direction in [Direction::Approach, Direction::Retraction] {
+    for direction in Direction::BOTH {
         let states = walked.states.iter().filter(|s| s.direction == direction);
         let states: Vec<&StateRecord> = states.collect();
         let end = match direction {

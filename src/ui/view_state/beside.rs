@@ -8,7 +8,7 @@ use crate::scene::units::fixed;
 use crate::study::live_loop::Spot;
 use crate::ui::action::Scales;
 use crate::worker::SolverHandle;
-use crate::worker::foreseen::{Wanted, live_loop};
+use crate::worker::background::{Wanted, live_loop};
 use crate::worker::job::Job;
 use crate::worker::protocol::{Frame, LiveState};
 use std::sync::Arc;

@@ -7,7 +7,7 @@ use crate::lessons::Hidden;
 use crate::scene::part::Part;
 use crate::study::live_loop::{LiveLoop, Spot};
 use crate::worker::SolverHandle;
-use crate::worker::foreseen::{Wanted, foreseen};
+use crate::worker::background::{Wanted, foreseen};
 use crate::worker::job::Job;
 use crate::worker::protocol::{LiveState, Stored};
 use std::sync::Arc;
