@@ -30,7 +30,7 @@ const SLIDING_MU_RHO: f64 = 0.45;
 const RESOLVED: f64 = 0.33;
 
 /// Longest reach of the exact blocks for proofs over flat ground: fig3 in steps of 0.2 takes 6.2, 5.2
-/// and 5.3 s with 10, 16 and 20 waves.
+/// and 5.3 s with 10, 16 and 20 waves. All waves of a line would take the time of its loop once more.
 const MOST_REACH: f64 = 16.0;
 /// How closely gamma'' keeps x <-> y in a pattern that does, over [`System::stiffness_unit`].
 const SAME: f64 = 1e-6;
@@ -56,7 +56,7 @@ impl Guard {
     /// random directions come from `seed`.
     pub(in crate::follow) fn new(even: &System, slides: Slides, seed: u64) -> Self {
         let is_line = even.grid().is_line();
-        let reach = class_reach(even, MOST_REACH);
+        let reach = class_reach(even, MOST_REACH).min(MOST_REACH);
         let modes = [[false, false], [true, false], [false, true], [true, true]]
             .into_iter()
             .filter(|[_, y]| !(is_line && *y))
