@@ -30,6 +30,8 @@ enum Act {
     Command(&'static str),
     /// Wait.
     Until(fn(&ViewState) -> bool),
+    /// Print the time since the start under this name.
+    Say(&'static str),
     /// Open the fold of the left panel and bring this widget into sight.
     Unfold(&'static str),
     /// Drag this widget so far to and fro, under this name.
@@ -37,10 +39,15 @@ enum Act {
 }
 
 fn script() -> Vec<Act> {
-    use Act::{Command, Drag, Key as Press, Unfold, Until};
+    use Act::{Command, Drag, Key as Press, Say, Unfold, Until};
     let rests = |state: &ViewState| !state.run.is_busy() && state.run.state.is_some();
     vec![
         Until(|state| state.plots.live.is_some()),
+        Say("first live loop"),
+        Until(rests),
+        Say("at rest before the first jump"),
+        Drag("the elastomer", "profile", vec2(0.0, 12.0)),
+        Say("first snap"),
         Command("speed as fast"),
         Press(Modifiers::NONE, Key::Space),
         Until(|state| state.run.closed_loop.is_some()),

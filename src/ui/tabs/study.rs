@@ -13,6 +13,7 @@ use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{Entry, described, progress};
+use crate::ui::words::explain;
 use crate::worker::job::{Job, Reporter};
 use egui::{ComboBox, Pos2, Response, RichText, Role, Ui, WidgetInfo};
 use egui_plot::PlotPoint;
@@ -125,7 +126,7 @@ impl Tab for StudyTab {
             } else {
                 let distinct = self.goes.is_some_and(|(_, span)| span.from != span.to);
                 let button = ui.add_enabled(distinct, egui::Button::new("Compute"));
-                if button.clicked() {
+                if explain(button, "Compute").clicked() {
                     self.asked = Some(Asked::Compute);
                 }
             }
@@ -247,10 +248,10 @@ impl StudyTab {
                 }
             }
         });
-        named(&combo.response, "Number that goes");
+        named(combo.response, "Number that goes");
         let speed = 0.01 * (span.to - span.from).abs().max(1e-6);
         for (name, end) in [("from", &mut span.from), ("to", &mut span.to)] {
-            let label = ui.label(name);
+            let label = explain(ui.label(name), name);
             let entry = Entry {
                 name,
                 value: *end,
@@ -260,10 +261,10 @@ impl StudyTab {
                 suffix: "",
             };
             let (entered, response) = entry.show(ui);
-            response.labelled_by(label.id);
+            explain(response.labelled_by(label.id), name);
             *end = entered.unwrap_or(*end);
         }
-        let label = ui.label("loops");
+        let label = explain(ui.label("loops"), "loops");
         let entry = Entry {
             name: "loops",
             value: self.count as f64,
@@ -273,11 +274,10 @@ impl StudyTab {
             suffix: "",
         };
         let (entered, response) = entry.show(ui);
-        response.labelled_by(label.id);
+        explain(response.labelled_by(label.id), "loops");
         self.count = entered.map_or(self.count, |count| count as usize);
         let mut logarithmic = span.spacing == Spacing::Logarithmic;
-        ui.checkbox(&mut logarithmic, "log")
-            .on_hover_text("values by equal factors, where both ends are above zero");
+        explain(ui.checkbox(&mut logarithmic, "log"), "log");
         span.spacing = if logarithmic {
             Spacing::Logarithmic
         } else {
@@ -291,15 +291,16 @@ impl StudyTab {
                 ui.selectable_value(&mut self.quantity, i, *name);
             }
         });
-        named(&combo.response, "Quantity that is drawn");
+        named(combo.response, "Quantity that is drawn");
         if let Some(known) = chosen {
             self.goes = Some(around(known));
         }
     }
 }
 
-fn named(combo: &Response, name: &str) {
+fn named(combo: Response, name: &str) {
     combo.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+    explain(combo, name);
 }
 
 impl Running {
