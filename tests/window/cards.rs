@@ -110,13 +110,14 @@ fn every_word_on_the_screen_and_on_each_tab_has_a_card() {
 
 #[test]
 fn the_words_of_a_computed_map_study_and_ground_have_cards_too() {
-    let mut scene = fig2();
-    scene.cell.points = Points::Square(32);
-    let state = ViewState::new(scene).expect("allowed");
-    let mut window = computing(state, LazyRenderer::default());
-    at_once(&window);
-    window.get_by_label("Advanced").click();
-    window.run_steps(3);
+    let opened = |points| {
+        let mut scene = fig2();
+        scene.cell.points = points;
+        let state = ViewState::new(scene).expect("allowed");
+        let window = computing(state, LazyRenderer::default());
+        at_once(&window);
+        window
+    };
     let check = |window: &mut Harness<'static, App>, shown: &[&str]| {
         for words in shown {
             let there = said(window).iter().any(|said| said.contains(words));
@@ -124,19 +125,26 @@ fn the_words_of_a_computed_map_study_and_ground_have_cards_too() {
         }
         assert_eq!(lacking(window), [""; 0], "beside {shown:?}");
     };
+    let mut window = opened(Points::Square(32));
     tab(&mut window, "Map");
     check(&mut window, &["approach", "retraction", "Loss"]);
     tab(&mut window, "Study");
     window.get_by_label("Compute").click();
     window.run_steps(5);
     check(&mut window, &["15 of 15 loops"]);
-    window.get_by_label("ground waves").click();
-    tab(&mut window, "Ground");
-    check(
-        &mut window,
-        &["rms height", "power spectrum", "distribution of heights"],
-    );
-    window.get_by_label("Line cell (uniform along y)").click();
-    window.run_steps(5);
-    check(&mut window, &["profile"]);
+    for (points, seen) in [
+        (Points::Square(32), "height"),
+        (Points::Line(64), "profile"),
+    ] {
+        let mut window = opened(points);
+        window.get_by_label("ground waves").click();
+        tab(&mut window, "Ground");
+        let panels = [
+            "rms height",
+            "power spectrum",
+            "distribution of heights",
+            seen,
+        ];
+        check(&mut window, &panels);
+    }
 }

@@ -1,7 +1,9 @@
 //! The machine, and the map of patterns.
 
-use super::bench::Bench;
-use egui_kittest::kittest::Queryable;
+use super::bench::{Bench, fig2};
+use super::stepped::opened;
+use egui::Key;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tackscope::physics::control::Control;
 use tackscope::worker::protocol::Command;
 
@@ -62,4 +64,22 @@ fn a_click_on_the_map_opens_the_scene_of_that_range_and_the_map_stays() {
     bench.click("law cosine");
     let maps = bench.window.query_all_by_label("Map of patterns: approach");
     assert_eq!(maps.count(), 0);
+}
+
+#[test]
+fn under_a_weight_the_sentence_why_tells_a_stiffness_of_zero_without_a_sign() {
+    let mut window = opened(fig2());
+    window.get_by_label("machine weight").click();
+    window.step();
+    window.key_press(Key::Space);
+    let mut frames = 0;
+    while window.state().state().run.record.jumps.is_empty() {
+        window.step();
+        frames += 1;
+        assert!(frames < 1000, "it never jumps");
+    }
+    window.run_steps(2);
+    let sentence = window.get_by_label_contains("while the load stays what it is");
+    let words = sentence.accesskit_node().label().expect("words");
+    assert!(words.contains("at the limit 0.0000 E*/L"), "{words}");
 }

@@ -7,7 +7,7 @@ use super::bench::fig2;
 use super::canvas::Canvas;
 use super::stepped::computing;
 use super::stored::{press_at, run, strip};
-use egui::{ColorImage, Event, Key, Modifiers, Theme, vec2};
+use egui::{ColorImage, Event, Key, Modifiers, Rect, Theme, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbImage;
@@ -86,12 +86,14 @@ impl Screen {
     fn picture(&mut self, [width, height]: [f32; 2], theme: Theme) -> RgbImage {
         let window = &mut self.window;
         window.ctx.set_theme(theme);
-        window.set_size(vec2(width + 2.0 * MARGIN, height + 2.0 * MARGIN));
+        let zoom = window.ctx.zoom_factor();
+        window.set_size(vec2(width, height) / zoom + Vec2::splat(2.0 * MARGIN));
         window.run_steps(6);
         let (ctx, output) = (&window.ctx, window.output());
-        let mut picture = halved(&self.canvas.draw(ctx, output, MARGIN));
+        let mut picture = halved(&self.canvas.draw(ctx, output, MARGIN * zoom));
         let told = window.query_all_by_label_contains(" ms");
-        for place in told.map(|node| node.rect().translate(vec2(-MARGIN, -MARGIN)) / 2.0) {
+        let place = |rect: Rect| rect.translate(Vec2::splat(-MARGIN)) * (zoom / 2.0);
+        for place in told.map(|node| place(node.rect())) {
             for y in place.top() as u32..place.bottom() as u32 {
                 for x in place.left() as u32..place.right() as u32 {
                     picture.put_pixel(x, y, image::Rgb([128; 3]));

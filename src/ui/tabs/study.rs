@@ -6,6 +6,7 @@ use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
 use crate::plot::sweep_panel::panel;
+use crate::scene::units::fixed;
 use crate::scene::{edit, parameter};
 use crate::study::axis::{Spacing, Span, grid};
 use crate::study::sweep::{COLUMNS, Point, Row, Study};
@@ -359,7 +360,12 @@ impl Running {
         described(&response, &sentence);
         let (row, [x, y], _) = pointed?;
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-        let words = format!("{} = {}: {title} {y:.6}", self.study.keys[0], number(x));
+        let words = format!(
+            "{} = {}: {title} {}",
+            self.study.keys[0],
+            number(x),
+            fixed(y, 6)
+        );
         let clicked = response.clicked();
         response.on_hover_text_at_pointer(words);
         clicked.then(|| row.values.clone())
