@@ -104,8 +104,11 @@ impl Screen {
     }
 }
 
-/// Name, and how to come there.
-const SCREENS: [(&str, fn() -> Screen); 12] = [
+/// How to come to a screen.
+type Way = fn() -> Screen;
+
+/// Each under its name.
+const SCREENS: [(&str, Way); 12] = [
     ("opening", || Screen::on(48)),
     ("why", || Screen::on(48).act("3.05")),
     ("loop", || Screen::looped("Events")),
