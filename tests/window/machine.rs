@@ -1,9 +1,10 @@
 //! The machine, and the map of patterns.
 
 use super::bench::{Bench, fig2};
+use super::random::signed_zero;
 use super::stepped::opened;
 use egui::Key;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use tackscope::physics::control::Control;
 use tackscope::worker::protocol::Command;
 
@@ -67,19 +68,14 @@ fn a_click_on_the_map_opens_the_scene_of_that_range_and_the_map_stays() {
 }
 
 #[test]
-fn under_a_weight_the_sentence_why_tells_a_stiffness_of_zero_without_a_sign() {
+fn under_a_weight_no_zero_has_a_sign_on_the_way_through_a_loop() {
     let mut window = opened(fig2());
     window.get_by_label("machine weight").click();
     window.step();
     window.key_press(Key::Space);
-    let mut frames = 0;
-    while window.state().state().run.record.jumps.is_empty() {
+    for _ in 0..40 {
         window.step();
-        frames += 1;
-        assert!(frames < 1000, "it never jumps");
+        assert_eq!(signed_zero(&window), None);
     }
-    window.run_steps(2);
-    let sentence = window.get_by_label_contains("while the load stays what it is");
-    let words = sentence.accesskit_node().label().expect("words");
-    assert!(words.contains("at the limit 0.0000 E*/L"), "{words}");
+    assert!(!window.state().state().run.record.jumps.is_empty());
 }

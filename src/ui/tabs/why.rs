@@ -35,8 +35,8 @@ const COLUMN: f32 = 190.0;
 const BESIDE: f32 = 406.0;
 /// Height of the row that replays.
 const ROW: f32 = 28.0;
-/// Height of a map's name.
-const NAME: f32 = 17.0;
+/// Width and height of a map's name.
+const NAME: egui::Vec2 = vec2(66.0, 17.0);
 
 /// The tab.
 #[derive(Default)]
@@ -285,8 +285,9 @@ fn sentence(ui: &mut Ui, words: &str) {
 
 /// A map under its name.
 fn small_map(ui: &mut Ui, map: &Map, side: f32) {
-    let (_, area) = ui.allocate_space(vec2(side, side + NAME));
-    let square = Rect::from_min_max(pos2(area.left(), area.top() + NAME), area.max);
+    let (_, area) = ui.allocate_space(vec2(side.max(NAME.x), side + NAME.y));
+    let corner = area.min + vec2(0.0, NAME.y);
+    let square = Rect::from_min_size(corner, vec2(side, side));
     let response = ui.interact(area, egui::Id::unique(("why", map.name)), Sense::hover());
     described(&response, &map.shows);
     let painter = ui
