@@ -1,14 +1,15 @@
-//! How long the real window takes for a frame while something is dragged: the window opens, plays a
-//! loop, drags what is listed, prints milliseconds and closes. Wants a display.
+//! How long the real window takes to its first snap, and for a frame while something is dragged: the
+//! window opens, lowers the body, plays a loop, drags what is listed, prints milliseconds and closes.
+//! Wants a display.
 //!
-//! The first number is what passes from the beginning of a frame to its last triangle (other
+//! Of frames the first number is what passes from the beginning of a frame to its last triangle (other
 //! programs may take their share of it), the second what the window's own thread computes from frame
 //! to frame; with a renderer in software the triangles are filled in threads beside it.
 
 use cpu_time::ThreadTime;
 use eframe::egui::{self, Event, Id, Key, Modifiers, PointerButton, Pos2, Vec2, pos2, vec2};
 use std::error::Error;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tackscope::storage::presets;
 use tackscope::ui::App;
 use tackscope::ui::theme;
@@ -30,6 +31,10 @@ enum Act {
     Command(&'static str),
     /// Wait.
     Until(fn(&ViewState) -> bool),
+    /// Print under this name when that was first shown, counted from the start of the program.
+    Say(&'static str, fn(&ViewState) -> bool),
+    /// Drag this widget down by so many points, one a frame.
+    Lower(&'static str, usize),
     /// Open the fold of the left panel and bring this widget into sight.
     Unfold(&'static str),
     /// Drag this widget so far to and fro, under this name.
@@ -37,10 +42,17 @@ enum Act {
 }
 
 fn script() -> Vec<Act> {
-    use Act::{Command, Drag, Key as Press, Unfold, Until};
+    use Act::{Command, Drag, Key as Press, Lower, Say, Unfold, Until};
     let rests = |state: &ViewState| !state.run.is_busy() && state.run.state.is_some();
     vec![
-        Until(|state| state.plots.live.is_some()),
+        Say("the surface", |state| state.frame.is_some()),
+        Say("the live loop, as yet hidden", |state| {
+            state.plots.live.is_some()
+        }),
+        Say("the surface at rest before its first jump", rests),
+        Lower("profile", 20),
+        Say("the first snap", |state| !state.run.record.jumps.is_empty()),
+        Until(rests),
         Command("speed as fast"),
         Press(Modifiers::NONE, Key::Space),
         Until(|state| state.run.closed_loop.is_some()),
@@ -74,6 +86,8 @@ struct Measured {
     from: Pos2,
     times: [Vec<f64>; 2],
     begun: ThreadTime,
+    /// When the program was started.
+    started: Instant,
 }
 
 fn button(pos: Pos2, pressed: bool) -> Event {
@@ -120,6 +134,27 @@ impl Measured {
                 assert!(frame < PATIENCE, "line {} waits in vain", self.line);
                 // The events of this frame are seen in the next one.
                 frame > PAUSE && reached(self.app.state())
+            }
+            Act::Say(name, reached) => {
+                let is_reached = reached(self.app.state());
+                if is_reached {
+                    println!(
+                        "{name}: {:.0} ms",
+                        1e3 * self.started.elapsed().as_secs_f64()
+                    );
+                }
+                is_reached
+            }
+            Act::Lower(id, by) => {
+                if frame == 0 {
+                    self.from = place(id).map_or(Pos2::ZERO, |rect| rect.center());
+                }
+                let at = self.from + vec2(0.0, frame.saturating_sub(1) as f32);
+                events.push(Event::PointerMoved(at));
+                if frame == 1 || frame == 1 + by {
+                    events.push(button(at, frame == 1));
+                }
+                frame > *by
             }
             Act::Unfold(id) => {
                 // The fold is the lowest thing of the panel that takes a click.
@@ -176,9 +211,16 @@ impl Measured {
             self.times[1].push(1e3 * Duration::as_secs_f64(&computed));
         } else if self.frame == FRAMES {
             let [passed, computed] = std::mem::take(&mut self.times).map(|mut times| {
+                let longest = times.iter().copied().fold(0.0, f64::max);
+                let which = times.iter().position(|time| *time == longest);
                 times.sort_by(f64::total_cmp);
                 let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
-                format!("{:.1} / {:.1} / {:.1}", at(0.5), at(0.95), at(1.0))
+                let which = which.unwrap_or_default();
+                format!(
+                    "{:.1} / {:.1} / {longest:.1} (frame {which})",
+                    at(0.5),
+                    at(0.95)
+                )
             });
             println!("{name}: {passed} ms passed, {computed} ms computed");
         }
@@ -212,8 +254,9 @@ impl eframe::App for Measured {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let started = Instant::now();
     let preset = presets::find("fig2").ok_or("fig2 is built in")?;
-    let state = ViewState::new(preset.scene()?)?;
+    let state = ViewState::at_first_jump(preset.scene()?)?;
     println!("median / of 20 the longest but one / longest");
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default().with_inner_size([1280.0, 800.0]),
@@ -232,6 +275,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             from: Pos2::ZERO,
             times: Default::default(),
             begun: ThreadTime::now(),
+            started,
         }))
     });
     eframe::run_native("frames", options, create)?;

@@ -150,7 +150,11 @@ pub fn say(of: Dimension, si: f64) -> String {
 
 /// A number with so many decimals, and no sign before a zero.
 pub fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
+    unsigned_zero(format!("{value:.decimals$}"))
+}
+
+/// A number as text, without the sign of a zero.
+pub fn unsigned_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_owned(),
         _ => text,

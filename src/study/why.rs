@@ -203,7 +203,8 @@ impl Words<'_> {
                     "the body gives"
                 };
                 format!(
-                    ": just before, {who} {body:.2}, the law {} (E*/L)",
+                    ": just before, {who} {}, the law {} (E*/L)",
+                    minus(body, 2),
                     minus(law, 2)
                 )
             })
@@ -234,16 +235,18 @@ impl Words<'_> {
                 };
                 return format!(
                     "{} {at} the pull {change} while the load stays what it is: the body gives \
-                     way as a block, γ″ < 0 (at the limit {law:.4} E*/L).",
-                    self.side()
+                     way as a block, γ″ < 0 (at the limit {} E*/L).",
+                    self.side(),
+                    minus(law, 4)
                 );
             }
         };
         format!(
             "{} {at} the pull {faster} than {resists}: {sum} < 0 (at the limit {} + \
-             {held:.4}, in E*/L).",
+             {}, in E*/L).",
             self.side(),
             minus(law, 4),
+            minus(held, 4),
         )
     }
 

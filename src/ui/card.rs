@@ -117,6 +117,7 @@ fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
     let [length, stress] = [Dimension::Length, Dimension::Stress].map(|of| state.model.unit(of));
     let unit = state.model.unit(Dimension::SurfaceEnergy);
     let gamma = state.model.law.surface_energy;
+    let plural = if s.iterations == 1 { "" } else { "s" };
     [
         format!(
             "u₀ {}",
@@ -135,7 +136,7 @@ fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
             s.residual
         ),
         format!(
-            "{}, {} iterations, {:.0} ms",
+            "{}, {} iteration{plural}, {:.0} ms",
             s.part, s.iterations, s.milliseconds
         ),
     ]

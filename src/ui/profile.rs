@@ -244,7 +244,7 @@ fn axes(ui: &Ui, state: &ViewState, frame: Rect, (low, high): (f64, f64), along_
         let y = frame.bottom() - ((value - low) / (high - low)) as f32 * frame.height();
         painter.hline(frame.left() - 4.0..=frame.left(), y, tick);
         // The uppermost number gives way to the name of the axis.
-        if y > frame.top() + 16.0 {
+        if y > frame.top() + 26.0 {
             let text = ticks::label(value, spacing);
             painter.text(
                 pos2(frame.left() - 6.0, y),

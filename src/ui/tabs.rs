@@ -20,6 +20,7 @@ use super::action::{Action, ViewOptions};
 use super::diagram;
 use super::view_state::ViewState;
 use super::widgets::{named, progress};
+use super::words::explain;
 use crate::plot::panel::Panel;
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
@@ -145,7 +146,7 @@ impl Tabs {
             .is_some_and(|tab| tab.title().tall);
         let (share, least) = match tall {
             true => (0.36, 215.0),
-            false if whole < 600.0 => (0.5, 230.0),
+            false if whole < 600.0 => (0.46, 190.0),
             false => (0.6, 260.0),
         };
         (share * whole).max(least)
@@ -311,7 +312,7 @@ fn under_way<T>(ui: &mut Ui, job: &Job<T>) {
 fn small(ui: &mut Ui, panel: &Panel, words: &str, size: Vec2) -> PlotResponse<()> {
     ui.allocate_ui(size, |ui| {
         ui.vertical(|ui| {
-            ui.small(words);
+            explain(ui.small(words), words);
             let height = ui.available_height().max(60.0);
             diagram::show(ui, panel, words, height, |_, _| None)
         })

@@ -4,6 +4,7 @@
 use super::theme::{self, Palette};
 use super::words::{explain, explain_parameter};
 use crate::physics::parameter::{Dimension, Parameter, Value, number as plain};
+use crate::scene::units::unsigned_zero;
 use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;
@@ -63,7 +64,7 @@ impl Entry<'_> {
         let (shown, refused) = (RefCell::new(String::new()), RefCell::new(None));
         let mut edited = self.value;
         let format = |value: f64, decimals: RangeInclusive<usize>| {
-            let text = format_with_decimals_in_range(value, decimals);
+            let text = unsigned_zero(format_with_decimals_in_range(value, decimals));
             shown.replace(text.clone());
             text
         };

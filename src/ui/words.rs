@@ -374,6 +374,45 @@ const WORDS: &[(&str, &str, &str)] = &[
         "",
     ),
     ("Cancel", "Ends the computation; what is known stays.", ""),
+    (
+        "Compute",
+        "Computes the loops one after the other; their marks come as they are ready.",
+        "",
+    ),
+    (
+        "Number that goes",
+        "The number of the scene that is varied, with a loop at each value.",
+        "",
+    ),
+    ("from", "The value of the first loop.", ""),
+    ("to", "The value of the last loop.", ""),
+    ("loops", "How many values, both ends among them.", ""),
+    (
+        "log",
+        "Values by equal factors, where both ends are above zero.",
+        "",
+    ),
+    (
+        "Quantity that is drawn",
+        "What the marks tell of each loop.",
+        "",
+    ),
+    (
+        "height (dark is low)",
+        "The ground as seen from above.",
+        "h(x, y)",
+    ),
+    ("profile", "The ground along x.", "h(x)"),
+    (
+        "distribution of heights",
+        "How much of the ground lies at which height.",
+        "",
+    ),
+    (
+        "power spectrum",
+        "How much waves of each length contribute to the roughness.",
+        "C(q) ∼ |h~_q|^2",
+    ),
     ("Fig.", "A figure of the paper, computed anew.", ""),
 ];
 

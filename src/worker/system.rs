@@ -7,6 +7,9 @@ use std::io;
 use std::thread::{Builder, available_parallelism, scope};
 use std::time::Duration;
 
+/// The niceness of a thread that computes: its share of a busy core is a ninth of the window's.
+#[cfg(target_os = "linux")]
+const GIVES_WAY: i32 = 10;
 /// How long threads may take to end, all together: a window closes within two seconds.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How often a thread is looked at.
@@ -23,8 +26,15 @@ pub(super) fn try_spawn(
     Builder::new().name(name.into()).spawn(work)
 }
 
-/// Starts a thread that the program cannot do without.
+/// Starts a thread that computes, which the program cannot do without. Others go first: where there
+/// are few cores a frame of the window waits for no solver.
 pub(super) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> JoinHandle<()> {
+    let work = || {
+        // A refusal changes nothing. Linux alone has a priority for each thread.
+        #[cfg(target_os = "linux")]
+        let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), GIVES_WAY);
+        work();
+    };
     try_spawn(name, work).expect("the system refuses to start a thread")
 }
 

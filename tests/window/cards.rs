@@ -1,10 +1,14 @@
 //! Every word on the screen has a card.
 
+use super::bench::fig2;
+use super::stepped::computing;
 use super::stored::looped;
 use egui::{Event, Key, Modifiers, Pos2, Role};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, LazyRenderer};
+use tackscope::scene::Points;
 use tackscope::ui::App;
+use tackscope::ui::view_state::ViewState;
 
 /// Everything that is said.
 fn said(window: &Harness<'static, App>) -> Vec<String> {
@@ -24,7 +28,9 @@ fn is_plain(role: Role, name: &str) -> bool {
 /// The words in sight, with their places.
 fn words(window: &Harness<'static, App>) -> Vec<(Role, String, Pos2)> {
     let screen = window.ctx.content_rect();
-    let bar = window.get_by_label_contains("exact to").rect();
+    let chip = |words| window.query_by_label_contains(words);
+    let chip = chip("exact to").or_else(|| chip("accuracy is promised"));
+    let bar = chip.expect("the chip of the bar").rect();
     let nodes = window.root().children_recursive();
     let words = nodes.filter_map(|node| {
         let (role, name) = (node.accesskit_node().role(), node.accesskit_node().label());
@@ -55,15 +61,17 @@ fn lacking(window: &mut Harness<'static, App>) -> Vec<String> {
     lacking
 }
 
-/// Those whose words are the same whatever is computed.
-const TABS: [&str; 9] = [
+const TABS: [&str; 12] = [
     "Why",
     "Events",
     "Loops",
     "Stability",
     "Branches",
     "Landscape",
+    "Map",
+    "Ground",
     "Accuracy",
+    "Study",
     "Equations",
     "Paper",
 ];
@@ -77,13 +85,18 @@ fn tab(window: &mut Harness<'static, App>, name: &str) {
     window.run_steps(5);
 }
 
-#[test]
-fn every_word_on_the_screen_and_on_each_tab_has_a_card() {
-    let (mut window, _) = looped();
+/// Cards come at once.
+fn at_once(window: &Harness<'static, App>) {
     window.ctx.all_styles_mut(|style| {
         style.interaction.tooltip_delay = 0.0;
         style.interaction.show_tooltips_only_when_still = false;
     });
+}
+
+#[test]
+fn every_word_on_the_screen_and_on_each_tab_has_a_card() {
+    let (mut window, _) = looped();
+    at_once(&window);
     window.get_by_label("Advanced").click();
     window.run_steps(3);
     let mut seen = 0;
@@ -93,4 +106,45 @@ fn every_word_on_the_screen_and_on_each_tab_has_a_card() {
         assert_eq!(lacking(&mut window), [""; 0], "on the tab {name}");
     }
     assert!(seen > 40 * TABS.len(), "{seen}");
+}
+
+#[test]
+fn the_words_of_a_computed_map_study_and_ground_have_cards_too() {
+    let opened = |points| {
+        let mut scene = fig2();
+        scene.cell.points = points;
+        let state = ViewState::new(scene).expect("allowed");
+        let window = computing(state, LazyRenderer::default());
+        at_once(&window);
+        window
+    };
+    let check = |window: &mut Harness<'static, App>, shown: &[&str]| {
+        for words in shown {
+            let there = said(window).iter().any(|said| said.contains(words));
+            assert!(there, "{words}: {:?}", said(window));
+        }
+        assert_eq!(lacking(window), [""; 0], "beside {shown:?}");
+    };
+    let mut window = opened(Points::Square(32));
+    tab(&mut window, "Map");
+    check(&mut window, &["approach", "retraction", "Loss"]);
+    tab(&mut window, "Study");
+    window.get_by_label("Compute").click();
+    window.run_steps(5);
+    check(&mut window, &["15 of 15 loops"]);
+    for (points, seen) in [
+        (Points::Square(32), "height"),
+        (Points::Line(64), "profile"),
+    ] {
+        let mut window = opened(points);
+        window.get_by_label("ground waves").click();
+        tab(&mut window, "Ground");
+        let panels = [
+            "rms height",
+            "power spectrum",
+            "distribution of heights",
+            seen,
+        ];
+        check(&mut window, &panels);
+    }
 }

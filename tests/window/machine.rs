@@ -1,6 +1,9 @@
 //! The machine, and the map of patterns.
 
-use super::bench::Bench;
+use super::bench::{Bench, fig2};
+use super::random::signed_zero;
+use super::stepped::opened;
+use egui::Key;
 use egui_kittest::kittest::Queryable;
 use tackscope::physics::control::Control;
 use tackscope::worker::protocol::Command;
@@ -62,4 +65,17 @@ fn a_click_on_the_map_opens_the_scene_of_that_range_and_the_map_stays() {
     bench.click("law cosine");
     let maps = bench.window.query_all_by_label("Map of patterns: approach");
     assert_eq!(maps.count(), 0);
+}
+
+#[test]
+fn under_a_weight_no_zero_has_a_sign_on_the_way_through_a_loop() {
+    let mut window = opened(fig2());
+    window.get_by_label("machine weight").click();
+    window.step();
+    window.key_press(Key::Space);
+    for _ in 0..40 {
+        window.step();
+        assert_eq!(signed_zero(&window), None);
+    }
+    assert!(!window.state().state().run.record.jumps.is_empty());
 }

@@ -5,6 +5,7 @@
 mod accuracy;
 mod bench;
 mod branches;
+mod canvas;
 mod cards;
 mod commands;
 mod dialogs;
@@ -22,6 +23,7 @@ mod model;
 mod paper;
 mod push;
 mod random;
+mod screens;
 mod select;
 mod session;
 mod stepped;

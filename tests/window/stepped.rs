@@ -2,10 +2,10 @@
 
 use super::bench::fig2;
 use egui::vec2;
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, LazyRenderer, TestRenderer};
 use std::any::Any;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -21,15 +21,29 @@ use tackscope::worker::job::{Computation, Wake, Work};
 use tackscope::worker::protocol::{Command, Envelope, Event, LiveState, RunId, Stored};
 use tackscope::worker::session::Session;
 
-/// Steps of the session in a frame.
+/// Steps of the session in a frame, on a mesh of up to so many points; on larger ones fewer.
 const STEPS: usize = 20;
+const POINTS: usize = 64 * 64;
+
+/// What it does beside its session.
+#[derive(Clone, Copy, Default, PartialEq)]
+enum Beside {
+    /// Foreseen states and live loops, where they are asked for.
+    #[default]
+    Little,
+    /// A live loop of every scene as well.
+    Loops,
+    /// Every job to its end in the moment it is begun as well.
+    Jobs,
+}
 
 #[derive(Default)]
 struct Stepped {
     session: RefCell<Session>,
     said: RefCell<Vec<Envelope<Event>>>,
-    /// Whether it foretells loops.
-    foretells: bool,
+    /// Points of the mesh.
+    points: Cell<usize>,
+    beside: Beside,
 }
 
 impl Stepped {
@@ -50,10 +64,12 @@ impl Stepped {
 impl SolverHandle for Stepped {
     fn send(&self, command: Envelope<Command>) {
         let run = command.run;
-        if let Command::SetScene { scene, .. } = &command.message
-            && self.foretells
-        {
-            self.foretell(run, scene);
+        if let Command::SetScene { scene, .. } = &command.message {
+            let model = scene.model().expect("allowed");
+            self.points.set(model.grid.nx * model.grid.ny);
+            if self.beside != Beside::Little {
+                self.foretell(run, scene);
+            }
         }
         let mut said = self.said.borrow_mut();
         self.session
@@ -67,7 +83,7 @@ impl SolverHandle for Stepped {
         let mut session = self.session.borrow_mut();
         let mut said = self.said.take();
         let (run, now) = (session.run(), Instant::now());
-        for _ in 0..STEPS {
+        for _ in 0..(STEPS * POINTS / self.points.get().max(1)).clamp(1, STEPS) {
             if session.wait(now + Duration::from_secs(3600)).is_none() {
                 break;
             }
@@ -82,10 +98,10 @@ impl SolverHandle for Stepped {
         Arc::new(|| {})
     }
 
-    /// Only what is found of live loops.
     fn begin(&self, work: Box<dyn Work>) {
         let any = &*work as &dyn Any;
-        if any.is::<Computation<Wanted, Arc<Stored>>>()
+        if self.beside == Beside::Jobs
+            || any.is::<Computation<Wanted, Arc<Stored>>>()
             || any.is::<Computation<Arc<Scene>, Arc<LiveState>>>()
         {
             work.run();
@@ -95,25 +111,43 @@ impl SolverHandle for Stepped {
 
 /// The window on a scene, with a session that is stepped in the frame.
 pub fn opened(scene: Scene) -> Harness<'static, App> {
-    of(Stepped::default(), scene)
+    of(
+        Beside::Little,
+        ViewState::new(scene).expect("allowed"),
+        LazyRenderer::default(),
+    )
 }
 
 /// The same beside a live loop.
 pub fn foretold(scene: Scene) -> Harness<'static, App> {
-    let solver = Stepped {
-        foretells: true,
-        ..Stepped::default()
-    };
-    of(solver, scene)
+    of(
+        Beside::Loops,
+        ViewState::new(scene).expect("allowed"),
+        LazyRenderer::default(),
+    )
 }
 
-fn of(solver: Stepped, scene: Scene) -> Harness<'static, App> {
-    let app = App::with_chooser(solver, ViewState::new(scene).expect("allowed"), |_| {
+/// The same in this state, with every job done at once, drawn by `renderer`.
+pub fn computing(state: ViewState, renderer: impl TestRenderer + 'static) -> Harness<'static, App> {
+    of(Beside::Jobs, state, renderer)
+}
+
+fn of(
+    beside: Beside,
+    state: ViewState,
+    renderer: impl TestRenderer + 'static,
+) -> Harness<'static, App> {
+    let solver = Stepped {
+        beside,
+        ..Stepped::default()
+    };
+    let app = App::with_chooser(solver, state, |_| {
         Box::pin(std::future::ready(None::<PathBuf>))
     });
     let mut window = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .with_context_setup(theme::install)
+        .renderer(renderer)
         .build_ui_state(|ui, app: &mut App| app.frame(ui), app);
     window.run();
     window

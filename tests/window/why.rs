@@ -2,13 +2,14 @@
 
 use super::bench::{Bench, fig2};
 use super::stepped::opened;
+use super::stored::looped;
 use egui::{Key, Modifiers, ViewportId, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use ndarray::Array2;
 use std::sync::Arc;
 use std::time::Duration;
-use tackscope::follow::record::Direction;
+use tackscope::follow::record::{Cause, Direction};
 use tackscope::physics::theory::flat;
 use tackscope::scene::{Points, Turn};
 use tackscope::ui::App;
@@ -76,23 +77,41 @@ fn the_sentence_why_stands_there_after_a_jump_without_another_gesture() {
     }
 }
 
-/// That of the first jump.
 #[test]
-fn the_maps_of_a_jump_and_the_sentence_why_are_seen_in_a_low_window() {
-    let mut window = snapped();
-    window.set_size(egui::vec2(900.0, 600.0));
-    window.run();
-    for words in [
-        "Gap before the jump:",
-        "Soft mode,",
-        "Gap after the jump:",
-        "the pull grows faster with depth than the longest wave of the cell can resist",
+fn of_every_jump_the_maps_and_the_whole_sentence_why_are_seen_in_a_low_window() {
+    let (mut window, _) = looped();
+    let maps = ["Gap before the jump:", "Soft mode,", "Gap after the jump:"];
+    // In the least window the end of a long sentence is scrolled to.
+    for (size, bar, ends) in [
+        ([900.0, 600.0], 566.0, true),
+        ([640.0, 480.0], 446.0, false),
     ] {
-        let rect = window.get_by_label_contains(words).rect();
-        assert!(
-            rect.top() > 300.0 && rect.bottom() < 566.0,
-            "{words}: {rect:?}"
-        );
+        window.set_size(vec2(size[0], size[1]));
+        window.run();
+        let jumps = window.state().state().run.record.jumps.clone();
+        assert_eq!(jumps.len(), 8);
+        for jump in jumps.iter().rev() {
+            window.key_press(Key::K);
+            window.run();
+            let seen = |words: &str| {
+                let rect = window.get_by_label_contains(words).rect();
+                let lowest = if maps.contains(&words) || ends {
+                    rect.bottom()
+                } else {
+                    rect.top()
+                };
+                let inside = rect.top() > 200.0 && lowest < bar;
+                assert!(inside, "{words} of {jump:?}: {rect:?} at {size:?}");
+            };
+            let sentence = if jump.cause == Cause::FlatLimit {
+                ", in E*/L)"
+            } else {
+                " (E*/L)."
+            };
+            maps.into_iter().chain([sentence]).for_each(seen);
+        }
+        window.key_press(Key::Escape);
+        window.run();
     }
 }
 

@@ -11,6 +11,7 @@ use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::described;
+use crate::ui::words::explain_parameter;
 use crate::worker::job::{Job, Reporter};
 use egui::{RichText, Ui};
 use std::sync::Arc;
@@ -128,7 +129,9 @@ impl Tab for Map {
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             for (parameter, _) in numbers(state) {
-                ui.radio_value(&mut self.key, parameter.key, parameter.label.to_lowercase());
+                let label = parameter.label.to_lowercase();
+                let choice = ui.radio_value(&mut self.key, parameter.key, label);
+                explain_parameter(choice, parameter);
             }
             if let Some((_, job)) = &self.job {
                 under_way(ui, job);
@@ -157,7 +160,7 @@ impl Tab for Map {
         let mut pointed = None;
         ui.horizontal_top(|ui| {
             let one = |ui: &mut Ui, mut panel: Panel, name: &str, share: f32| {
-                panel.x.label = if name == "loss" {
+                panel.x.label = if name == "Loss" {
                     "loss / γ"
                 } else {
                     "u₀ / ρ"
@@ -178,7 +181,7 @@ impl Tab for Map {
             for (panel, name, share) in [
                 (approach, "approach", 0.38),
                 (retraction, "retraction", 0.35),
-                (loss, "loss", 0.27),
+                (loss, "Loss", 0.27),
             ] {
                 pointed = one(ui, panel, name, share).or(pointed);
             }

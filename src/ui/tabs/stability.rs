@@ -293,8 +293,8 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
         None => format!("no jump foreseen going {way}"),
         Some(f) if f.nearest == f.farthest => {
             format!(
-                "next jump at {symbol} = {:.4}{suffix} going {way} (exact)",
-                f.nearest / unit
+                "next jump at {symbol} = {}{suffix} going {way} (exact)",
+                fixed(f.nearest / unit, 4)
             )
         }
         Some(f) => {
@@ -303,9 +303,8 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
                 f.nearest.max(f.farthest) / unit,
             );
             let digits = if b - a < 0.02 { 4 } else { 2 };
-            format!(
-                "next jump between {symbol} = {a:.digits$} and {b:.digits$}{suffix} going {way}"
-            )
+            let [a, b] = [a, b].map(|end| fixed(end, digits));
+            format!("next jump between {symbol} = {a} and {b}{suffix} going {way}")
         }
     }
 }

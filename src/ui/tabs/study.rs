@@ -6,6 +6,7 @@ use super::{Tab, Title, Update};
 use crate::physics::parameter::{Parameter, Value, number};
 use crate::plot::panel::Panel;
 use crate::plot::sweep_panel::panel;
+use crate::scene::units::fixed;
 use crate::scene::{edit, parameter};
 use crate::study::axis::{Spacing, Span, grid};
 use crate::study::sweep::{COLUMNS, Point, Row, Study};
@@ -13,6 +14,7 @@ use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{Entry, described, progress};
+use crate::ui::words::explain;
 use crate::worker::job::{Job, Reporter};
 use egui::{ComboBox, Pos2, Response, RichText, Role, Ui, WidgetInfo};
 use egui_plot::PlotPoint;
@@ -125,7 +127,7 @@ impl Tab for StudyTab {
             } else {
                 let distinct = self.goes.is_some_and(|(_, span)| span.from != span.to);
                 let button = ui.add_enabled(distinct, egui::Button::new("Compute"));
-                if button.clicked() {
+                if explain(button, "Compute").clicked() {
                     self.asked = Some(Asked::Compute);
                 }
             }
@@ -247,10 +249,10 @@ impl StudyTab {
                 }
             }
         });
-        named(&combo.response, "Number that goes");
+        named(combo.response, "Number that goes");
         let speed = 0.01 * (span.to - span.from).abs().max(1e-6);
         for (name, end) in [("from", &mut span.from), ("to", &mut span.to)] {
-            let label = ui.label(name);
+            let label = explain(ui.label(name), name);
             let entry = Entry {
                 name,
                 value: *end,
@@ -260,10 +262,10 @@ impl StudyTab {
                 suffix: "",
             };
             let (entered, response) = entry.show(ui);
-            response.labelled_by(label.id);
+            explain(response.labelled_by(label.id), name);
             *end = entered.unwrap_or(*end);
         }
-        let label = ui.label("loops");
+        let label = explain(ui.label("loops"), "loops");
         let entry = Entry {
             name: "loops",
             value: self.count as f64,
@@ -273,11 +275,10 @@ impl StudyTab {
             suffix: "",
         };
         let (entered, response) = entry.show(ui);
-        response.labelled_by(label.id);
+        explain(response.labelled_by(label.id), "loops");
         self.count = entered.map_or(self.count, |count| count as usize);
         let mut logarithmic = span.spacing == Spacing::Logarithmic;
-        ui.checkbox(&mut logarithmic, "log")
-            .on_hover_text("values by equal factors, where both ends are above zero");
+        explain(ui.checkbox(&mut logarithmic, "log"), "log");
         span.spacing = if logarithmic {
             Spacing::Logarithmic
         } else {
@@ -291,15 +292,16 @@ impl StudyTab {
                 ui.selectable_value(&mut self.quantity, i, *name);
             }
         });
-        named(&combo.response, "Quantity that is drawn");
+        named(combo.response, "Quantity that is drawn");
         if let Some(known) = chosen {
             self.goes = Some(around(known));
         }
     }
 }
 
-fn named(combo: &Response, name: &str) {
+fn named(combo: Response, name: &str) {
     combo.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+    explain(combo, name);
 }
 
 impl Running {
@@ -358,7 +360,12 @@ impl Running {
         described(&response, &sentence);
         let (row, [x, y], _) = pointed?;
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-        let words = format!("{} = {}: {title} {y:.6}", self.study.keys[0], number(x));
+        let words = format!(
+            "{} = {}: {title} {}",
+            self.study.keys[0],
+            number(x),
+            fixed(y, 6)
+        );
         let clicked = response.clicked();
         response.on_hover_text_at_pointer(words);
         clicked.then(|| row.values.clone())

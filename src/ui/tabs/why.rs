@@ -19,7 +19,7 @@ use crate::ui::words;
 use crate::worker::protocol::{Film, Frame, RunId};
 use egui::{
     Align2, Color32, Context, FontId, Rect, RichText, ScrollArea, Sense, Shape, Slider, Stroke,
-    StrokeKind, TextureHandle, Ui, WidgetInfo, pos2, vec2,
+    StrokeKind, TextStyle, TextureHandle, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,12 +28,15 @@ use std::time::Duration;
 const REPLAY: f64 = 4.0;
 const PICTURE: Duration = Duration::from_millis(33);
 /// Least and largest side of a map, and the room between two (points).
-const SIDE: (f32, f32) = (64.0, 120.0);
+const SIDE: (f32, f32) = (44.0, 120.0);
 const GAP: f32 = 8.0;
-/// Room beside the maps from which the buttons stand there.
+/// Room of the buttons beside the maps, and the width from which they stand there.
 const COLUMN: f32 = 190.0;
-/// Height of a map's name.
-const NAME: f32 = 17.0;
+const BESIDE: f32 = 406.0;
+/// Height of the row that replays.
+const ROW: f32 = 28.0;
+/// Width and height of a map's name.
+const NAME: egui::Vec2 = vec2(66.0, 17.0);
 
 /// The tab.
 #[derive(Default)]
@@ -107,7 +110,7 @@ impl Tab for Why {
                 Some(told) => {
                     headline(ui, told);
                     let whole = pictures(ui, state, told, actions);
-                    ui.label(&told.why.sentence);
+                    sentence(ui, &told.why.sentence);
                     replay(ui, state, told, &mut self.replay);
                     if !whole {
                         more(ui, state, told, actions);
@@ -252,7 +255,7 @@ fn headline(ui: &mut Ui, told: &Told) {
 fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) -> bool {
     let width = ui.available_width();
     let count = told.maps.len().max(1) as f32;
-    let beside = width >= count * (SIDE.0 + GAP) + COLUMN;
+    let beside = width >= BESIDE;
     let room = if beside { width - COLUMN } else { width };
     // In a low window the sentence is seen with them.
     let most = SIDE.1.min(0.3 * ui.clip_rect().height()).max(SIDE.0);
@@ -269,10 +272,22 @@ fn pictures(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Actio
     beside
 }
 
+/// The sentence, in small letters where others would hide its end or the replay.
+fn sentence(ui: &mut Ui, words: &str) {
+    let font = TextStyle::Body.resolve(ui.style());
+    let width = ui.available_width();
+    let (painter, ink) = (ui.painter(), ui.visuals().text_color());
+    let height = painter.layout(words.to_owned(), font, ink, width).size().y;
+    let room = ui.clip_rect().height() - ui.min_rect().height() - ROW;
+    let words = RichText::new(words);
+    ui.label(if height > room { words.small() } else { words });
+}
+
 /// A map under its name.
 fn small_map(ui: &mut Ui, map: &Map, side: f32) {
-    let (_, area) = ui.allocate_space(vec2(side, side + NAME));
-    let square = Rect::from_min_max(pos2(area.left(), area.top() + NAME), area.max);
+    let (_, area) = ui.allocate_space(vec2(side.max(NAME.x), side + NAME.y));
+    let corner = area.min + vec2(0.0, NAME.y);
+    let square = Rect::from_min_size(corner, vec2(side, side));
     let response = ui.interact(area, egui::Id::unique(("why", map.name)), Sense::hover());
     described(&response, &map.shows);
     let painter = ui

@@ -59,8 +59,8 @@ impl Beside {
         let spot = match &live.found {
             Err(why) => Err(format!("it has no live loop: {why}")),
             Ok(found) => found.spot_of(direction, u0).ok_or_else(|| {
-                let u0 = u0 / found.law.range;
-                format!("its drive does not come to u₀ = {u0:.3} ρ on {direction}")
+                let u0 = fixed(u0 / found.law.range, 3);
+                format!("its drive does not come to u₀ = {u0} ρ on {direction}")
             }),
         };
         match spot {

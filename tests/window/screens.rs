@@ -1,0 +1,246 @@
+//! Key screens, light and dark, large and small, drawn and held against the pictures in `screens`,
+//! which somebody has looked at.
+//!
+//! TACKSCOPE_SCREENS=renew writes the pictures anew: look at what has changed before it is kept.
+
+use super::bench::fig2;
+use super::canvas::Canvas;
+use super::stepped::computing;
+use super::stored::{press_at, run, strip};
+use egui::{ColorImage, Event, Key, Modifiers, Rect, Theme, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use image::RgbImage;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use std::path::{Path, PathBuf};
+use tackscope::scene::Points;
+use tackscope::ui::App;
+use tackscope::ui::view_state::ViewState;
+
+const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [900.0, 600.0]];
+/// What the harness leaves free around the window.
+const MARGIN: f32 = 8.0;
+/// Side of the squares of a picture whose mean colours are compared (its pixels, which are two of
+/// the window), and by how much they may differ (of 255).
+const SQUARE: u32 = 8;
+const SHADE: f64 = 6.0;
+
+struct Screen {
+    window: Harness<'static, App>,
+    canvas: Canvas,
+}
+
+impl Screen {
+    /// At rest a little before the first jump of Fig. 2, on so many points.
+    fn on(points: usize) -> Self {
+        let mut scene = fig2();
+        scene.cell.points = Points::Square(points);
+        let state = ViewState::at_first_jump(scene).expect("allowed");
+        let canvas = Canvas::default();
+        let window = computing(state, canvas.clone());
+        Self { window, canvas }
+    }
+
+    /// After a loop, with this tab open.
+    fn looped(tab: &str) -> Self {
+        Self::on(48)
+            .act("speed as fast")
+            .click("Play loop")
+            .open(tab)
+    }
+
+    fn rest(mut self) -> Self {
+        let mut frames = 0;
+        self.window.run_steps(4);
+        while run(&self.window).is_busy() {
+            self.window.step();
+            frames += 1;
+            assert!(frames < 2000, "it never comes to rest");
+        }
+        self
+    }
+
+    fn press(self, modifiers: Modifiers, key: Key) -> Self {
+        self.window.key_press_modifiers(modifiers, key);
+        self.rest()
+    }
+
+    /// Does what the palette finds.
+    fn act(self, words: &str) -> Self {
+        let mut open = self.press(Modifiers::COMMAND, Key::K);
+        open.window.event(Event::Text(words.to_owned()));
+        open.window.step();
+        open.press(Modifiers::NONE, Key::Enter)
+    }
+
+    fn open(self, tab: &str) -> Self {
+        self.act(&format!("Tab: {tab}"))
+    }
+
+    fn click(self, label: &str) -> Self {
+        self.window.get_by_label(label).click();
+        self.rest()
+    }
+
+    /// What is seen at this size in this theme, at half its size. What a clock tells is left out.
+    fn picture(&mut self, [width, height]: [f32; 2], theme: Theme) -> RgbImage {
+        let window = &mut self.window;
+        window.ctx.set_theme(theme);
+        let zoom = window.ctx.zoom_factor();
+        window.set_size(vec2(width, height) / zoom + Vec2::splat(2.0 * MARGIN));
+        window.run_steps(6);
+        let (ctx, output) = (&window.ctx, window.output());
+        let mut picture = halved(&self.canvas.draw(ctx, output, MARGIN * zoom));
+        let told = window.query_all_by_label_contains(" ms");
+        let place = |rect: Rect| rect.translate(Vec2::splat(-MARGIN)) * (zoom / 2.0);
+        for place in told.map(|node| place(node.rect())) {
+            for y in place.top() as u32..place.bottom() as u32 {
+                for x in place.left() as u32..place.right() as u32 {
+                    picture.put_pixel(x, y, image::Rgb([128; 3]));
+                }
+            }
+        }
+        picture
+    }
+}
+
+/// How to come to a screen.
+type Way = fn() -> Screen;
+
+/// Each under its name.
+const SCREENS: [(&str, Way); 12] = [
+    ("opening", || Screen::on(48)),
+    ("why", || Screen::on(48).act("3.05")),
+    ("loop", || Screen::looped("Events")),
+    ("stored", || {
+        let mut screen = Screen::looped("Equations");
+        let (_, place) = strip(&screen.window);
+        press_at(&mut screen.window, place.lerp_inside(vec2(0.4, 0.75)));
+        screen
+    }),
+    ("beside", || {
+        let kept = Screen::looped("Loops").press(Modifiers::NONE, Key::L);
+        kept.click("law cosine").act("A | B: compare").act("2.5")
+    }),
+    ("stability", || Screen::looped("Stability")),
+    ("branches", || Screen::looped("Branches")),
+    ("map", || Screen::on(32).open("Map")),
+    ("ground", || {
+        Screen::on(48).click("ground waves").open("Ground")
+    }),
+    ("lesson", || {
+        Screen::on(48)
+            .act("lesson first snap")
+            .press(Modifiers::NONE, Key::Enter)
+    }),
+    ("lecture", || {
+        Screen::looped("Why").press(Modifiers::NONE, Key::F11)
+    }),
+    ("gallery", || Screen::on(48).click("Preset")),
+];
+
+/// Each pixel the mean of four, in few colours, so that the files are small.
+fn halved(picture: &ColorImage) -> RgbImage {
+    let [width, height] = picture.size.map(|side| side as u32 / 2);
+    RgbImage::from_fn(width, height, |x, y| {
+        let corner = [2 * x as usize, 2 * y as usize];
+        let four = [[0, 0], [1, 0], [0, 1], [1, 1]];
+        let four = four.map(|[i, j]| picture[(corner[0] + i, corner[1] + j)].to_array());
+        let mean = |k: usize| four.map(|c| u16::from(c[k])).iter().sum::<u16>() / 4;
+        image::Rgb([0, 1, 2].map(|k| (mean(k) / 16 * 17) as u8))
+    })
+}
+
+fn write(picture: &RgbImage, path: &Path) {
+    let file = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::NoFilter);
+    picture.write_with_encoder(encoder).unwrap();
+}
+
+/// Where the mean colours of two pictures differ: the squares, from the upper left corner.
+fn differing(a: &RgbImage, b: &RgbImage) -> Vec<[u32; 2]> {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let (width, height) = a.dimensions();
+    let mean = |picture: &RgbImage, [left, top]: [u32; 2], k: usize| {
+        let (right, bottom) = ((left + SQUARE).min(width), (top + SQUARE).min(height));
+        let square = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+        let shades = square.map(|(x, y)| f64::from(picture.get_pixel(x, y)[k]));
+        shades.sum::<f64>() / f64::from((right - left) * (bottom - top))
+    };
+    let corners = (0..height).step_by(SQUARE as usize);
+    let corners = corners.flat_map(|y| (0..width).step_by(SQUARE as usize).map(move |x| [x, y]));
+    let differs = |at: &[u32; 2]| (0..3).any(|k| (mean(a, *at, k) - mean(b, *at, k)).abs() > SHADE);
+    corners.filter(differs).collect()
+}
+
+fn kept() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/window/screens")
+}
+
+#[test]
+fn the_key_screens_look_as_they_did_when_they_were_looked_at() {
+    let renews = std::env::var("TACKSCOPE_SCREENS").is_ok_and(|value| value == "renew");
+    let found = Path::new(env!("CARGO_TARGET_TMPDIR")).join("screens");
+    std::fs::create_dir_all(&found).unwrap();
+    let mut other = Vec::new();
+    for (name, lead) in SCREENS {
+        let mut screen = lead();
+        for size in SIZES {
+            for theme in [Theme::Light, Theme::Dark] {
+                let picture = screen.picture(size, theme);
+                let file = format!("{name}-{}-{theme:?}.png", size[0]).to_lowercase();
+                let path = kept().join(&file);
+                if renews {
+                    write(&picture, &path);
+                }
+                let before = image::open(&path).map(|before| before.to_rgb8());
+                let before = before.unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+                let squares = differing(&picture, &before);
+                if !squares.is_empty() {
+                    write(&picture, &found.join(&file));
+                    other.push(format!(
+                        "{file}: {} squares, first {:?}",
+                        squares.len(),
+                        squares[0]
+                    ));
+                }
+            }
+        }
+    }
+    assert!(
+        other.is_empty(),
+        "{other:#?}; as they are now in {}; if that is right, TACKSCOPE_SCREENS=renew",
+        found.display()
+    );
+}
+
+#[test]
+fn what_moves_or_vanishes_is_noticed_and_the_shade_of_an_edge_is_not() {
+    let screen = &mut Screen::on(48);
+    let before = screen.picture(SIZES[0], Theme::Light);
+    assert_eq!(differing(&before, &before), [[0; 2]; 0]);
+    // A column of pixels a little darker, as an edge between two pixels would be.
+    let mut shaded = before.clone();
+    for y in 0..shaded.height() {
+        let pixel = shaded.get_pixel_mut(200, y);
+        pixel.0 = pixel.0.map(|c| c.saturating_sub(40));
+    }
+    assert_eq!(differing(&before, &shaded), [[0; 2]; 0]);
+    // The panel on the left two of its pixels further down.
+    let mut moved = before.clone();
+    for y in (32..moved.height()).rev() {
+        for x in 0..120 {
+            moved.put_pixel(x, y, *before.get_pixel(x, y - 2));
+        }
+    }
+    assert!(differing(&before, &moved).len() > 50);
+    // One word is gone.
+    let word = screen.window.get_by_label("Reset").rect();
+    let mut without = before.clone();
+    for y in (word.top() / 2.0) as u32..(word.bottom() / 2.0) as u32 {
+        for x in (word.left() / 2.0) as u32..(word.right() / 2.0) as u32 {
+            without.put_pixel(x, y, *before.get_pixel((word.left() / 2.0) as u32 + 1, y));
+        }
+    }
+    assert!(!differing(&before, &without).is_empty());
+}
