@@ -11,11 +11,10 @@ use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
-use egui::{Align, Align2, AsIdSalt, Color32, RichText, Stroke, Ui, vec2};
+use egui::{Align, Align2, AsIdSalt, Color32, RichText, Ui, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
-    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Polygon,
-    Text,
+    MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
 };
 
 /// Below this height the names of the axes give way.
@@ -201,6 +200,31 @@ pub fn show(
         })
 }
 
+/// A convex quadrangle, its corners in order, between two curves over x: x, below and above.
+fn over_x(corners: [[f64; 2]; 4]) -> [Vec<f64>; 3] {
+    let mut x = corners.map(|corner| corner[0]);
+    x.sort_by(f64::total_cmp);
+    let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
+    let heights = |x: f64| {
+        sides().filter_map(move |(a, b)| {
+            let share = if a[0] == b[0] {
+                0.0
+            } else {
+                (x - a[0]) / (b[0] - a[0])
+            };
+            let within = (x - a[0]) * (x - b[0]) <= 0.0;
+            within.then_some(a[1] + share * (b[1] - a[1]))
+        })
+    };
+    let extreme =
+        |of: fn(f64, f64) -> f64, from: f64| x.map(|x| heights(x).fold(from, of)).to_vec();
+    let (below, above) = (
+        extreme(f64::min, f64::INFINITY),
+        extreme(f64::max, f64::NEG_INFINITY),
+    );
+    [x.to_vec(), below, above]
+}
+
 /// Draws what a diagram shows into a plot, whose coordinates are logarithms where an axis is
 /// logarithmic.
 pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
@@ -218,7 +242,8 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
             let (low, high) = (edge(1), edge(2));
             let of = |edge: &[[f64; 2]], k: usize| edge.iter().map(|p| p[k]).collect::<Vec<_>>();
             let fill = colour.gamma_multiply(ground.opacity() as f32);
-            // The toolkit fills between two curves over x alone; other areas span by span.
+            // The toolkit fills between two curves over x alone; other areas span by span. (Its
+            // polygons have soft edges, which stand out far at sharp corners.)
             if area.along == Along::X {
                 plot.add(
                     FilledArea::new(&area.name, &of(&low, 0), &of(&low, 1), &of(&high, 1))
@@ -227,11 +252,10 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
                 );
             } else {
                 for (low, high) in low.windows(2).zip(high.windows(2)) {
-                    let corners = vec![low[0], high[0], high[1], low[1]];
-                    plot.polygon(
-                        Polygon::new(&area.name, corners)
+                    let [x, bottom, top] = over_x([low[0], high[0], high[1], low[1]]);
+                    plot.add(
+                        FilledArea::new(&area.name, &x, &bottom, &top)
                             .fill_color(fill)
-                            .stroke(Stroke::NONE)
                             .allow_hover(false),
                     );
                 }
@@ -430,4 +454,37 @@ fn face(symbol: Symbol, fill: Fill) -> &'static str {
 
 fn colour(colour: Colour, ground: Ground) -> Color32 {
     theme::rgb(colour.on(ground))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::over_x;
+    use proptest::prelude::*;
+
+    fn area(corners: &[[f64; 2]]) -> f64 {
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        0.5 * sides
+            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+            .sum::<f64>()
+            .abs()
+    }
+
+    proptest! {
+        /// Trapezia between two spans, one of which may be a point.
+        #[test]
+        fn between_two_curves_over_x_lies_the_area_of_the_quadrangle(
+            low in prop::array::uniform2(-2.0..2.0_f64), width in prop::array::uniform2(0.0..3.0_f64),
+            tip in any::<bool>(),
+        ) {
+            let width = if tip { [width[0], 0.0] } else { width };
+            let high = [low[0] + width[0], low[1] + width[1]];
+            let corners = [[low[0], 0.0], [high[0], 0.0], [high[1], 0.5], [low[1], 0.5]];
+            let [x, below, above] = over_x(corners);
+            let heights: Vec<f64> = below.iter().zip(&above).map(|(a, b)| b - a).collect();
+            let found: f64 = (1..4)
+                .map(|i| 0.5 * (x[i] - x[i - 1]) * (heights[i] + heights[i - 1]))
+                .sum();
+            prop_assert!((found - area(&corners)).abs() < 1e-12, "{found} {}", area(&corners));
+        }
+    }
 }
