@@ -30,7 +30,7 @@ const SLIDING_MU_RHO: f64 = 0.45;
 const RESOLVED: f64 = 0.33;
 
 /// Longest reach of the exact blocks for proofs over flat ground: fig3 in steps of 0.2 takes 6.2, 5.2
-/// and 5.3 s with 10, 16 and 20 waves; `run ridge-line` with all waves of a line 2.8 times as long.
+/// and 5.3 s with 10, 16 and 20 waves; `run ridge-line` with all waves of a line 2.6 times as long.
 const MOST_REACH: f64 = 16.0;
 /// How closely gamma'' keeps x <-> y in a pattern that does, over [`System::stiffness_unit`].
 const SAME: f64 = 1e-6;
