@@ -182,13 +182,13 @@ impl Release {
         None
     }
 
-    /// True if a spring has pulled the body off to where the ground is not felt, and has it still on
-    /// its way to the stage, which may be far.
+    /// True if a spring has pulled the body off to where the ground is not felt, and pulls it still
+    /// on to its stage, which may be far.
     fn is_free(&self, mechanics: &Mechanics) -> bool {
         let system = &mechanics.system;
         let gap = self.at.fields.gap.iter().copied();
         matches!(system.control(), Control::Spring { .. })
-            && norm(&self.at.state.amplitudes) > 0.0
+            && self.at.state.amplitudes[0] < 0.0
             && gap.fold(f64::INFINITY, f64::min) > Control::stop(system.law())
     }
 

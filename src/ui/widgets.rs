@@ -342,8 +342,13 @@ fn row(
 
 /// Gives a button a name that says more than its face.
 pub fn named(button: Response, name: &str) -> Response {
-    button.widget_info(|| WidgetInfo::labeled(Role::Button, button.enabled(), name));
-    explain(button, name)
+    named_as(Role::Button, button, name)
+}
+
+/// The same of a widget of another kind.
+pub fn named_as(role: Role, widget: Response, name: &str) -> Response {
+    widget.widget_info(|| WidgetInfo::labeled(role, widget.enabled(), name));
+    explain(widget, name)
 }
 
 /// Says in a sentence what a picture shows.

@@ -186,7 +186,8 @@ fn a_machine_softer_than_the_longest_wave_snaps_as_one_block_where_gamma_is_as_s
     assert!(off.abs() < 1e-4, "{off}");
 }
 
-/// By hand: the spring holds sigma_max until it snaps, and lets go of sigma_max^2/2k.
+/// By hand: the spring holds sigma_max but for k^2/(2 |gamma'''|), 5e-5 of it at k = 1e-3, until it
+/// snaps, and lets go of sigma_max^2/2k.
 #[test]
 fn a_spring_however_soft_pulls_off_at_the_largest_traction_and_comes_to_rest_at_its_stage() {
     for stiffness in [1e-3, 1e-5, 1e-8] {
@@ -195,9 +196,9 @@ fn a_spring_however_soft_pulls_off_at_the_largest_traction_and_comes_to_rest_at_
         let run = walked(&scene, Part::Whole);
         let jump = run.record.jumps.last().expect("it pulls off");
         let pulled = stiffness * (jump.control - jump.mean_displacement);
-        assert!((pulled / law.traction_max() - 1.0).abs() < 1e-3, "{jump:?}");
+        assert!((pulled / law.traction_max() - 1.0).abs() < 1e-4, "{jump:?}");
         assert!(
-            (jump.mean_displacement_after / jump.control - 1.0).abs() < 1e-6,
+            (jump.mean_displacement_after / jump.control - 1.0).abs() < 1e-9,
             "{jump:?}"
         );
         let held = 0.5 * pulled * pulled / stiffness + law.at(jump.mean_displacement).energy;

@@ -13,10 +13,10 @@ use crate::study::sweep::{COLUMNS, Point, Row, Study};
 use crate::ui::action::Action;
 use crate::ui::diagram;
 use crate::ui::view_state::ViewState;
-use crate::ui::widgets::{Entry, described, progress};
+use crate::ui::widgets::{Entry, described, named_as, progress};
 use crate::ui::words::explain;
 use crate::worker::job::{Job, Reporter};
-use egui::{ComboBox, Pos2, Response, RichText, Role, Ui, WidgetInfo};
+use egui::{ComboBox, Pos2, RichText, Role, Ui};
 use egui_plot::PlotPoint;
 use std::sync::Arc;
 
@@ -249,7 +249,7 @@ impl StudyTab {
                 }
             }
         });
-        named(combo.response, "Number that goes");
+        named_as(Role::ComboBox, combo.response, "Number that goes");
         let speed = 0.01 * (span.to - span.from).abs().max(1e-6);
         for (name, end) in [("from", &mut span.from), ("to", &mut span.to)] {
             let label = explain(ui.label(name), name);
@@ -292,16 +292,11 @@ impl StudyTab {
                 ui.selectable_value(&mut self.quantity, i, *name);
             }
         });
-        named(combo.response, "Quantity that is drawn");
+        named_as(Role::ComboBox, combo.response, "Quantity that is drawn");
         if let Some(known) = chosen {
             self.goes = Some(around(known));
         }
     }
-}
-
-fn named(combo: Response, name: &str) {
-    combo.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
-    explain(combo, name);
 }
 
 impl Running {
