@@ -232,7 +232,7 @@ impl Sector {
     }
 
     /// The equilibrium at `u0` next to the guess `z`, with everything a node knows, and its fields;
-    /// the force below `tolerance` ([`NODE`]).
+    /// the force below `tolerance` ([`NODE`]). The node `before`, if there is one, was found last.
     ///
     /// # Errors
     /// No equilibrium near, or negative curvature on the way.
@@ -247,7 +247,7 @@ impl Sector {
             mut state,
             gradient,
             fields,
-        } = self.converge(u0, z, tolerance)?;
+        } = self.converge(u0, z, before.is_some(), tolerance)?;
         let rates = self.refresh(&fields);
         let mut tangent = self.solve(&fields, &rates.forces, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
@@ -299,14 +299,15 @@ impl Sector {
     }
 
     /// Newton's method at fixed u0, down to a root mean square force of `tolerance` (sigma_max).
-    fn converge(&mut self, u0: f64, z: Vec<f64>, tolerance: f64) -> Result<Evaluation, Lost> {
-        let ready = self
-            .mechanics
-            .preconditioner
-            .low_block()
-            .is_some_and(LowBlock::is_ready);
-        // The block of the node before serves a first step, and often the second.
-        let refresh = if ready { 2 } else { 0 };
+    /// The block of a node that was `near` serves a first step, and often the second.
+    fn converge(
+        &mut self,
+        u0: f64,
+        z: Vec<f64>,
+        near: bool,
+        tolerance: f64,
+    ) -> Result<Evaluation, Lost> {
+        let refresh = if near { 2 } else { 0 };
         let limits = NewtonLimits {
             tolerance,
             residual: Residual::Mean,
@@ -508,7 +509,7 @@ impl Sector {
         tolerance: f64,
     ) -> Result<Measured, Lost> {
         let mut mean = 0.5 * tolerance;
-        let mut at = self.converge(u0, guess, mean)?;
+        let mut at = self.converge(u0, guess, before.is_some(), mean)?;
         let mut residual = self.mechanics.residual(&at);
         while !(residual <= tolerance) {
             // The largest residual is more than the mean one promised.
@@ -516,7 +517,7 @@ impl Sector {
             if mean < 1e-3 * tolerance {
                 return Err(Lost::Gone);
             }
-            at = self.converge(u0, at.state.amplitudes, mean)?;
+            at = self.converge(u0, at.state.amplitudes, true, mean)?;
             residual = self.mechanics.residual(&at);
         }
         let Evaluation { state, fields, .. } = at;

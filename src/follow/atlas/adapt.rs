@@ -133,12 +133,7 @@ fn adapt(
         // What changed at the ends changed a part of that in between.
         add(&mut z, 1.0 - share, &change_low);
         add(&mut z, share, &change_high);
-        let (node, _) = to.node(
-            from_u + share * width,
-            z,
-            nodes.last().filter(|n| n.slope.is_finite()),
-            NODE,
-        )?;
+        let (node, _) = to.node(from_u + share * width, z, None, NODE)?;
         nodes.push(node);
     }
     nodes.push(high);

@@ -333,23 +333,27 @@ fn cross(
         b = last;
         nodes.pop().ok_or(Lost::Gone)?;
     };
+    // (breaking, u0) of the enclosing nodes, and of all since.
+    let known = |node: &Node| (node.breaking, node.state.mean_displacement);
+    let mut met = vec![known(&b), known(&a)];
     for round in 0..CROSSINGS {
-        let rate =
-            (a.breaking - b.breaking) / (a.state.mean_displacement - b.state.mean_displacement);
-        let secant = a.state.mean_displacement - a.breaking / rate;
-        let enclosed =
-            (secant - a.state.mean_displacement) * (secant - b.state.mean_displacement) < 0.0;
-        // Where the eigenvalue falls off steeply towards one end, secants creep.
+        let zero = vanishing(&met);
+        let [low, high] = [&a, &b].map(|node| node.state.mean_displacement);
+        let enclosed = (zero - low) * (zero - high) < 0.0;
+        // Where the eigenvalue falls off steeply towards one end, interpolation may creep.
         let u0 = if enclosed && round % 4 != 3 {
-            secant
+            zero
         } else {
-            0.5 * (a.state.mean_displacement + b.state.mean_displacement)
+            0.5 * (low + high)
         };
         let node = sector.sharp_node(u0, between(&a, &b, u0), Some(&a))?;
+        met.push(known(&node));
         // The two ends may be known less well than their distance to this node, but not than their
         // own.
-        let correction = -node.breaking / rate;
+        let correction = vanishing(&met) - u0;
         if correction.abs() < LOCATED * range {
+            let (value, place) = met[met.len() - 2];
+            let rate = (node.breaking - value) / (u0 - place);
             return Ok(moved(node, correction, rate));
         }
         if node.breaking > 0.0 {
@@ -359,6 +363,20 @@ fn cross(
         }
     }
     Err(Lost::Gone)
+}
+
+/// Where a value vanishes that is known, as (value, place), at two points or more: by the parabola
+/// of the place over the value through the last three (E. H. Neville's scheme).
+fn vanishing(met: &[(f64, f64)]) -> f64 {
+    let last = &met[met.len().saturating_sub(3)..];
+    let mut places: Vec<f64> = last.iter().map(|(_, place)| *place).collect();
+    for width in 1..last.len() {
+        for i in 0..last.len() - width {
+            let (a, b) = (last[i].0, last[i + width].0);
+            places[i] = (b * places[i] - a * places[i + 1]) / (b - a);
+        }
+    }
+    places[0]
 }
 
 /// The end where a machine turns back next to `near`, one of a slightly different law or cell.
@@ -391,22 +409,22 @@ fn zero_along(
 ) -> Result<(Node, f64, f64), Lost> {
     let range = sector.system().law().range;
     let (mut u0, mut z) = (near.state.mean_displacement, near.state.amplitudes.clone());
-    let mut rate = near.bend;
-    let mut last: Option<(f64, f64)> = None;
+    let mut met: Vec<(f64, f64)> = Vec::new();
     for _ in 0..CROSSINGS {
         let node = sector.sharp_node(u0, z, None)?;
         let (here, found) = (node.state.mean_displacement, value(&node));
-        if let Some((u, before)) = last {
-            rate = (found - before) / (here - u);
-        }
-        let correction = -found / rate;
+        let before = met.last().copied();
+        met.push((found, here));
+        let (correction, rate) = match before {
+            Some((before, u)) => (vanishing(&met) - here, (found - before) / (here - u)),
+            None => (-found / near.bend, near.bend),
+        };
         if node.own <= 0.0 || !(correction.abs() < LONGEST * range) {
             break;
         }
         if correction.abs() < within * range {
             return Ok((node, correction, rate));
         }
-        last = Some((here, found));
         z = node.state.amplitudes.clone();
         add(&mut z, correction, &node.tangent);
         u0 += correction;

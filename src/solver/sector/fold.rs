@@ -1,6 +1,6 @@
 //! Folds: where a branch turns back, found with u0 as an unknown beside the amplitudes.
 
-use super::{Evaluation, Fields, Lost, Node, SHARP, STEPS, Sector, Side, State};
+use super::{Evaluation, Fields, Lost, NODE, Node, SHARP, STEPS, Sector, Side, State};
 use crate::numerics::vector::{add, dot, hermite, norm, scale};
 
 /// A step of a bordered solve that leaves more than this share of the force asks for fresh
@@ -23,14 +23,14 @@ fn is_found(off: f64, before: f64) -> bool {
 
 impl Sector {
     /// One solve of the bordered problem: equilibrium with prescribed component `a` along the unit
-    /// vector `phi`, u0 free. Passes through folds. Returns the node (its tangent is dz/da), its
-    /// fields, and du0/da.
+    /// vector `phi`, u0 free, the force below `tolerance` ([`NODE`]). Passes through folds. Returns
+    /// the node (its tangent is dz/da), its fields, and du0/da.
     fn arc(
         &mut self,
         phi: &[f64],
-        a: f64,
-        u0: f64,
+        [a, u0]: [f64; 2],
         mut z: Vec<f64>,
+        tolerance: f64,
     ) -> Result<(Node, Fields, f64), Lost> {
         let strongest = self.scale();
         let removed = [phi.to_vec()];
@@ -46,7 +46,7 @@ impl Sector {
             if !force.is_finite() || step == STEPS {
                 break;
             }
-            let converged = force <= SHARP;
+            let converged = force <= tolerance;
             let slow = force > SLOW * before;
             before = force;
             let rates = if slow || converged {
@@ -68,7 +68,8 @@ impl Sector {
                 let mut dz = along_g;
                 dz.iter_mut().for_each(|z| *z = -*z);
                 add(&mut dz, -du, &along_u);
-                let along_a = self.solve(&at.fields, &image, &removed, 1e-2)?;
+                // The rate is zero at the fold: what is asked of it is small beside its parts.
+                let along_a = self.solve(&at.fields, &image, &removed, 1e-3)?;
                 let rate = -(dot(phi, &image) - dot(&image, &along_a)) / border;
                 let mut tangent = phi.to_vec();
                 add(&mut tangent, -1.0, &along_a);
@@ -89,7 +90,7 @@ impl Sector {
                 &at.fields,
                 &at.gradient,
                 &removed,
-                (0.3 * SHARP / force).clamp(1e-3, 0.1),
+                (0.3 * tolerance / force).clamp(1e-3, 0.1),
             )?;
             let du = -(dot(phi, &at.gradient) - dot(&image, &along_g)) / border;
             add(&mut at.state.amplitudes, -1.0, &along_g);
@@ -113,6 +114,8 @@ impl Sector {
         let phi: Vec<f64> = here.tangent.iter().map(|t| sign * t / length).collect();
         let (mut behind, mut last) = (Arc::of(before, &phi), Arc::of(here, &phi));
         let mut off_before = f64::INFINITY;
+        // The first arc only leads near it.
+        let mut tolerance = NODE;
         for _ in 0..ROUNDS {
             let a = Arc::extremum(&behind, &last, side).0;
             if !a.is_finite() {
@@ -120,15 +123,16 @@ impl Sector {
             }
             let a = a.clamp(last.a - STRIDE * range, last.a + STRIDE * range);
             let (guess, u0) = Arc::between(&behind, &last, a);
-            let (mut found, fields, rate) = self.arc(&phi, a, u0, guess)?;
+            let (mut found, fields, rate) = self.arc(&phi, [a, u0], guess, tolerance)?;
             let arc = Arc::at(&found, a, rate);
             let top = Arc::extremum(&last, &arc, side);
             let off = (top.1 - arc.u0).abs() / range;
-            if is_found(off, off_before) {
+            if tolerance == SHARP && is_found(off, off_before) {
                 found.shift_to(&arc, top, (arc.rate - last.rate) / (arc.a - last.a));
                 return Ok((found, fields));
             }
             (behind, last, off_before) = (last, arc, off);
+            tolerance = SHARP;
         }
         Err(Lost::Gone)
     }
@@ -149,8 +153,9 @@ impl Sector {
         );
         let mut last: Option<Arc> = None;
         let mut off_before = f64::INFINITY;
+        let mut tolerance = NODE;
         for _ in 0..ROUNDS {
-            let (mut found, fields, rate) = self.arc(&phi, a, u0, z)?;
+            let (mut found, fields, rate) = self.arc(&phi, [a, u0], z, tolerance)?;
             let arc = Arc::at(&found, a, rate);
             if let Some(last) = &last {
                 bend = (arc.rate - last.rate) / (arc.a - last.a);
@@ -165,7 +170,7 @@ impl Sector {
             let shift = -rate / bend;
             let top = (a + shift, arc.u0 + 0.5 * shift * rate);
             let off = (top.1 - arc.u0).abs() / range;
-            if is_found(off, off_before) {
+            if tolerance == SHARP && is_found(off, off_before) {
                 found.shift_to(&arc, top, bend);
                 return Ok((found, fields));
             }
@@ -175,6 +180,7 @@ impl Sector {
             add(&mut z, shift, &arc.dz);
             (a, u0) = (a + shift, arc.u0 + shift * (rate + 0.5 * bend * shift));
             last = Some(arc);
+            tolerance = SHARP;
         }
         Err(Lost::Gone)
     }
