@@ -11,10 +11,8 @@ use eframe::egui::{self, Event, Id, Key, Modifiers, PointerButton, Pos2, Vec2, p
 use std::error::Error;
 use std::time::{Duration, Instant};
 use tackscope::storage::presets;
-use tackscope::ui::App;
-use tackscope::ui::theme;
 use tackscope::ui::view_state::ViewState;
-use tackscope::worker::Worker;
+use tackscope::ui::{App, begun, theme};
 
 /// Frames of a drag, and of one way to and fro.
 const FRAMES: usize = 240;
@@ -263,12 +261,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         renderer: eframe::Renderer::Glow,
         ..Default::default()
     };
+    let (app, tell) = begun(state);
     let create: eframe::AppCreator<'_> = Box::new(|cc| {
         theme::install(&cc.egui_ctx);
-        let ctx = cc.egui_ctx.clone();
-        let worker = Worker::spawn(move || ctx.request_repaint());
+        tell(&cc.egui_ctx);
         Ok(Box::new(Measured {
-            app: App::new(worker, state),
+            app,
             script: script(),
             line: 0,
             frame: 0,

@@ -67,7 +67,7 @@ fn go_to_edge(x: &mut [f64], p: &[f64], radius: f64) {
 pub fn conjugate_gradients(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     b: &[f64],
-    precondition: impl Fn(&[f64], &mut [f64]),
+    mut precondition: impl FnMut(&[f64], &mut [f64]),
     removed: &[Vec<f64>],
     limits: CgLimits,
     cancel: &Cancel,

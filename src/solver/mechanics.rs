@@ -1,6 +1,7 @@
 //! The mechanics at hand: a system with all that solving it takes, so that nobody carries the
 //! pieces one by one.
 
+use super::contact;
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
 use crate::numerics::vector::{dot, norm, orthonormalise};
@@ -212,7 +213,7 @@ impl Mechanics {
     }
 
     /// Solves H x = b for the Hessian H of a surface with these `fields`, in the complement of the
-    /// orthonormal `removed` directions. Two transforms a product.
+    /// orthonormal `removed` directions. Two transforms a product, or four where that takes fewer.
     pub fn solve_linear(
         &mut self,
         fields: &Fields,
@@ -228,15 +229,18 @@ impl Mechanics {
             cancel,
             ..
         } = self;
-        let apply = |v: &[f64], out: &mut [f64]| system.hessian(fields, v, out, workspace);
-        let mut found = conjugate_gradients(
-            apply,
-            b,
-            |r, out| preconditioner.apply(r, out),
-            removed,
-            limits,
-            cancel,
-        );
+        let mut found = if removed.is_empty() && contact::pays(system, fields) {
+            contact::solve((system, workspace), fields, b, limits, cancel)
+        } else {
+            conjugate_gradients(
+                |v, out| system.hessian(fields, v, out, workspace),
+                b,
+                |r, out| preconditioner.apply(r, out),
+                removed,
+                limits,
+                cancel,
+            )
+        };
         class.project(system, &mut found.x);
         found
     }

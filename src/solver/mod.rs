@@ -7,6 +7,7 @@
 
 pub mod branch;
 pub mod class_proof;
+mod contact;
 pub mod continuation;
 pub mod descent;
 pub mod equilibrium;

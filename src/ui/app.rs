@@ -151,6 +151,11 @@ impl App {
         if !ctx.input(|input| input.pointer.any_down()) {
             self.state.history.end_gesture();
         }
+        self.send();
+    }
+
+    /// Tells the solver what it has to know: at the end of a frame, or before the first one.
+    pub(super) fn send(&mut self) {
         for command in self.state.take_commands() {
             self.solver.send(command);
         }

@@ -8,10 +8,11 @@ use crate::scene::Scene;
 use crate::storage::{presets, scene_file};
 use crate::worker::Worker;
 use eframe::EventLoopBuilderHook;
+use egui::Context;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 #[cfg(all(unix, not(target_os = "macos")))]
 use winit::platform::x11::EventLoopBuilderExtX11;
 
@@ -181,6 +182,7 @@ pub fn run_with(options: Options) -> Result<(), String> {
     if let Some(folder) = eframe::storage_dir(APP_ID) {
         saved_state::mend(&folder.join("app.ron"));
     }
+    let (mut app, tell) = begun(state);
     let opened = Arc::new(AtomicBool::new(false));
     let seen = opened.clone();
     // winit panics where a library of the window system is missing or the connection breaks at the
@@ -192,9 +194,7 @@ pub fn run_with(options: Options) -> Result<(), String> {
             Box::new(move |cc| {
                 seen.store(true, Ordering::Relaxed);
                 theme::install(&cc.egui_ctx);
-                let ctx = cc.egui_ctx.clone();
-                let worker = Worker::spawn(move || ctx.request_repaint());
-                let mut app = App::new(worker, state);
+                tell(&cc.egui_ctx);
                 if let Some(storage) = cc.storage {
                     app.resume(&cc.egui_ctx, storage);
                 }
@@ -220,6 +220,21 @@ fn in_words(panic: &str) -> String {
         Some((library, package)) => no_library(library, package),
         None => format!("the window cannot be opened: {panic}"),
     }
+}
+
+/// The application on this state, its solver at work before there is a window; and whom to tell of
+/// the window once there is one.
+pub fn begun(state: ViewState) -> (App, impl FnOnce(&Context)) {
+    let window = Arc::new(OnceLock::<Context>::new());
+    let known = window.clone();
+    // What is found before the first frame waits for it.
+    let worker = Worker::spawn(move || known.get().iter().for_each(|ctx| ctx.request_repaint()));
+    let mut app = App::new(worker, state);
+    app.send();
+    let tell = move |ctx: &Context| {
+        let _ = window.set(ctx.clone());
+    };
+    (app, tell)
 }
 
 /// The preset the window opens with.

@@ -50,4 +50,4 @@ mod words;
 
 pub use app::App;
 pub use dialogs::{FileRequest, PathFuture};
-pub use display::{Options, display_available, run, run_with};
+pub use display::{Options, begun, display_available, run, run_with};
