@@ -97,7 +97,7 @@ fn single_precision_gives_the_same_jumps_at_the_tolerance_it_can_meet() {
 #[test]
 fn forces_of_singles_are_those_of_doubles_to_seven_digits_and_mixed_forces_to_the_last() {
     for make in [System::new, System::even] {
-        let systems = Precision::ALL
+        let systems = [Precision::Double, Precision::Mixed, Precision::Single]
             .map(|p| make(Grid::square(256.0, 64), LAW, &Indenter::Flat).with_precision(p));
         let mut rng = rand::SeedableRng::seed_from_u64(5);
         let (mut z, v) = (

@@ -21,7 +21,7 @@ use crate::ui::widgets::{described, progress};
 use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::Frame;
 use egui::{Align, Label, Layout, RichText, Ui, vec2};
-use egui_plot::{PlotPoint, PlotResponse};
+use egui_plot::PlotResponse;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -337,18 +337,10 @@ fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> Vec<Series> {
 
 /// The pass and the place of its path that are nearest to the pointer.
 fn pointed(drawn: &PlotResponse<()>, landscape: &Landscape, law: &Law) -> Option<[usize; 2]> {
-    let pointer = drawn.response.hover_pos()?;
     let passes = landscape.passes.iter().enumerate();
     let places = passes.flat_map(|(i, pass)| {
         let places = pass.path.iter().enumerate();
         places.map(move |(j, place)| ([i, j], at(place, pass, law)))
     });
-    let far = |[x, y]: [f64; 2]| {
-        let place = drawn.transform.position_from_point(&PlotPoint::new(x, y));
-        place.distance(pointer)
-    };
-    let near = places.map(|(which, at)| (which, far(at)));
-    let near = near.filter(|(_, far)| *far < NEAR);
-    near.min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(which, _)| which)
+    diagram::nearest(drawn, NEAR, places)
 }
