@@ -13,7 +13,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 use tackscope::study::chart::Effort;
 use tackscope::study::live_loop::Fineness;
 use tackscope::worker::background::{self, Page, PageContent};
@@ -23,7 +23,7 @@ use tackscope::worker::session::Session;
 use tackscope::worker::{SolverHandle, Worker};
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(points);
     scene
 }
@@ -731,15 +731,11 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
 #[test]
 fn the_threads_end_within_two_seconds_whatever_they_are_at() {
     let heavy = || {
-        let mut scene = presets::find("hertz").unwrap().scene().unwrap();
+        let mut scene = presets::resolve("hertz").unwrap();
         scene.cell.points = Points::Square(512);
         scene
     };
-    let scenes = [
-        fig2(192),
-        heavy(),
-        presets::find("rough").unwrap().scene().unwrap(),
-    ];
+    let scenes = [fig2(192), heavy(), presets::resolve("rough").unwrap()];
     for scene in scenes {
         for pages in [
             Page::Figure(4),

@@ -401,7 +401,7 @@ fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
         assert_eq!(output.status.code(), Some(0));
         assert!(errors(&output).contains(real), "{}", errors(&output));
         let printed = String::from_utf8(output.stdout).unwrap();
-        let scene = presets::find(name).unwrap().scene().unwrap();
+        let scene = presets::resolve(name).unwrap();
         assert_eq!(parsed(&printed), scene, "all of it was decided");
         assert_eq!(printed.contains("[units]"), name == "rubber");
     }

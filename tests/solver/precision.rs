@@ -14,7 +14,7 @@ use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
 use tackscope::solver::stability::random_smooth;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 
 const LAW: Law = Law {
     shape: Shape::Morse(Morse),
@@ -23,7 +23,7 @@ const LAW: Law = Law {
 };
 
 fn looped(precision: Precision, part: Part) -> LoopRun {
-    let mut scene: Scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene: Scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
     let run = run_loop(
