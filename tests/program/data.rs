@@ -1,6 +1,6 @@
 //! What other programs read and send: scenes through a pipe, fields for numpy, films.
 
-use crate::binary::{errors, fig2_with, folder, run, tackscope};
+use crate::binary::{errors, fig2_with, folder, run, says, tackscope};
 use ndarray::Array2;
 use npyz::{Deserialize, NpyFile};
 use std::fs::{self, File};
@@ -75,9 +75,7 @@ fn a_refused_scene_from_standard_input_is_named_so() {
         let output = piped(&[command, "-", "--out", "nowhere"], &text);
         assert_eq!(output.status.code(), Some(2));
         let sentence = errors(&output);
-        for part in ["standard input", "cell.length = -1"] {
-            assert!(sentence.contains(part), "{sentence}");
-        }
+        says(&sentence, &["standard input", "cell.length = -1"]);
     }
 }
 

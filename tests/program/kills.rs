@@ -7,13 +7,14 @@
 //! And requests from outside to end: what is computed is written, whoever asks and however often.
 #![cfg(unix)]
 
-use crate::binary::{Running, fig2_with, folder, summary, tackscope};
+use crate::binary::{Running, fig2_with, folder, says, summary, tackscope};
 use rand::{Rng, SeedableRng};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::open_scene;
 
 const SIGNALS: [&str; 4] = ["INT", "TERM", "HUP", "KILL"];
@@ -265,7 +266,8 @@ const LONG: [&str; 6] = ["--points", "256", "--step", "0.0005", "--model", "whol
 #[test]
 fn every_request_to_end_writes_what_there_is_even_when_it_comes_twice() {
     for signals in [
-        &["TERM"][..],
+        &["INT"][..],
+        &["TERM"],
         &["HUP"],
         &["INT", "INT"],
         &["TERM", "TERM", "HUP", "INT"],
@@ -285,25 +287,23 @@ fn every_request_to_end_writes_what_there_is_even_when_it_comes_twice() {
         }
         let (code, told) = running.end();
         assert_eq!(code, Some(130), "{signals:?}: {told}");
-        assert!(
-            told.contains("interrupted; what was computed is in"),
-            "{signals:?}: {told}"
+        says(
+            &told,
+            &["cancelled at u0 = ", "interrupted; what was computed is in"],
         );
         let summary = summary(&out);
         assert_eq!(
             (&summary["stop"], &summary["completed"]),
             (&"cancelled".into(), &false.into())
         );
+        assert_eq!(summary["dissipated_energy"], "not available");
         let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
         assert!(states > 0);
-        assert_eq!(
-            fs::read_to_string(out.join("loop.csv"))
-                .expect("loop.csv")
-                .lines()
-                .count(),
-            states + 1
-        );
-        assert!(out.join("loop.png").exists() && !out.join(".tackscope.lock").exists());
+        let written = |name: &str| fs::read_to_string(out.join(name)).expect(name);
+        assert_eq!(written("loop.csv").lines().count(), states + 1);
+        assert!(written("loop.svg").contains("Loop not closed"));
+        assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
+        assert!(!out.join(".tackscope.lock").exists());
     }
 }
 
@@ -373,16 +373,21 @@ fn an_interrupted_comparison_is_an_interruption_and_the_loop_stays() {
 
 #[test]
 fn a_chart_that_is_asked_to_end_keeps_what_it_has_measured() {
-    let home = folder();
-    let mut command = tackscope();
-    command.args(["chart", "fig2", "--out"]).arg(home.path());
-    let mut running = Running::spawn(command);
-    running.line();
-    running.signal("TERM");
-    let (code, told) = running.end();
-    assert_eq!(code, Some(130), "{told}");
-    let short: serde_json::Value =
-        serde_json::from_slice(&fs::read(home.path().join("chart.json")).expect("chart.json"))
-            .expect("JSON");
-    assert_eq!(short["completed"], false);
+    for signal in ["INT", "TERM"] {
+        let home = folder();
+        let mut command = tackscope();
+        command.args(["chart", "fig3", "--out"]).arg(home.path());
+        let mut running = Running::spawn(command);
+        running.line();
+        sleep(Duration::from_millis(700));
+        running.signal(signal);
+        let (code, told) = running.end();
+        assert_eq!(code, Some(130), "{told}");
+        says(&told, &["interrupted; what was measured is in"]);
+        let written = |name: &str| fs::read_to_string(home.path().join(name)).expect(name);
+        let short: serde_json::Value = serde_json::from_str(&written("chart.json")).expect("JSON");
+        assert_eq!(short["completed"], false);
+        assert!(written("chart.csv").starts_with(CHART_COLUMNS));
+        assert!(written("chart.svg").contains("Interrupted"));
+    }
 }

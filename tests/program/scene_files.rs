@@ -1,6 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
 //! panic.
 
+use crate::binary::says;
 use proptest::prelude::*;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
@@ -26,16 +27,6 @@ fn refusal(line: &str, replacement: &str) -> String {
     let sentence = failure.to_string();
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
-}
-
-#[track_caller]
-fn says(sentence: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(
-            sentence.contains(part),
-            "{part:?} is missing in: {sentence}"
-        );
-    }
 }
 
 #[test]
