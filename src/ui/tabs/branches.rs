@@ -284,23 +284,13 @@ fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Opt
     let mut panel = shown.panel.clone();
     let [x, y] = axes(&shown.model);
     (panel.x.label, panel.y.label) = (x.label, y.label);
-    if let Some(now) = &state.run.state {
-        let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
-        let here = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
-        panel
-            .series
-            .extend([here(Symbol::Ring), here(Symbol::Circle).filled()]);
-    }
-    let seen = at.and_then(|at| {
-        let state = &shown.point(at)?.1.state;
-        Some(place(
-            state.mean_displacement,
-            state.stress,
-            &shown.model.law,
-        ))
-    });
-    let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());
-    panel.series.push(frame);
+    let now = state.run.state.as_ref();
+    let now = now.map(|now| [now.mean_displacement / state.rho(), now.stress_over_max]);
+    panel.series.extend(Series::here(now));
+    let law = &shown.model.law;
+    let seen = at.and_then(|at| shown.point(at));
+    let seen = seen.map(|(_, at)| place(at.state.mean_displacement, at.state.stress, law));
+    panel.series.push(Series::framed(seen, Colour::Ink));
     let height = ui.available_height().max(80.0);
     let drawn = diagram::show(ui, &panel, "branches", height, |_, _| None);
     let nearest = diagram::nearest(&drawn, NEAR, points(shown));

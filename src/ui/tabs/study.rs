@@ -108,13 +108,10 @@ fn around((parameter, value): (&'static Parameter, f64)) -> (&'static Parameter,
 
 impl Tab for StudyTab {
     fn title(&self) -> Title {
-        Title {
-            tall: true,
-            ..Title::new(
-                "Study",
-                "the loop at many values of one number, as marks to open",
-            )
-        }
+        Title::tall(
+            "Study",
+            "the loop at many values of one number, as marks to open",
+        )
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
