@@ -154,16 +154,10 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
                 (s[0][0].min(s[1][0]) as usize + 2 * s[0][1].min(s[1][1]) as usize) % 4 < 2
             })
         };
-        lines
-            .up
-            .iter()
-            .chain(dotted())
-            .for_each(|s| segment(s, 3.2, Color32::from_black_alpha(110)));
-        lines
-            .up
-            .iter()
-            .chain(dotted())
-            .for_each(|s| segment(s, 1.5, colour));
+        for (width, ink) in [(3.2, Color32::from_black_alpha(110)), (1.5, colour)] {
+            let all = lines.up.iter().chain(dotted());
+            all.for_each(|s| segment(s, width, ink));
+        }
     }
     let words = match &cache.mode {
         Some(_) if picture.min == picture.max => {
@@ -216,18 +210,10 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
         return;
     };
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
-    ui.painter().extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(3.0, Color32::from_black_alpha(120)),
-        7.0,
-        5.0,
-    ));
-    ui.painter().extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(1.5, colour),
-        7.0,
-        5.0,
-    ));
+    for (width, ink) in [(3.0, Color32::from_black_alpha(120)), (1.5, colour)] {
+        let line = Shape::dashed_line(&ends, Stroke::new(width, ink), 7.0, 5.0);
+        ui.painter().extend(line);
+    }
 }
 
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
