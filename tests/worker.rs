@@ -1,8 +1,8 @@
 //! The solver thread as the window meets it: latest target, kept path, quick cancel, stale runs,
 //! films of jumps.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::{Outcome, run_loop};
@@ -566,20 +566,34 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
     );
 }
 
-#[test]
-fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
+/// A scene of which a quarter of the cell is not enough.
+fn coarse() -> Scene {
     let mut scene = fig2(32);
     let range = 0.35;
     scene.law.range = Range::Length(range);
     (scene.drive.start, scene.drive.turn, scene.drive.step) =
         (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
+    scene
+}
+
+/// What is heard of its loop on the quarter; walked once for all tests.
+fn on_the_quarter() -> &'static [Event] {
+    static EVENTS: OnceLock<Vec<Event>> = OnceLock::new();
+    EVENTS.get_or_init(|| looped(Strategy::QUARTER))
+}
+
+fn looped(asked: Strategy) -> Vec<Event> {
+    let commands = vec![wished(1, coarse(), Some(asked)), sweep(1, 1, Sweep::Loop)];
+    drain(&mut Session::default(), commands)
+}
+
+#[test]
+fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
-    for asked in [Some(Strategy::QUARTER), Some(Strategy::WHOLE)] {
-        let commands = vec![wished(1, scene.clone(), asked), sweep(1, 1, Sweep::Loop)];
-        let out = drain(&mut Session::default(), commands);
+    for out in [on_the_quarter(), &looped(Strategy::WHOLE)] {
         let mut path = Vec::new();
-        for event in &out {
+        for event in out {
             match event {
                 Event::Remodelled(choice) => {
                     assert_eq!(choice.part, Part::Whole);
@@ -596,7 +610,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
         // The path already gone is kept: no step is longer than the scene's, before and after the
         // change.
         let long = path.windows(2).find(|w| {
-            (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9
+            (w[0].mean_displacement - w[1].mean_displacement).abs() > coarse().drive.step + 1e-9
         });
         assert!(long.is_none(), "{long:?}");
         assert!(path.iter().any(|s| s.part == Part::Whole));
@@ -614,16 +628,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
 
 #[test]
 fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
-    let mut scene = fig2(32);
-    let range = 0.35;
-    scene.law.range = Range::Length(range);
-    (scene.drive.start, scene.drive.turn, scene.drive.step) =
-        (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
-    let commands = vec![
-        wished(1, scene.clone(), Some(Strategy::QUARTER)),
-        sweep(1, 1, Sweep::Loop),
-    ];
-    let out = drain(&mut Session::default(), commands);
+    let (scene, out) = (coarse(), on_the_quarter());
     let began = out
         .iter()
         .rposition(|e| matches!(e, Event::Cut { .. }))
