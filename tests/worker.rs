@@ -1,8 +1,8 @@
 //! The solver thread as the window meets it: latest target, kept path, quick cancel, stale runs,
 //! films of jumps.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use tackscope::follow::record::StateRecord;
 use tackscope::follow::run::{Outcome, run_loop};
@@ -13,7 +13,7 @@ use tackscope::physics::pattern::Pattern;
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 use tackscope::study::chart::Effort;
 use tackscope::study::live_loop::Fineness;
 use tackscope::worker::background::{self, Page, PageContent};
@@ -23,7 +23,7 @@ use tackscope::worker::session::Session;
 use tackscope::worker::{SolverHandle, Worker};
 
 fn fig2(points: usize) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(points);
     scene
 }
@@ -69,14 +69,18 @@ fn drain(session: &mut Session, commands: Vec<Envelope<Command>>) -> Vec<Event> 
     out
 }
 
+/// What these events of one kind hold.
+macro_rules! picked {
+    ($events:expr, $event:pat => $what:expr) => {
+        $events.iter().filter_map(|event| match event {
+            $event => Some($what),
+            _ => None,
+        })
+    };
+}
+
 fn frames(out: &[Event]) -> impl Iterator<Item = &Frame> {
-    out.iter().filter_map(|e| {
-        if let Event::Frame(frame) = e {
-            Some(&**frame)
-        } else {
-            None
-        }
-    })
+    picked!(out, Event::Frame(frame) => &**frame)
 }
 
 #[test]
@@ -86,16 +90,7 @@ fn a_target_far_away_is_reached_in_steps_no_longer_than_the_scenes() {
         &mut session,
         vec![set_scene(1, fig2(32)), target(1, 1, 2.0)],
     );
-    let path: Vec<f64> = out
-        .iter()
-        .filter_map(|e| {
-            if let Event::State(state) = e {
-                Some(state.mean_displacement)
-            } else {
-                None
-            }
-        })
-        .collect();
+    let path: Vec<f64> = picked!(out, Event::State(state) => state.mean_displacement).collect();
     assert_eq!(*path.last().unwrap(), 2.0);
     assert!(
         path.windows(2)
@@ -141,16 +136,7 @@ fn a_jump_is_seen_as_a_film_and_told_once() {
     let film = frames(&out)
         .filter(|frame| frame.relaxing && frame.state.is_none())
         .count();
-    let jumps: Vec<_> = out
-        .iter()
-        .filter_map(|e| {
-            if let Event::Jump(jump) = e {
-                Some((jump.from, jump.to))
-            } else {
-                None
-            }
-        })
-        .collect();
+    let jumps: Vec<_> = picked!(out, Event::Jump(jump) => (jump.from, jump.to)).collect();
     assert_eq!(jumps, [(Pattern::Flat, Pattern::Bulge)]);
     assert!(film >= 5, "{film} pictures");
 }
@@ -162,13 +148,7 @@ fn a_closed_loop_reports_a_ledger_that_agrees() {
         &mut session,
         vec![set_scene(1, fig2(64)), sweep(1, 1, Sweep::Loop)],
     );
-    let summary = out.iter().find_map(|e| {
-        if let Event::Loop(summary) = e {
-            Some(summary.clone())
-        } else {
-            None
-        }
-    });
+    let summary = picked!(out, Event::Loop(summary) => summary.clone()).next();
     let summary = summary.expect("a loop was closed");
     let ledger = &summary.ledger;
     assert!(
@@ -299,15 +279,7 @@ fn every_rest_names_the_motion_it_ends_and_an_older_motion_is_dropped() {
     let mut session = Session::default();
     let to = |motion, mean_displacement| target(1, motion, mean_displacement);
     let rests = |out: &[Event]| -> Vec<u64> {
-        out.iter()
-            .filter_map(|e| {
-                if let Event::Rest { motion, .. } = e {
-                    Some(*motion)
-                } else {
-                    None
-                }
-            })
-            .collect()
+        picked!(out, Event::Rest { motion, .. } => *motion).collect()
     };
     assert_eq!(
         rests(&drain(
@@ -492,14 +464,8 @@ fn pages_of_the_paper_are_computed_beside_the_walk_and_one_that_is_dropped_says_
 }
 
 fn ready(out: &[Event]) -> &tackscope::worker::protocol::Ready {
-    out.iter()
-        .find_map(|e| {
-            if let Event::Ready(ready) = e {
-                Some(&**ready)
-            } else {
-                None
-            }
-        })
+    picked!(out, Event::Ready(ready) => &**ready)
+        .next()
         .expect("ready")
 }
 
@@ -581,16 +547,8 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
             vec![wished(1, fig2(64), asked), sweep(1, 1, Sweep::Loop)],
         );
         println!("{asked:?}: {:?}", began.elapsed());
-        let jumps: Vec<_> = out
-            .iter()
-            .filter_map(|e| {
-                if let Event::Jump(jump) = e {
-                    Some((jump.direction, jump.from, jump.to))
-                } else {
-                    None
-                }
-            })
-            .collect();
+        let jumps: Vec<_> =
+            picked!(out, Event::Jump(jump) => (jump.direction, jump.from, jump.to)).collect();
         let energy = out.iter().find_map(|e| {
             if let Event::Loop(summary) = e {
                 summary.ledger.dissipated_energy()
@@ -608,20 +566,34 @@ fn the_quarter_and_the_whole_cell_walk_the_same_loop() {
     );
 }
 
-#[test]
-fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
+/// A scene of which a quarter of the cell is not enough.
+fn coarse() -> Scene {
     let mut scene = fig2(32);
     let range = 0.35;
     scene.law.range = Range::Length(range);
     (scene.drive.start, scene.drive.turn, scene.drive.step) =
         (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
+    scene
+}
+
+/// What is heard of its loop on the quarter; walked once for all tests.
+fn on_the_quarter() -> &'static [Event] {
+    static EVENTS: OnceLock<Vec<Event>> = OnceLock::new();
+    EVENTS.get_or_init(|| looped(Strategy::QUARTER))
+}
+
+fn looped(asked: Strategy) -> Vec<Event> {
+    let commands = vec![wished(1, coarse(), Some(asked)), sweep(1, 1, Sweep::Loop)];
+    drain(&mut Session::default(), commands)
+}
+
+#[test]
+fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_once() {
     let mut changes = Vec::new();
     let mut ledgers = Vec::new();
-    for asked in [Some(Strategy::QUARTER), Some(Strategy::WHOLE)] {
-        let commands = vec![wished(1, scene.clone(), asked), sweep(1, 1, Sweep::Loop)];
-        let out = drain(&mut Session::default(), commands);
+    for out in [on_the_quarter(), &looped(Strategy::WHOLE)] {
         let mut path = Vec::new();
-        for event in &out {
+        for event in out {
             match event {
                 Event::Remodelled(choice) => {
                     assert_eq!(choice.part, Part::Whole);
@@ -638,7 +610,7 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
         // The path already gone is kept: no step is longer than the scene's, before and after the
         // change.
         let long = path.windows(2).find(|w| {
-            (w[0].mean_displacement - w[1].mean_displacement).abs() > scene.drive.step + 1e-9
+            (w[0].mean_displacement - w[1].mean_displacement).abs() > coarse().drive.step + 1e-9
         });
         assert!(long.is_none(), "{long:?}");
         assert!(path.iter().any(|s| s.part == Part::Whole));
@@ -656,31 +628,13 @@ fn a_quarter_that_is_not_enough_becomes_the_whole_cell_on_the_way_and_says_so_on
 
 #[test]
 fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
-    let mut scene = fig2(32);
-    let range = 0.35;
-    scene.law.range = Range::Length(range);
-    (scene.drive.start, scene.drive.turn, scene.drive.step) =
-        (8.0 * range, Turn::At(0.3 * range), 0.05 * range);
-    let commands = vec![
-        wished(1, scene.clone(), Some(Strategy::QUARTER)),
-        sweep(1, 1, Sweep::Loop),
-    ];
-    let out = drain(&mut Session::default(), commands);
+    let (scene, out) = (coarse(), on_the_quarter());
     let began = out
         .iter()
         .rposition(|e| matches!(e, Event::Cut { .. }))
         .expect("a loop");
     let state = |s: &StateRecord| (s.direction, s.mean_displacement, s.stress, s.energy, s.part);
-    let shown: Vec<_> = out[began..]
-        .iter()
-        .filter_map(|e| {
-            if let Event::State(s) = e {
-                Some(state(s))
-            } else {
-                None
-            }
-        })
-        .collect();
+    let shown: Vec<_> = picked!(out[began..], Event::State(s) => state(s)).collect();
     let cancel = Cancel::default();
     let run = run_loop(
         &scene,
@@ -704,13 +658,7 @@ fn a_run_goes_over_to_the_whole_cell_exactly_as_the_window_does() {
         run.record.states.iter().map(state).collect::<Vec<_>>(),
         shown
     );
-    let told = out.iter().find_map(|e| {
-        if let Event::Loop(summary) = e {
-            Some(&summary.ledger)
-        } else {
-            None
-        }
-    });
+    let told = picked!(out, Event::Loop(summary) => &summary.ledger).next();
     assert_eq!(run.ledger(scene.law.surface_energy).as_ref(), told);
 }
 
@@ -723,13 +671,7 @@ fn no_loop_begins_with_an_unstable_state_and_an_open_one_says_so() {
         &mut Session::default(),
         vec![set_scene(1, scene.clone()), sweep()],
     );
-    let failed = out.iter().find_map(|e| {
-        if let Event::Failed(Failure { message, .. }) = e {
-            Some(message.clone())
-        } else {
-            None
-        }
-    });
+    let failed = picked!(out, Event::Failed(Failure { message, .. }) => message.clone()).next();
     assert!(
         failed
             .as_ref()
@@ -739,13 +681,7 @@ fn no_loop_begins_with_an_unstable_state_and_an_open_one_says_so() {
     assert!(!out.iter().any(|e| matches!(e, Event::Loop(_))));
     (scene.drive.start, scene.drive.turn) = (3.5, Turn::At(1.8));
     let out = drain(&mut Session::default(), vec![set_scene(1, scene), sweep()]);
-    let ledger = out.iter().find_map(|e| {
-        if let Event::Loop(summary) = e {
-            Some(summary.ledger.clone())
-        } else {
-            None
-        }
-    });
+    let ledger = picked!(out, Event::Loop(summary) => summary.ledger.clone()).next();
     let ledger = ledger.expect("the drive is completed");
     assert!(
         ledger.open.is_some() && ledger.dissipated_energy().is_none(),
@@ -800,15 +736,11 @@ fn a_hand_that_drags_the_range_gets_loops_all_the_way_and_the_fine_one_at_the_en
 #[test]
 fn the_threads_end_within_two_seconds_whatever_they_are_at() {
     let heavy = || {
-        let mut scene = presets::find("hertz").unwrap().scene().unwrap();
+        let mut scene = presets::resolve("hertz").unwrap();
         scene.cell.points = Points::Square(512);
         scene
     };
-    let scenes = [
-        fig2(192),
-        heavy(),
-        presets::find("rough").unwrap().scene().unwrap(),
-    ];
+    let scenes = [fig2(192), heavy(), presets::resolve("rough").unwrap()];
     for scene in scenes {
         for pages in [
             Page::Figure(4),
@@ -840,11 +772,7 @@ fn the_threads_end_within_two_seconds_whatever_they_are_at() {
 
 /// The states of these events.
 fn states(out: &[Event]) -> Vec<StateRecord> {
-    let state = |e: &Event| match e {
-        Event::State(state) => Some(state.clone()),
-        _ => None,
-    };
-    out.iter().filter_map(state).collect()
+    picked!(out, Event::State(state) => state.clone()).collect()
 }
 
 #[test]
@@ -857,13 +785,7 @@ fn going_on_from_a_stored_state_leads_to_the_states_it_led_to() {
         let commands = vec![wished(1, scene, asked), target(1, 1, far)];
         let out = drain(&mut session, commands);
         let path = states(&out);
-        let stored: Vec<_> = out
-            .iter()
-            .filter_map(|e| match e {
-                Event::Stored(stored) => Some(stored.clone()),
-                _ => None,
-            })
-            .collect();
+        let stored: Vec<_> = picked!(out, Event::Stored(stored) => stored.clone()).collect();
         assert_eq!(stored.len(), path.len());
         let mut motion = 1;
         // On the flat branch, on patterns, and right after each jump.
@@ -873,10 +795,7 @@ fn going_on_from_a_stored_state_leads_to_the_states_it_led_to() {
             motion += 2;
             let go_on = of(1, Command::GoOn { motion, from });
             let out = drain(&mut session, vec![go_on]);
-            let cut = out.iter().find_map(|e| match e {
-                Event::Cut { states, .. } => Some(*states),
-                _ => None,
-            });
+            let cut = picked!(out, Event::Cut { states, .. } => *states).next();
             // Later ones were walked anew, to the same states within the tolerance.
             assert!(cut == Some(index) || cut == Some(0), "{cut:?} {index}");
             let again = drain(

@@ -6,7 +6,6 @@
 //! bifurcation, and its end is where the two cancel or exchange their stability. Every point bears
 //! its index, the number of negative eigenvalues over all modes of the whole cell.
 
-mod equal_energy;
 mod flat_ground;
 mod meeting;
 mod piece;
@@ -32,8 +31,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::fmt;
 
-pub use equal_energy::EqualEnergy;
-pub use piece::Piece;
+pub use piece::{EqualEnergy, Piece};
 
 /// Relative error of the eigenvalue of a mode that is shown.
 const GOOD: f64 = 0.02;
@@ -300,7 +298,7 @@ impl Diagram {
                 point.state.put_under(control);
             }
         }
-        diagram.equal_energies = equal_energy::all(&diagram);
+        diagram.equal_energies = piece::equal_energies(&diagram);
         diagram.cancelled = cancel.requested();
         Ok(diagram)
     }

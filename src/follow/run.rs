@@ -125,8 +125,6 @@ impl Outcome {
 pub struct Landing {
     /// Direction of the drive.
     pub direction: Direction,
-    /// Where (length).
-    pub mean_displacement: f64,
     /// What it shows.
     pub pattern: Pattern,
     /// Gap field (length), shape (ny, nx).
@@ -283,12 +281,9 @@ impl<'s> Drive<'s> {
         if fresh && std::mem::take(&mut self.landed) {
             let gap = self.walk.gap();
             let record = self.walk.record();
-            let (direction, mean_displacement, pattern) =
-                (record.direction, record.mean_displacement, record.pattern);
             self.run.landings.push(Landing {
-                direction,
-                mean_displacement,
-                pattern,
+                direction: record.direction,
+                pattern: record.pattern,
                 gap,
             });
         }

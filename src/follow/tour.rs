@@ -93,7 +93,6 @@ impl Atlas {
                 if i == 0 && leg.begins {
                     run.landings.push(Landing {
                         direction: state.direction,
-                        mean_displacement: state.mean_displacement,
                         pattern: state.pattern,
                         gap,
                     });

@@ -5,26 +5,12 @@
 //! or a slice of a release) and hands out what happened. It works on any scene and is the reference
 //! for everything faster.
 
-mod advance;
-pub(super) mod apart;
-mod landing;
-mod mesh_jumps;
-mod progress;
-mod push;
-mod record;
-pub(super) mod symmetry;
-mod views;
-
-pub use progress::{Counts, Observed, Progress, Stuck};
-pub use push::Push;
-pub use symmetry::Widened;
-pub use views::soft_mode;
-
 use super::contest::Share;
 use super::flat_branch::FlatBranch;
 use super::record::{Cause, Direction, StateRecord};
 use crate::numerics::cancel::Cancel;
 use crate::numerics::precision::Precision;
+use crate::numerics::vector::{dot, scale};
 use crate::physics::control::Control;
 use crate::physics::parameter::Refusal;
 use crate::physics::system::{State, System};
@@ -40,10 +26,24 @@ use crate::solver::release::Release;
 use crate::solver::stability::Tracker;
 use crate::solver::{Lost, Stop};
 use apart::apart;
+use ndarray::Array2;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::time::{Duration, Instant};
 use symmetry::{Guard, slides_on, with_coarse};
+
+mod advance;
+pub(super) mod apart;
+mod landing;
+mod mesh_jumps;
+mod progress;
+mod push;
+mod record;
+pub(super) mod symmetry;
+
+pub use progress::{Counts, Observed, Progress, Stuck};
+pub use push::Push;
+pub use symmetry::Widened;
 
 /// Why a branch cannot be followed beyond `at`.
 #[derive(Clone, Debug)]
@@ -399,11 +399,6 @@ impl Walk {
             .conjugate(state.mean_displacement, state.stress)
     }
 
-    /// Where it is going.
-    pub fn target(&self) -> f64 {
-        self.target
-    }
-
     /// Sets the value of the control to go to; the path already gone is kept, and a jump under way
     /// is completed first.
     pub fn set_target(&mut self, control: f64) {
@@ -483,4 +478,66 @@ fn solved(
     let (stiffness, mode) = tracker.check(mechanics, &state.state.amplitudes, &state.fields);
     state.measured(stiffness, mode);
     state
+}
+
+/// The field of the mode of smallest stiffness in a state of which the displacement (length) is
+/// known over the whole cell, mean(phi^2) = 1: of several that are equal one. `None` where it was
+/// not found, or somebody asked to stop.
+pub fn soft_mode(
+    (model, driven): (&Model, Control),
+    record: &StateRecord,
+    displacement: &Array2<f64>,
+    cancel: &Cancel,
+) -> Option<Array2<f64>> {
+    let system = System::new(model.grid, model.law, &model.indenter).with_body(model.body);
+    let mut mechanics = Mechanics::new(system.with_control(driven), slides_on(model));
+    mechanics.cancel = cancel.clone();
+    let [control, mean] = driven.balanced(record.mean_displacement, record.stress);
+    let mut z = mechanics.amplitudes(displacement);
+    z[0] = mean;
+    let at = mechanics.at(z, control);
+    mechanics.refresh(&at.fields);
+    let mut tracker = with_coarse(Tracker::new(Pcg64::seed_from_u64(0)), &mechanics);
+    let (stiffness, mode) = tracker.check(&mut mechanics, &at.state.amplitudes, &at.fields);
+    (!stiffness.value.is_nan()).then(|| mechanics.field(&mode).clone())
+}
+
+impl Walk {
+    /// The gap field as it is now, also in the middle of a jump. Shape (ny, nx).
+    pub fn gap(&self) -> Array2<f64> {
+        let fields = match &self.phase {
+            Phase::Jumping(jumping) => &jumping.release.at.fields,
+            _ => &self.here.fields,
+        };
+        self.mechanics.system.unfolded(&fields.gap)
+    }
+
+    /// The gap field of the state it stands on, which a jump under way has left.
+    pub fn gap_here(&self) -> Array2<f64> {
+        self.mechanics.system.unfolded(&self.here.fields.gap)
+    }
+
+    /// The field of the mode that gives way first in the state it stands on, mean(phi^2) = 1: that
+    /// of the smallest eigenvalue, or of the flat state one of its equal softest waves. `None` where
+    /// it was not measured. One transform.
+    pub fn soft_mode(&mut self) -> Option<Array2<f64>> {
+        let mode = self.soft_amplitudes()?;
+        let field = self
+            .mechanics
+            .uncounted(|mechanics| mechanics.field(&mode).clone());
+        Some(self.mechanics.system.unfolded(&field))
+    }
+
+    /// The mode with the sign of the last one asked for, so that pictures do not flicker.
+    fn soft_amplitudes(&mut self) -> Option<Vec<f64>> {
+        let mut mode = self.here.soft_mode.clone();
+        if self.here.is_uniform() && self.mechanics.system.is_flat() {
+            mode = self.mechanics.system.softest_wave();
+        }
+        if mode.len() == self.facing.len() && dot(&mode, &self.facing) < 0.0 {
+            scale(&mut mode, -1.0);
+        }
+        self.facing.clone_from(&mode);
+        (!mode.is_empty()).then_some(mode)
+    }
 }

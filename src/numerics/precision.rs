@@ -22,9 +22,6 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// All.
-    pub const ALL: [Precision; 3] = [Precision::Double, Precision::Mixed, Precision::Single];
-
     /// Its word in tables.
     pub fn word(self) -> &'static str {
         match self {

@@ -7,7 +7,7 @@ use super::{Entry, scenes};
 use crate::follow::atlas::{Atlas, Meshes};
 use crate::physics::pattern::Pattern;
 use crate::physics::theory::asymptotes;
-use crate::physics::theory::circular::{self, Part};
+use crate::physics::theory::circular;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::scale::steps;
 use crate::scene::{Scene, Turn};
@@ -69,7 +69,7 @@ fn deviation(branch: &Branch) -> f64 {
         .filter(|p| (low..=high).contains(&p[0]));
     let deviation = |p: &[f64; 2]| {
         circular::dimple()
-            .at(p[0], Part::Stable)
+            .at(p[0])
             .map_or(f64::NAN, |s| (p[1] - s.pressure).abs())
     };
     compared.map(deviation).fold(f64::NAN, f64::max)

@@ -4,7 +4,7 @@ use super::figure::{Figure, Finding};
 use super::task::{Stopped, Task};
 use super::tips::{self, TIP, Tip, TipDrive};
 use super::{Entry, figure_13, scenes};
-use crate::physics::theory::units::tabor_of_mesh;
+use crate::physics::theory::tabor_of_mesh;
 use crate::plot::panel::{Axis, Colour, Panel, Role, Series};
 use crate::plot::scale::steps;
 

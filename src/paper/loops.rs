@@ -13,7 +13,7 @@ use crate::follow::walk::WalkOptions;
 use crate::numerics::cancel::Cancel;
 use crate::physics::parameter::Refusal;
 use crate::physics::pattern::Pattern;
-use crate::physics::theory::units::Units;
+use crate::physics::theory::Units;
 use crate::scene::part::Part;
 use crate::scene::{Model, Points, Scene};
 use crate::solver::methods::MethodKind;

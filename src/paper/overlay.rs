@@ -5,7 +5,7 @@ use super::loops::units_of;
 use crate::numerics::cancel::Cancel;
 use crate::physics::body::Body;
 use crate::physics::indenter::{Hertz, Indenter};
-use crate::physics::theory::circular::{self, Part};
+use crate::physics::theory::circular;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::jkr_periodic::PeriodicJkr;
 use crate::physics::theory::ridge;
@@ -50,11 +50,7 @@ impl ZeroRange {
         let circle = |pattern: &circular::Pattern| {
             let end = pattern.fold().displacement;
             up_to(end)
-                .filter_map(|u| {
-                    pattern
-                        .at(u.min(end), Part::Stable)
-                        .map(|state| [u, state.pressure])
-                })
+                .filter_map(|u| pattern.at(u.min(end)).map(|state| [u, state.pressure]))
                 .collect()
         };
         let curves = vec![

@@ -5,8 +5,7 @@
 //! (k +- k', l +- l'). All soft modes live among the longest waves: the block is a preconditioner
 //! that leaves two to four iterations, and its negative pivots tell the Morse index.
 
-mod bound;
-mod unfolding;
+mod whole;
 
 use super::system::{Fields, System, Workspace};
 use crate::numerics::cancel::Cancel;
@@ -15,7 +14,7 @@ use crate::numerics::factor::Factor;
 use crate::numerics::vector::{add, dot, scale};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, SQRT_2};
 
-pub use unfolding::Unfolding;
+pub use whole::Unfolding;
 
 /// Symmetry of a mode about the axes of an even pattern, and under x <-> y. A Hessian at an even
 /// field keeps the first, at one with u(x, y) = u(y, x) also the second.

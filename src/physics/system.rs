@@ -89,19 +89,28 @@ impl System {
                 ]);
             }
         }
-        let transforms = Transforms::new(Basis::Whole(fourier));
+        Self {
+            height: indenter.height(&grid),
+            elastic,
+            gradient,
+            ..Self::by(Basis::Whole(fourier), grid, law, indenter)
+        }
+    }
+
+    /// One with these transforms, without ground and elasticity.
+    fn by(basis: Basis<f64>, grid: Grid, law: Law, indenter: &Indenter) -> Self {
         Self {
             grid,
             body: Body::HalfSpace,
             equivalent_length: grid.length,
             law,
-            height: indenter.height(&grid),
+            height: None,
             uniform: indenter.ground().is_uniform(),
             odd: [false; 2],
-            transforms,
+            transforms: Transforms::new(basis),
             control: Control::Displacement,
-            elastic,
-            gradient,
+            elastic: Vec::new(),
+            gradient: Vec::new(),
         }
     }
 
@@ -115,20 +124,10 @@ impl System {
         let elastic = (0..nx * ny)
             .map(|i| grid.q1() * ((i / ny) as f64).hypot((i % ny) as f64) / 2.0)
             .collect();
-        let height = indenter.even_height(&grid);
-        let transforms = Transforms::new(Basis::Even(Cosine::new(ny, nx)));
         Self {
-            grid,
-            body: Body::HalfSpace,
-            equivalent_length: grid.length,
-            law,
-            height,
-            uniform: indenter.ground().is_uniform(),
-            odd: [false; 2],
-            transforms,
-            control: Control::Displacement,
+            height: indenter.even_height(&grid),
             elastic,
-            gradient: Vec::new(),
+            ..Self::by(Basis::Even(Cosine::new(ny, nx)), grid, law, indenter)
         }
     }
 

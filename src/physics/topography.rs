@@ -6,8 +6,9 @@
 //! of the Laplacian by central second differences; twice the area's rms curvature.
 
 use super::parameter::Refusal;
+use crate::numerics::eigen::symmetric_eigen;
 use crate::numerics::harmonic;
-use nalgebra::{DMatrix, DVector};
+use crate::numerics::vector::{add, dot};
 use ndarray::Array2;
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -174,18 +175,25 @@ fn remove(heights: &mut Array2<f64>, detrend: Detrend) {
         }
     };
     let count = terms((0, 0)).len();
-    let mut matrix = DMatrix::<f64>::zeros(count, count);
-    let mut right = DVector::<f64>::zeros(count);
+    let mut matrix = vec![vec![0.0; count]; count];
+    let mut right = vec![0.0; count];
     for (at, h) in heights.indexed_iter().filter(|(_, h)| h.is_finite()) {
-        let terms = DVector::from_vec(terms(at));
-        matrix.ger(1.0, &terms, &terms, 1.0);
-        right.axpy(*h, &terms, 1.0);
+        let terms = terms(at);
+        for (row, term) in matrix.iter_mut().zip(&terms) {
+            add(row, *term, &terms);
+        }
+        add(&mut right, *h, &terms);
     }
     // A profile has no trend along y: what nothing tells stays zero.
-    let trend = matrix.svd(true, true).solve(&right, 1e-9);
-    let trend = trend.unwrap_or_else(|_| DVector::zeros(count));
+    let (values, vectors) = symmetric_eigen(matrix);
+    let mut trend = vec![0.0; count];
+    for (value, vector) in values.iter().zip(&vectors) {
+        if *value > 1e-9 {
+            add(&mut trend, dot(vector, &right) / value, vector);
+        }
+    }
     for (at, h) in heights.indexed_iter_mut() {
-        *h -= trend.dot(&DVector::from_vec(terms(at)));
+        *h -= dot(&trend, &terms(at));
     }
 }
 

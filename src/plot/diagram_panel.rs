@@ -2,7 +2,7 @@
 //! stress/sigma_max, tension positive. Stable pieces are solid, unstable ones dashed, a fold is a
 //! square, a bifurcation a circle, equal energies are a diamond.
 
-use super::loop_panel::{MARGIN, axes};
+use super::loop_panel::{MARGIN, axes, place};
 use super::panel::{Colour, Label, Page, Panel, Role, Series, Symbol};
 use super::scale::ends;
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
@@ -126,12 +126,6 @@ pub fn diagram_panel(diagram: &Diagram, model: &Model) -> Panel {
             .collect(),
         ..Panel::default()
     }
-}
-
-/// Where a mean displacement (length) and a stress (E*) stand: in ranges, and in units of the
-/// largest traction.
-pub fn place(u0: f64, stress: f64, law: &Law) -> [f64; 2] {
-    [u0 / law.range, stress / law.traction_max()]
 }
 
 /// Colour of a branch, and its name in the legend.

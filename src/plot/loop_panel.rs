@@ -53,6 +53,12 @@ pub fn loop_panel(record: &LoopRecord, model: &Model) -> Panel {
     }
 }
 
+/// Where a mean displacement (length) and a stress (E*) stand: in ranges, and in units of the
+/// largest traction.
+pub fn place(u0: f64, stress: f64, law: &Law) -> [f64; 2] {
+    [u0 / law.range, stress / law.traction_max()]
+}
+
 /// The axes of stress against mean displacement, showing this much of each.
 pub(super) fn axes(model: &Model, [x, y]: [[f64; 2]; 2]) -> [Axis; 2] {
     let [length, stress] = [Dimension::Length, Dimension::Stress].map(|of| model.unit(of));
@@ -136,10 +142,7 @@ pub fn flat_state(model: &Model, control: Control, [from, to]: [f64; 2]) -> Vec<
     }
     let flat = FlatBranch::new(model.law, model.equivalent_length, control);
     for u0 in scale::steps(from, to, POINTS) {
-        let point = [
-            u0 / model.law.range,
-            model.law.at(u0).traction / model.law.traction_max(),
-        ];
+        let point = place(u0, model.law.at(u0).traction, &model.law);
         let stable = flat.is_stable(u0);
         let (name, role) = if stable {
             ("flat state", Role::Guide)
@@ -198,19 +201,12 @@ fn value(curve: &[[f64; 2]], x: f64) -> Option<f64> {
 
 /// Jumps as arrows from the state before to the state after: along the line of the machine.
 pub fn jumps(jumps: &[JumpRecord], law: &Law) -> Vec<Arrow> {
-    let arrow = |jump: &JumpRecord| {
-        let at = |u0: f64, stress: f64| [u0 / law.range, stress / law.traction_max()];
-        let (tail, head) = (
-            at(jump.mean_displacement, jump.stress_before),
-            at(jump.mean_displacement_after, jump.stress_after),
-        );
-        Arrow {
-            name: "jump",
-            tail,
-            head,
-            colour: Colour::JUMP,
-            direction: jump.direction,
-        }
+    let arrow = |jump: &JumpRecord| Arrow {
+        name: "jump",
+        tail: place(jump.mean_displacement, jump.stress_before, law),
+        head: place(jump.mean_displacement_after, jump.stress_after, law),
+        colour: Colour::JUMP,
+        direction: jump.direction,
     };
     jumps.iter().map(arrow).collect()
 }

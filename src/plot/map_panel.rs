@@ -1,6 +1,7 @@
 //! The map of patterns: which pattern stands where on the way down and on the way up, x = u0/rho
 //! and y a parameter of the scene; and beside it what the loop loses.
 
+use super::loop_panel::place;
 use super::panel::{Along, Area, Axis, Colour, Label, Page, Panel, Role, Series};
 use super::scale::ends;
 use crate::follow::record::Direction;
@@ -112,7 +113,7 @@ pub fn loop_of(row: &Row, name: &str) -> Option<Series> {
     let (Ok(Found { legs, .. }), Some(law)) = (&row.found, row.law) else {
         return None;
     };
-    let place = |[u0, stress]: &[f64; 2]| [u0 / law.range, stress / law.traction_max()];
+    let place = |[u0, stress]: &[f64; 2]| place(*u0, *stress, &law);
     let points = legs.iter().flat_map(|leg| {
         let points = leg.points.iter().map(place);
         points.chain([[f64::NAN; 2]])

@@ -248,6 +248,17 @@ impl Series {
         }
     }
 
+    /// The present point, or none: a dot in a ring.
+    pub fn here(at: Option<[f64; 2]>) -> [Self; 2] {
+        let symbol = |symbol| Self::symbols("", symbol, Colour::Ink, at.into_iter().collect());
+        [symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]
+    }
+
+    /// A point that is looked at, or none: a frame around it.
+    pub fn framed(at: Option<[f64; 2]>, colour: Colour) -> Self {
+        Self::symbols("", Symbol::Frame, colour, at.into_iter().collect())
+    }
+
     /// The same with filled symbols.
     pub fn filled(self) -> Self {
         Self {

@@ -5,13 +5,12 @@
 //! sigma_max, E*/L) stay ratios. Numbers are written with as many digits as bring back the same number; one that is not finite is
 //! written `NaN` or `inf`.
 
-mod diagram;
-mod ground;
 mod studies;
 
-pub use diagram::{BARRIER_COLUMNS, write_barriers_csv, write_branches_csv, write_points_csv};
-pub use ground::{write_ground_json, write_heights_csv, write_spectrum_csv};
-pub use studies::{MAP_COLUMNS, write_convergence_csv, write_map_csv};
+pub use studies::{
+    BARRIER_COLUMNS, MAP_COLUMNS, write_barriers_csv, write_branches_csv, write_convergence_csv,
+    write_ground_json, write_heights_csv, write_map_csv, write_points_csv, write_spectrum_csv,
+};
 
 use super::{Failure, files};
 use crate::follow::record::{JumpRecord, StateRecord};
@@ -231,7 +230,7 @@ pub fn write_panels_csv(path: &Path, heading: &str, panels: &[Panel]) -> Result<
     let mut written = files::write_whole(path, text.as_bytes());
     for (name, gap) in maps(&panels) {
         // One that cannot be written does not keep the others.
-        written = written.and(write_matrix(&beside(path, &name), gap));
+        written = written.and(write_matrix(&beside(path, &name), "", gap));
     }
     written
 }
@@ -391,13 +390,12 @@ fn beside(path: &Path, end: &str) -> PathBuf {
     path.with_file_name(format!("{stem}-{end}.csv"))
 }
 
-fn write_matrix(path: &Path, gap: &Array2<f64>) -> Result<(), Failure> {
-    let mut text = String::new();
-    for row in gap.rows() {
-        push_row(
-            &mut text,
-            &row.iter().map(|g| number(*g)).collect::<Vec<_>>(),
-        );
+/// Writes a field, a row for each y from the lowest up, after what the file begins with.
+fn write_matrix(path: &Path, head: &str, field: &Array2<f64>) -> Result<(), Failure> {
+    let mut text = head.to_owned();
+    for row in field.rows() {
+        let cells: Vec<String> = row.iter().map(|value| number(*value)).collect();
+        push_row(&mut text, &cells);
     }
     files::write_whole(path, text.as_bytes())
 }

@@ -270,19 +270,9 @@ impl Work<'_> {
             what: *point,
             reference: true,
         });
-        let (done, total) = (self.done, self.total);
         let expected = self.predictor.of_reference_loop(point);
-        let measured = timed(
-            self.scene,
-            point,
-            states,
-            points::REFERENCE * self.effort.seconds() - self.spent,
-            self.cancel,
-            &mut |f| observe(News::Fraction(share(done + f * expected, total))),
-        )?;
-        self.done += expected;
-        self.spent += measured.processor_seconds;
-        Ok(measured)
+        let allowed = points::REFERENCE * self.effort.seconds() - self.spent;
+        self.timed(point, states, [expected, allowed], observe)
     }
 
     /// Measures the loop of a point of the chart.
@@ -296,19 +286,33 @@ impl Work<'_> {
             what: *point,
             reference: false,
         });
-        let (done, total) = (self.done, self.total);
-        let expected = self.predictor.seconds(point);
-        let measured = measure(self.scene, point, allowed_seconds, self.cancel, &mut |f| {
-            observe(News::Fraction(share(done + f * expected, total)));
-        })?;
-        self.finish(expected, &measured);
+        let seconds = [self.predictor.seconds(point), allowed_seconds];
+        let measured = self.timed(point, States::ReadOff, seconds, observe)?;
+        self.predictor.learn(&measured);
         Ok(measured)
     }
 
-    fn finish(&mut self, expected: f64, measured: &Measured) {
+    /// Computes a loop that is expected to take so many processor seconds, and allowed so many.
+    fn timed(
+        &mut self,
+        point: &Point,
+        states: States<'_>,
+        [expected, allowed]: [f64; 2],
+        observe: &mut dyn FnMut(News<'_>),
+    ) -> Result<Measured, Refusal> {
+        let (done, total) = (self.done, self.total);
+        let mut progress = |f: f64| observe(News::Fraction(share(done + f * expected, total)));
+        let measured = timed(
+            self.scene,
+            point,
+            states,
+            allowed,
+            self.cancel,
+            &mut progress,
+        )?;
         self.done += expected;
         self.spent += measured.processor_seconds;
-        self.predictor.learn(measured);
+        Ok(measured)
     }
 }
 

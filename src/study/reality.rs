@@ -5,7 +5,7 @@
 use crate::physics::indenter::Indenter;
 use crate::physics::mesh_rule;
 use crate::physics::parameter::Dimension;
-use crate::physics::theory::{flat, units::tabor};
+use crate::physics::theory::{flat, tabor};
 use crate::physics::topography::{Border, Statistics};
 use crate::scene::Model;
 use crate::scene::units::{Units, significant};

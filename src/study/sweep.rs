@@ -16,7 +16,7 @@ use crate::numerics::threads::{FAULT, side_by_side};
 use crate::physics::control::Control;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::{Refusal, Value};
-use crate::physics::theory::units::Units;
+use crate::physics::theory::Units;
 use crate::physics::theory::{flat, ridge};
 use crate::scene::{Model, Points, Scene, edit, parameter};
 use crate::solver::methods::MethodKind;

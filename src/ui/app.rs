@@ -3,7 +3,7 @@
 use super::action::{Action, FileTask, ViewOptions};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::film::FilmExport;
-use super::map_cache::Maps;
+use super::gap_picture::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, Extent, Saved, ViewState};
 use super::{keys, layout, lecture, loop_plot};

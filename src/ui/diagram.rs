@@ -200,6 +200,25 @@ pub fn show(
         })
 }
 
+/// Of the `marks` of a diagram that is drawn, each with its place on the plot, the one nearest to the
+/// pointer, if that is `within` so many screen points.
+pub fn nearest<M>(
+    drawn: &PlotResponse<()>,
+    within: f32,
+    marks: impl Iterator<Item = (M, [f64; 2])>,
+) -> Option<M> {
+    let pointer = drawn.response.hover_pos()?;
+    let far = |[x, y]: [f64; 2]| {
+        let place = drawn.transform.position_from_point(&PlotPoint::new(x, y));
+        place.distance(pointer)
+    };
+    marks
+        .map(|(mark, at)| (mark, far(at)))
+        .filter(|(_, far)| *far <= within)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(mark, _)| mark)
+}
+
 /// A convex quadrangle, its corners in order, between two curves over x: x, below and above.
 fn over_x(corners: [[f64; 2]; 4]) -> [Vec<f64>; 3] {
     let mut x = corners.map(|corner| corner[0]);

@@ -1,19 +1,20 @@
-//! The gap map: one texture, its colour bar, the contact line, and what is under the pointer.
+//! The gap map: one texture, its colour bar, the contact line, and what is under the pointer; and beside
+//! it the map of another scene.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{GapPicture, Segment, colour};
-use super::map_cache::{MapCache, Maps};
+use super::gap_picture::{GapPicture, MapCache, Maps, Segment, colour};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
-use super::{beside, flick, grip, headline, sliders, strip, theme};
+use super::{flick, grip, headline, sliders, strip, theme};
 use crate::lessons::Hidden;
 use crate::physics::parameter::Dimension;
-use crate::plot::scale;
-use crate::plot::ticks;
+use crate::plot::{scale, ticks};
+use crate::scene::units::fixed;
 use egui::{
-    Align2, Color32, CursorIcon, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, Vec2,
-    pos2, vec2,
+    Align2, Color32, CursorIcon, Galley, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui,
+    UiBuilder, Vec2, pos2, vec2,
 };
+use std::sync::Arc;
 
 /// Width of the colour bar with its numbers, and where there is less room.
 const BAR: (f32, f32) = (80.0, 50.0);
@@ -86,8 +87,8 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
         .rect_stroke(map, 0.0, frame_stroke(ui, state), StrokeKind::Outside);
     colour_bar(ui, state, cache, map.union(last));
     if beside.is_some() {
-        beside::letter(ui, map, "A", Align2::LEFT_TOP);
-        beside::show(ui, state, &maps.b, last, actions);
+        letter(ui, map, "A", Align2::LEFT_TOP);
+        show_beside(ui, state, &maps.b, last, actions);
     }
     overlays(ui, state, map);
     let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
@@ -153,16 +154,10 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
                 (s[0][0].min(s[1][0]) as usize + 2 * s[0][1].min(s[1][1]) as usize) % 4 < 2
             })
         };
-        lines
-            .up
-            .iter()
-            .chain(dotted())
-            .for_each(|s| segment(s, 3.2, Color32::from_black_alpha(110)));
-        lines
-            .up
-            .iter()
-            .chain(dotted())
-            .for_each(|s| segment(s, 1.5, colour));
+        for (width, ink) in [(3.2, Color32::from_black_alpha(110)), (1.5, colour)] {
+            let all = lines.up.iter().chain(dotted());
+            all.for_each(|s| segment(s, width, ink));
+        }
     }
     let words = match &cache.mode {
         Some(_) if picture.min == picture.max => {
@@ -215,18 +210,10 @@ fn profile_line(ui: &Ui, state: &ViewState, picture: &GapPicture, band: Rect) {
         return;
     };
     let colour = theme::palette_on(crate::plot::style::Ground::Dark).retraction;
-    ui.painter().extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(3.0, Color32::from_black_alpha(120)),
-        7.0,
-        5.0,
-    ));
-    ui.painter().extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(1.5, colour),
-        7.0,
-        5.0,
-    ));
+    for (width, ink) in [(3.0, Color32::from_black_alpha(120)), (1.5, colour)] {
+        let line = Shape::dashed_line(&ends, Stroke::new(width, ink), 7.0, 5.0);
+        ui.painter().extend(line);
+    }
 }
 
 fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
@@ -455,4 +442,56 @@ fn sentence(state: &ViewState, cache: &MapCache) -> String {
         unit.number(picture.min / state.rho(), 3),
         unit.say(picture.max / state.rho(), 3, "rho")
     )
+}
+
+/// Draws the map of the scene beside in its place; dragged it drives both.
+fn show_beside(
+    ui: &mut Ui,
+    state: &ViewState,
+    cache: &MapCache,
+    map: Rect,
+    actions: &mut Vec<Action>,
+) {
+    let Some((beside, kept)) = state.beside() else {
+        return;
+    };
+    let response = ui.interact(map, egui::Id::unique("map_b"), Sense::click_and_drag());
+    ui.painter()
+        .rect_filled(map, 0.0, ui.visuals().extreme_bg_color);
+    let words = match &beside.shown {
+        Ok(frame) => {
+            let pattern = frame.state.as_ref().map_or("at rest", |s| s.pattern.word());
+            let u0 = frame.mean_displacement / kept.model.law.range;
+            cache.draw(ui, map);
+            format!("{pattern}, u₀ {} ρ", fixed(u0, 3))
+        }
+        Err(why) => why.clone(),
+    };
+    described(&response, &format!("B, {}: {words}", kept.name));
+    let edge = Stroke::new(2.5, theme::rgb(kept.look().0.on(theme::ground(ui))));
+    ui.painter()
+        .rect_stroke(map, 0.0, edge, StrokeKind::Outside);
+    letter(ui, map, &format!("B: {}", kept.name), Align2::LEFT_TOP);
+    letter(ui, map, &words, Align2::LEFT_BOTTOM);
+    // It is the present surface that is pressed.
+    if !flick::is_on(ui, state) {
+        let per_point = (state.limits.1 - state.limits.0) / f64::from(map.height());
+        grip::drag(ui, state, &response, per_point, actions);
+    }
+}
+
+/// Words in a corner of a map, cut where they are too long.
+fn letter(ui: &Ui, map: Rect, words: &str, corner: Align2) {
+    let galley: Arc<Galley> = ui.painter().layout(
+        words.to_owned(),
+        theme::small(),
+        Color32::WHITE,
+        map.width() - 22.0,
+    );
+    let size = galley.size() + vec2(12.0, 6.0);
+    let area = corner.align_size_within_rect(size, map.shrink(4.0));
+    ui.painter()
+        .rect_filled(area, 5.0, Color32::from_black_alpha(170));
+    let at = area.min + vec2(6.0, 3.0);
+    ui.painter().galley(at, galley, Color32::WHITE);
 }

@@ -2,7 +2,7 @@
 
 use super::action::{Action, Page};
 use super::gap_map;
-use super::map_cache::Maps;
+use super::gap_picture::Maps;
 use super::tabs::Tabs;
 use super::view_state::ViewState;
 use super::{controls, lesson, loop_plot, profile, status_bar, strip, toolbar};

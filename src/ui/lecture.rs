@@ -1,10 +1,10 @@
 //! Lecture mode: map, curve and one line of words, large and on white, for a room.
 
 use super::action::Action;
+use super::gap_picture::Maps;
 use super::headline::capital;
 use super::layout::surface;
 use super::loop_plot;
-use super::map_cache::Maps;
 use super::view_state::ViewState;
 use super::widgets::described;
 use crate::scene::units::fixed;

@@ -8,9 +8,10 @@ use super::headline;
 use super::machine;
 use super::view_state::{Beside, Ghost, ViewState};
 use super::widgets::described;
+use crate::follow::record::StateRecord;
 use crate::lessons::{Hidden, Question};
 use crate::physics::parameter::Dimension;
-use crate::plot::loop_panel;
+use crate::plot::loop_panel::{self, place};
 use crate::plot::panel::{Axis, Colour, Label, Panel, Role, Series, Symbol};
 use crate::scene::Model;
 use crate::scene::units::Unit;
@@ -18,6 +19,7 @@ use crate::study::forecast::{Forecast, forecast};
 use crate::worker::protocol::Frame as Picture;
 use egui::{Ui, UiBuilder, vec2};
 use std::iter::once;
+use std::sync::Arc;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
@@ -147,41 +149,26 @@ pub fn panel(state: &ViewState) -> Panel {
     kept(state, &mut panel);
     panel.series.extend(machine::line(state, [left, right]));
     guesses(state, &mut panel);
-    let rho = state.rho();
     let wish = state.run.foresight.wish().and_then(|wanted| {
         let (.., sample) = wanted.live.found.as_ref().ok()?.at(wanted.spot);
-        Some([
-            sample.mean_displacement / rho,
-            sample.stress / law.traction_max(),
-        ])
+        Some(place(sample.mean_displacement, sample.stress, law))
     });
-    let selected = state.run.selection.as_ref().map(|selection| {
-        let s = &selection.state;
-        [s.mean_displacement / rho, s.stress_over_max]
-    });
-    if let Some(at) = wish.or(selected) {
-        panel
-            .series
-            .push(Series::symbols("", Symbol::Frame, Colour::Ink, vec![at]));
-    }
-    let top = law.traction_max();
-    let place = |frame: &Picture| [frame.mean_displacement / rho, frame.stress / top];
-    if let Some(replayed) = &state.run.replayed {
-        let at = vec![place(replayed)];
-        panel
-            .series
-            .push(Series::symbols("", Symbol::Frame, Colour::JUMP, at));
-    }
+    let of_state = |s: &StateRecord| [s.mean_displacement / law.range, s.stress_over_max];
+    let of_frame = |frame: &Arc<Picture>| place(frame.mean_displacement, frame.stress, law);
+    let selected = state.run.selection.as_ref();
+    let selected = wish.or(selected.map(|selection| of_state(&selection.state)));
+    let replayed = state.run.replayed.as_ref().map(of_frame);
     // While it jumps the point goes down the drop.
-    let now = state.run.state.as_ref();
-    let now = now.map(|now| [now.mean_displacement / rho, now.stress_over_max]);
-    if let Some(now) = state.jumping().map(|frame| place(frame)).or(now) {
-        let at = vec![now];
-        let symbol = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
-        panel
-            .series
-            .extend([symbol(Symbol::Ring), symbol(Symbol::Circle).filled()]);
-    }
+    let now = state.run.state.as_ref().map(of_state);
+    let now = state.jumping().map(of_frame).or(now);
+    let marks = [
+        Series::framed(selected, Colour::Ink),
+        Series::framed(replayed, Colour::JUMP),
+    ];
+    let marks = marks.into_iter().chain(Series::here(now));
+    panel
+        .series
+        .extend(marks.filter(|series| !series.points.is_empty()));
     panel
 }
 
@@ -301,10 +288,7 @@ fn ahead(state: &ViewState, panel: &mut Panel) {
     let Some((pattern, sample)) = state.foreseen() else {
         return;
     };
-    let at = [
-        sample.mean_displacement / state.rho(),
-        sample.stress / state.model.law.traction_max(),
-    ];
+    let at = place(sample.mean_displacement, sample.stress, &state.model.law);
     panel
         .series
         .push(Series::symbols("", Symbol::Diamond, Colour::LIVE, vec![at]));

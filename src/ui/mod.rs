@@ -16,7 +16,6 @@ pub mod theme;
 pub mod view_state;
 
 mod advanced;
-mod beside;
 mod card;
 mod commands;
 mod controls;
@@ -37,7 +36,6 @@ mod lecture;
 mod lesson;
 mod loop_plot;
 mod machine;
-mod map_cache;
 mod profile;
 mod saved_state;
 mod sliders;

@@ -49,6 +49,13 @@ impl Title {
             tall: false,
         }
     }
+
+    const fn tall(name: &'static str, what: &'static str) -> Self {
+        Self {
+            tall: true,
+            ..Self::new(name, what)
+        }
+    }
 }
 
 /// What a tab works with, once a frame.

@@ -1,30 +1,24 @@
 //! Everything the window shows, as plain data: built and updated without egui.
 
 mod beside;
-mod films;
 mod foresight;
-mod hint;
 mod history;
 mod kept;
 mod lesson;
 mod plots;
-mod push;
 mod run;
 mod session;
 mod stored;
 
 pub use beside::Beside;
-pub use films::Films;
 pub use foresight::Foresight;
-pub use hint::Hint;
 pub use history::{History, Past};
 pub use kept::{Kept, KeptLoops};
-pub use lesson::Begin;
+pub use lesson::{Begin, Hint};
 pub use plots::{Ghost, LiveView, Plots};
-pub use push::Pushed;
-pub use run::{ClosedLoop, Origin, RunView, Selection};
+pub use run::{ClosedLoop, Origin, Pushed, RunView, Selection};
 pub use session::{Extent, Saved};
-pub use stored::{Store, Stretch, foreseen, stretches};
+pub use stored::{Films, Store, Stretch, foreseen, stretches};
 
 use super::action::ViewOptions;
 use crate::follow::record::{JumpRecord, StateRecord};

@@ -1,7 +1,7 @@
 //! The atlas of branches against the walk on the whole cell, and against itself on finer meshes.
 
 use crate::dense::Dense;
-use crate::loops::{preset, walked};
+use crate::loops::{assert_same_jumps, preset, walked};
 use ndarray::Array2;
 use tackscope::follow::atlas::{Atlas, Cycle, End, Meshes};
 use tackscope::follow::record::JumpRecord;
@@ -367,10 +367,7 @@ fn an_adapted_atlas_under_a_spring_is_the_one_made_afresh() {
         let mut anew = Atlas::new(made(range, stiffness));
         let mut adapted = first.adapted(made(range, stiffness)).unwrap();
         let [warm, fresh] = [&mut adapted, &mut anew].map(|atlas| atlas.cycle(9.0, -6.0).unwrap());
-        assert_eq!(warm.jumps.len(), fresh.jumps.len());
-        for (a, b) in warm.jumps.iter().zip(&fresh.jumps) {
-            assert!((a.control - b.control).abs() < 1e-4, "{a:?} {b:?}");
-        }
+        assert_same_jumps(&warm.jumps, &fresh.jumps, 1e-4);
         let off = warm.dissipated_energy / fresh.dissipated_energy - 1.0;
         assert!(off.abs() < 1e-4, "{range} {stiffness}: {off}");
         let spent = |atlas: &Atlas| atlas.transforms().iter().sum::<usize>();

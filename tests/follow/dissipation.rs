@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 use tackscope::physics::law::{Cosine, Law, Morse, Shape};
-use tackscope::physics::theory::{dissipation, flat, ridge, units};
+use tackscope::physics::theory::{Units, dissipation, flat, ridge};
 
 /// Laws in a cell of side 1 with gamma = 1, where lengths are reduced ones.
 fn morse(range: f64) -> Law {
@@ -122,7 +122,7 @@ fn the_flat_term_is_negative_and_the_loss_does_not_depend_on_the_units() {
     let (length, surface_energy) = (1024.0, 0.15);
     let scaled = Law {
         surface_energy,
-        range: units::Units {
+        range: Units {
             length,
             surface_energy,
         }

@@ -1,6 +1,6 @@
 //! The walk on real scenes: which patterns, where they jump, and that the ledger closes.
 
-use crate::loops::{preset, walked};
+use crate::loops::{assert_same_jumps, preset, walked};
 use std::sync::OnceLock;
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
@@ -44,20 +44,7 @@ fn assert_same_loop(a: &LoopRun, b: &LoopRun, scene: &Scene, what: &str) {
         (da / db - 1.0).abs() < 5e-3,
         "{what}: dissipated {da} and {db}"
     );
-    let places = |run: &LoopRun| {
-        run.record
-            .jumps
-            .iter()
-            .map(|j| (j.direction, j.from, j.to))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(places(a), places(b), "{what}");
-    for (ja, jb) in a.record.jumps.iter().zip(&b.record.jumps) {
-        assert!(
-            (ja.mean_displacement - jb.mean_displacement).abs() < 0.01,
-            "{what}: {ja:?} {jb:?}"
-        );
-    }
+    assert_same_jumps(&a.record.jumps, &b.record.jumps, 0.01);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use tackscope::physics::theory::jkr::Jkr;
 use tackscope::physics::theory::jkr_periodic::PeriodicJkr;
-use tackscope::physics::theory::units::{tabor, tabor_of_mesh};
+use tackscope::physics::theory::{tabor, tabor_of_mesh};
 
 const TIP: Jkr = Jkr {
     radius: 1.0,

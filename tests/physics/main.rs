@@ -1,6 +1,5 @@
 //! Closed forms, laws, grounds and mechanics: what is known without solving for a loop.
 
-mod boundary_elements;
 mod even;
 mod griffith;
 mod hertz;

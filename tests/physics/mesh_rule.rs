@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::f64::consts::{PI, SQRT_2};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::mesh_rule::*;
-use tackscope::physics::theory::{flat, units};
+use tackscope::physics::theory::{Units, flat};
 
 fn law(shape: Shape) -> Law {
     Law {
@@ -43,7 +43,7 @@ fn figure_2_at_64_points_has_the_mu_rho_of_equation_11() {
     let law = law(Shape::Morse(Morse));
     assert!((mu_rho(&law, 4.0) - 0.6_f64.sqrt() / 2.0).abs() < 1e-15);
     assert!((points_for_mu_rho(&law, 256.0, 0.5) - 38.4).abs() < 1e-12);
-    let units = units::Units {
+    let units = Units {
         length: 256.0,
         surface_energy: 0.15,
     };

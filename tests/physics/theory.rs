@@ -4,9 +4,9 @@ use proptest::prelude::*;
 use std::f64::consts::{LN_2, PI};
 use tackscope::physics::law::{Cosine, DoubleExponential, Law, Mie, Morse, Shape};
 use tackscope::physics::theory::asymptotes::*;
-use tackscope::physics::theory::circular::{self, Part};
+use tackscope::physics::theory::circular;
 use tackscope::physics::theory::discs::{self, Kind};
-use tackscope::physics::theory::{flat, ridge, units};
+use tackscope::physics::theory::{Units, flat, ridge};
 
 /// L/L_c = 1/(4 pi rho~^2) of the Morse law.
 fn length_ratio(range: f64) -> f64 {
@@ -382,7 +382,7 @@ fn the_ridge_has_the_energy_of_the_flat_state_at_the_maxwell_point() {
 
 #[test]
 fn the_numbers_of_figure_2_in_reduced_units() {
-    let units = units::Units {
+    let units = Units {
         length: 256.0,
         surface_energy: 0.15,
     };
@@ -399,7 +399,7 @@ proptest! {
     #[test]
     fn reduced_units_go_there_and_back(l in 1e-3..1e4_f64, gamma in 1e-4..10.0_f64, u in -50.0..50.0_f64, stress in -3.0..3.0_f64) {
         prop_assume!(u.abs() > 1e-3);
-        let units = units::Units { length: l, surface_energy: gamma };
+        let units = Units { length: l, surface_energy: gamma };
         prop_assert!((units.restore(units.reduce(u)) - u).abs() <= 1e-14 * u.abs());
         prop_assert!((units.stress(units.pressure(stress, u), u) - stress).abs() <= 1e-14 * stress.abs());
     }
@@ -543,7 +543,7 @@ fn equation_28_corrected_is_the_limit_of_both_series_with_its_next_term() {
 #[test]
 fn equation_29_corrected_is_the_limit_of_the_dimple() {
     for u in [1e-4, 1e-3] {
-        let exact = circular::dimple().at(u, Part::Stable).unwrap();
+        let exact = circular::dimple().at(u).unwrap();
         let cube = exact.size.powi(3);
         assert!(
             (dimple_pressure(u) / exact.pressure - 1.0).abs() < cube,

@@ -8,6 +8,17 @@ use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use tackscope::storage::presets;
 use tempfile::TempDir;
 
+/// Holds a sentence to name each of these parts.
+#[track_caller]
+pub fn says(sentence: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(
+            sentence.contains(part),
+            "{part:?} is missing in: {sentence}"
+        );
+    }
+}
+
 pub fn tackscope() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
     command.stdin(Stdio::null());

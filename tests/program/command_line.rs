@@ -1,10 +1,9 @@
 //! The real binary, as a user or a script meets it: files, sentences and exit codes.
 
-use crate::binary::{errors, folder, run, summary, tackscope};
+use crate::binary::{errors, folder, run, says, summary, tackscope};
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::Output;
 use tackscope::storage::presets;
 
 /// Runs, expects exit code 2 and one sentence with all these parts, and no results.
@@ -14,12 +13,7 @@ fn refused(scene: &str, more: &[&str], parts: &[&str]) {
     let output = run(scene, &out.path().join("out"), more);
     let sentence = errors(&output);
     assert_eq!(output.status.code(), Some(2), "{sentence}");
-    for part in parts {
-        assert!(
-            sentence.contains(part),
-            "{part:?} is missing in: {sentence}"
-        );
-    }
+    says(&sentence, parts);
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
     assert!(
         !out.path().join("out").exists(),
@@ -544,28 +538,30 @@ fn presets_are_listed_with_title_and_facts() {
         .expect("the binary runs");
     let list = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(0));
-    for part in [
-        "fig2 ",
-        "Fig. 2: four patterns",
-        "64 x 64 points",
-        "mu_rho = 0.387",
-        "ridge-line",
-        "256 x 1 points",
-        "What to look for",
-    ] {
-        assert!(list.contains(part), "{part:?} is missing in: {list}");
-    }
+    says(
+        &list,
+        &[
+            "fig2 ",
+            "Fig. 2: four patterns",
+            "64 x 64 points",
+            "mu_rho = 0.387",
+            "ridge-line",
+            "256 x 1 points",
+            "What to look for",
+        ],
+    );
 }
 
 #[test]
 fn the_help_names_the_commands_that_exist_and_no_others() {
     let help =
         String::from_utf8(tackscope().arg("--help").output().expect("runs").stdout).expect("UTF-8");
-    for word in [
-        "run", "diagram", "chart", "figure", "table", "presets", "130",
-    ] {
-        assert!(help.contains(word), "{word} is missing in: {help}");
-    }
+    says(
+        &help,
+        &[
+            "run", "diagram", "chart", "figure", "table", "presets", "130",
+        ],
+    );
 }
 
 #[test]
@@ -591,64 +587,6 @@ fn without_a_display_it_says_so_in_one_line_and_runs_the_default_scene() {
         summary(&home.path().join("tackscope-out"))["scene"]["given"],
         "fig2"
     );
-}
-
-#[test]
-#[cfg(unix)]
-fn ctrl_c_in_mid_run_writes_what_was_computed_and_says_so() {
-    let home = folder();
-    let out: PathBuf = home.path().join("out");
-    let mut command = tackscope();
-    command
-        .args([
-            "run", "fig2", "--points", "512", "--step", "0.0005", "--out",
-        ])
-        .arg(&out);
-    let mut child = command
-        .stderr(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("the binary runs");
-    let mut told = BufReader::new(child.stderr.take().expect("a pipe"));
-    let mut heading = String::new();
-    told.read_line(&mut heading).expect("a heading");
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .expect("kill runs");
-    assert!(
-        killed.success(),
-        "the run is still going half a second after it began"
-    );
-    let status = child.wait().expect("it ends");
-    let mut rest = String::new();
-    told.read_to_string(&mut rest).expect("text");
-    assert_eq!(status.code(), Some(130), "{rest}");
-    assert!(
-        rest.contains("cancelled at u0 = ")
-            && rest.contains("interrupted; what was computed is in"),
-        "{rest}"
-    );
-    let summary = summary(&out);
-    assert_eq!(summary["completed"], false);
-    assert_eq!(summary["stop"], "cancelled");
-    assert_eq!(summary["dissipated_energy"], "not available");
-    let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
-    assert!(states > 0, "something was computed");
-    assert_eq!(
-        fs::read_to_string(out.join("loop.csv"))
-            .expect("loop.csv")
-            .lines()
-            .count(),
-        states + 1
-    );
-    assert!(
-        fs::read_to_string(out.join("loop.svg"))
-            .expect("loop.svg")
-            .contains("Loop not closed")
-    );
-    assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
 }
 
 #[test]

@@ -310,7 +310,12 @@ fn features(text: &str) -> Vec<(usize, String)> {
 
 /// Every Rust file under src, relative to it.
 fn sources() -> Vec<(String, String)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    files_under("src")
+}
+
+/// Every Rust file under a folder of the package, relative to it.
+fn files_under(folder: &str) -> Vec<(String, String)> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut open: Vec<PathBuf> = vec![src.clone()];
     let mut files = Vec::new();
     while let Some(folder) = open.pop() {
@@ -445,6 +450,47 @@ fn no_source_file_breaks_a_wall() {
         faults.len(),
         faults.join("\n")
     );
+}
+
+/// They are compiled without the window too, where these crates need not be.
+#[test]
+fn only_tests_of_the_window_name_its_crates() {
+    let crates = [
+        "eframe",
+        "egui",
+        "egui_kittest",
+        "egui_plot",
+        "rfd",
+        "ron",
+        "winit",
+    ];
+    for (path, text) in files_under("tests") {
+        let tokens = tokens(&code(&text, false));
+        let whole = "#![cfg(feature = \"gui\")]";
+        let of_the_window = path.starts_with("window/") || text.contains(whole);
+        let named = crates
+            .iter()
+            .find(|name| tokens.iter().any(|token| token == *name));
+        assert!(of_the_window || named.is_none(), "{path}: {named:?}");
+    }
+}
+
+/// What is shown as code is formulas: `cargo test` runs none of it (`doctest` in Cargo.toml).
+#[test]
+fn no_documentation_shows_code_that_would_have_to_be_run() {
+    for (path, text) in sources() {
+        let lines = text.lines().map(str::trim_start);
+        let fences = lines.filter_map(|line| {
+            line.split("//")
+                .nth(1)?
+                .get(1..)?
+                .trim()
+                .strip_prefix("```")
+        });
+        for (i, word) in fences.enumerate() {
+            assert_eq!(word, if i % 2 == 0 { "text" } else { "" }, "{path}");
+        }
+    }
 }
 
 /// The inside of every pair of brackets that follows `word`, a name and anything up to `open`: the

@@ -3,15 +3,18 @@
 //!
 //! `TACKSCOPE_KILLS` says how often it is tried (20 if not given); the table is printed with
 //! `--nocapture`.
+//!
+//! And requests from outside to end: what is computed is written, whoever asks and however often.
 #![cfg(unix)]
 
-use crate::binary::{Running, fig2_with, folder};
+use crate::binary::{Running, fig2_with, folder, says, summary, tackscope};
 use rand::{Rng, SeedableRng};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use tackscope::storage::export::CHART_COLUMNS;
 use tackscope::storage::open_scene;
 
 const SIGNALS: [&str; 4] = ["INT", "TERM", "HUP", "KILL"];
@@ -254,5 +257,137 @@ fn whenever_a_run_is_killed_its_folder_is_one_runs_and_says_whether_it_was_finis
         let (running, _kept) = go(k);
         assert_eq!(running.end().0, Some(0));
         assert_eq!(look(&place(k), false), (Standing::Finished, Some(k)));
+    }
+}
+
+/// A walk that takes much longer than a test.
+const LONG: [&str; 6] = ["--points", "256", "--step", "0.0005", "--model", "whole"];
+
+#[test]
+fn every_request_to_end_writes_what_there_is_even_when_it_comes_twice() {
+    for signals in [
+        &["INT"][..],
+        &["TERM"],
+        &["HUP"],
+        &["INT", "INT"],
+        &["TERM", "TERM", "HUP", "INT"],
+    ] {
+        let home = folder();
+        let out = home.path().join("out");
+        let mut running = Running::start("fig2", &out, &LONG);
+        running.line();
+        sleep(Duration::from_millis(300));
+        for signal in signals {
+            running.signal(signal);
+            // As far apart as `timeout` sends them, and much nearer than a second thought.
+            sleep(Duration::from_millis(5));
+            if !running.is_going() {
+                break;
+            }
+        }
+        let (code, told) = running.end();
+        assert_eq!(code, Some(130), "{signals:?}: {told}");
+        says(
+            &told,
+            &["cancelled at u0 = ", "interrupted; what was computed is in"],
+        );
+        let summary = summary(&out);
+        assert_eq!(
+            (&summary["stop"], &summary["completed"]),
+            (&"cancelled".into(), &false.into())
+        );
+        assert_eq!(summary["dissipated_energy"], "not available");
+        let states = summary["counts"]["states"].as_u64().expect("a count") as usize;
+        assert!(states > 0);
+        let written = |name: &str| fs::read_to_string(out.join(name)).expect(name);
+        assert_eq!(written("loop.csv").lines().count(), states + 1);
+        assert!(written("loop.svg").contains("Loop not closed"));
+        assert!(out.join("events.csv").exists() && out.join("loop.png").exists());
+        assert!(!out.join(".tackscope.lock").exists());
+    }
+}
+
+#[test]
+fn a_signal_that_is_ignored_from_the_start_stays_ignored() {
+    // As nohup and a background job of a script begin.
+    let home = folder();
+    let mut command = std::process::Command::new("sh");
+    command.args([
+        "-c",
+        "trap '' HUP INT; exec \"$@\"",
+        "sh",
+        env!("CARGO_BIN_EXE_tackscope"),
+        "run",
+        "fig2",
+        "--out",
+    ]);
+    command.arg(home.path()).args(LONG);
+    let mut running = Running::spawn(command);
+    running.line();
+    for signal in ["HUP", "INT"] {
+        running.signal(signal);
+        sleep(Duration::from_millis(300));
+        assert!(running.is_going(), "{signal} was to be ignored");
+    }
+    running.signal("TERM");
+    assert_eq!(running.end().0, Some(130));
+    assert_eq!(summary(home.path())["stop"], "cancelled");
+}
+
+#[test]
+fn an_interrupted_comparison_is_an_interruption_and_the_loop_stays() {
+    for (option, second, word) in [
+        ("--verify", "whole cell", "verification"),
+        ("--yardstick", "gfmd", "yardstick"),
+    ] {
+        let home = folder();
+        let mut running = Running::start(
+            "fig2",
+            home.path(),
+            &[option, "--points", "128", "--step", "0.005"],
+        );
+        let first = running.line();
+        let title = first.split(':').next().expect("a title").to_owned();
+        while !{
+            let line = running.line();
+            assert!(!line.is_empty(), "{option}: it ended");
+            line.starts_with(&title)
+        } {}
+        running.signal("INT");
+        let (code, told) = running.end();
+        assert_eq!(code, Some(130), "{option} ({second}): {told}");
+        assert!(
+            told.contains(&format!(
+                "interrupted before the {word} was done; the loop itself is complete"
+            )),
+            "{told}"
+        );
+        let summary = summary(home.path());
+        assert_eq!(
+            (&summary["stop"], &summary["measured_error"]),
+            (&"completed".into(), &"not available".into())
+        );
+        assert!(home.path().join("loop.png").exists());
+    }
+}
+
+#[test]
+fn a_chart_that_is_asked_to_end_keeps_what_it_has_measured() {
+    for signal in ["INT", "TERM"] {
+        let home = folder();
+        let mut command = tackscope();
+        command.args(["chart", "fig3", "--out"]).arg(home.path());
+        let mut running = Running::spawn(command);
+        running.line();
+        sleep(Duration::from_millis(700));
+        running.signal(signal);
+        let (code, told) = running.end();
+        assert_eq!(code, Some(130), "{told}");
+        says(&told, &["interrupted; what was measured is in"]);
+        let written = |name: &str| fs::read_to_string(home.path().join(name)).expect(name);
+        let short: serde_json::Value = serde_json::from_str(&written("chart.json")).expect("JSON");
+        assert_eq!(short["completed"], false);
+        assert!(written("chart.csv").starts_with(CHART_COLUMNS));
+        assert!(written("chart.svg").contains("Interrupted"));
     }
 }

@@ -1,6 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
 //! panic.
 
+use crate::binary::says;
 use proptest::prelude::*;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
@@ -26,16 +27,6 @@ fn refusal(line: &str, replacement: &str) -> String {
     let sentence = failure.to_string();
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
-}
-
-#[track_caller]
-fn says(sentence: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(
-            sentence.contains(part),
-            "{part:?} is missing in: {sentence}"
-        );
-    }
 }
 
 #[test]
@@ -98,10 +89,8 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
 
 #[test]
 fn the_coarse_mesh_preset_has_the_range_of_the_mesh_rule() {
-    let model = presets::find("coarse-mesh")
-        .expect("built in")
-        .scene()
-        .expect("allowed")
+    let model = presets::resolve("coarse-mesh")
+        .unwrap()
         .model()
         .expect("allowed");
     // Eq. 11 with da = 256/32.
@@ -473,10 +462,7 @@ fn files_that_are_missing_too_long_or_not_text_are_refused() {
 fn a_scene_is_saved_whole_and_comes_back_and_an_impossible_one_is_not_saved() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("new folder").join("scene.toml");
-    let mut scene = presets::find("ridge-line")
-        .expect("built in")
-        .scene()
-        .expect("allowed");
+    let mut scene = presets::resolve("ridge-line").unwrap();
     scene_file::save(&path, &scene).expect("saved");
     assert_eq!(scene_file::load(&path), Ok(scene.clone()));
     let before = std::fs::read(&path).expect("there");
@@ -878,10 +864,7 @@ fn every_number_of_a_scene_is_in_the_list_and_the_list_has_no_other() {
 
 #[test]
 fn every_body_law_and_ground_of_the_pickers_opens_from_its_file() {
-    let scene = presets::find("fig2")
-        .expect("built in")
-        .scene()
-        .expect("allowed");
+    let scene = presets::resolve("fig2").unwrap();
     let model = scene.model().expect("allowed");
     for body in Body::all() {
         let body = body.elastic().suited(&model.grid);

@@ -1,7 +1,7 @@
 //! Scenes with units: what their numbers mean, what is written of them, what is refused; and that
 //! scenes without know nothing of it.
 
-use crate::binary::{errors, folder, run, summary, tackscope};
+use crate::binary::{errors, folder, run, says, summary, tackscope};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -156,12 +156,7 @@ fn units_that_are_none_are_refused_with_those_that_are() {
         ("[units]", "[uni]", &["uni", "units"]),
     ] {
         let sentence = refused(old, new);
-        for part in [&["mine.toml"], parts].concat() {
-            assert!(
-                sentence.contains(part),
-                "{part:?} is missing in: {sentence}"
-            );
-        }
+        says(&sentence, &[&["mine.toml"], parts].concat());
     }
     let text = presets::find("fig2").unwrap().text;
     let body = "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]";
@@ -401,7 +396,7 @@ fn the_scene_is_printed_for_programs_and_whether_it_is_real_for_people() {
         assert_eq!(output.status.code(), Some(0));
         assert!(errors(&output).contains(real), "{}", errors(&output));
         let printed = String::from_utf8(output.stdout).unwrap();
-        let scene = presets::find(name).unwrap().scene().unwrap();
+        let scene = presets::resolve(name).unwrap();
         assert_eq!(parsed(&printed), scene, "all of it was decided");
         assert_eq!(printed.contains("[units]"), name == "rubber");
     }

@@ -1,5 +1,6 @@
 //! Scenes and their loops, for the tests of whole loops.
 
+use tackscope::follow::record::JumpRecord;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
 use tackscope::numerics::cancel::Cancel;
@@ -36,6 +37,18 @@ pub fn planned(scene: &Scene) -> LoopRun {
     let run = run_planned(scene, method, &plan, &Cancel::default(), &mut |_| {}).unwrap();
     assert_eq!(run.outcome, Outcome::Completed, "{}", scene.title);
     run
+}
+
+/// Holds the jumps of two loops to be the same ones, each within so much of the control.
+pub fn assert_same_jumps(ours: &[JumpRecord], theirs: &[JumpRecord], within: f64) {
+    let route = |jumps: &[JumpRecord]| -> Vec<_> {
+        let step = |jump: &JumpRecord| (jump.direction, jump.from, jump.to);
+        jumps.iter().map(step).collect()
+    };
+    assert_eq!(route(ours), route(theirs));
+    for (a, b) in ours.iter().zip(theirs) {
+        assert!((a.control - b.control).abs() < within, "{a:?} {b:?}");
+    }
 }
 
 /// L = `periods` L_c, driven from beyond every jump to half the way between the lower limit of the

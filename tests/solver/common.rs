@@ -17,14 +17,14 @@ use tackscope::solver::equilibrium::Equilibrium;
 use tackscope::solver::mechanics::{Mechanics, Slides};
 use tackscope::solver::method::Method;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 
 /// Points of the mesh on which patterns are looked at: the coarsest that does not trap them.
 pub const N: usize = 48;
 
 /// Fig. 2 on n x n points.
 pub fn fig2(n: usize, step: f64) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(n);
     scene.drive.step = step;
     scene

@@ -220,8 +220,7 @@ fn newton_labours_on_a_pattern_between_mesh_points_and_not_on_a_centred_one() {
 
 /// A line of 16 points with the range that `mu_rho` gives.
 fn line(mu_rho: f64) -> Scene {
-    let mut scene =
-        scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
+    let mut scene = presets::resolve("ridge-line").unwrap();
     scene.cell.points = Points::Line(16);
     scene.law.range = Range::MuRho(mu_rho);
     let range = scene.model().unwrap().law.range;

@@ -8,11 +8,11 @@ use tackscope::physics::pattern::Pattern::{Bulge, Dimple, Flat, Ridge};
 use tackscope::scene::{Points, Scene};
 use tackscope::solver::Stop;
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 
 /// Fig. 2 on the coarsest mesh that does not trap patterns, in steps of twice the preset's.
 fn scene() -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = presets::resolve("fig2").unwrap();
     scene.cell.points = Points::Square(48);
     scene.drive.step = 0.04;
     scene

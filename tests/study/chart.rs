@@ -433,38 +433,3 @@ fn a_wrong_scene_or_option_of_the_chart_is_refused() {
         assert!(!out.exists());
     }
 }
-
-#[test]
-#[cfg(unix)]
-fn ctrl_c_in_mid_chart_writes_what_was_measured() {
-    let home = tempfile::tempdir().expect("a folder");
-    let out = home.path().join("out");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tackscope"));
-    command
-        .args(["chart", "fig3", "--quiet", "--out"])
-        .arg(&out)
-        .stdin(Stdio::null())
-        .stderr(Stdio::piped());
-    let child = command.spawn().expect("the binary runs");
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .expect("kill runs");
-    assert!(killed.success(), "the chart is still going");
-    let output = child.wait_with_output().expect("it ends");
-    assert_eq!(output.status.code(), Some(130));
-    assert!(
-        String::from_utf8_lossy(&output.stderr).contains("interrupted; what was measured is in")
-    );
-    assert!(
-        fs::read_to_string(out.join("chart.csv"))
-            .expect("chart.csv")
-            .starts_with(CHART_COLUMNS)
-    );
-    assert!(
-        fs::read_to_string(out.join("chart.svg"))
-            .expect("chart.svg")
-            .contains("Interrupted")
-    );
-}

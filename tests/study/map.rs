@@ -1,6 +1,6 @@
 //! The map of patterns: against closed forms, against loops made afresh, and where none is known.
 
-use crate::loops::{preset, walked};
+use crate::loops::{assert_same_jumps, preset, walked};
 use tackscope::follow::record::{Cause, Direction, JumpRecord};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
@@ -67,13 +67,7 @@ fn every_row_is_the_loop_made_afresh_also_where_the_order_of_the_patterns_change
             .next(&scene, &scene.model().unwrap(), Fineness::Coarse)
             .unwrap();
         let found = row.found.as_ref().unwrap();
-        assert_eq!(order(&found.jumps), order(&fresh.jumps), "{}", row.value);
-        for (a, b) in found.jumps.iter().zip(&fresh.jumps) {
-            assert!(
-                (a.mean_displacement - b.mean_displacement).abs() < 1e-4,
-                "{a:?} {b:?}"
-            );
-        }
+        assert_same_jumps(&found.jumps, &fresh.jumps, 1e-4);
         orders.push(order(&fresh.jumps));
     }
     orders.dedup();

@@ -1,6 +1,6 @@
 //! What the plan promises, held against finer computations over random scenes.
 
-use crate::loops::{flat_ground, walked};
+use crate::loops::{flat_ground, preset, walked};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use tackscope::follow::atlas::{Atlas, Meshes};
@@ -11,7 +11,6 @@ use tackscope::scene::mesh::next_fast;
 use tackscope::scene::part::{Part, Strategy};
 use tackscope::scene::{Points, Range, Scene, Turn};
 use tackscope::solver::methods::MethodKind;
-use tackscope::storage::{presets, scene_file};
 use tackscope::study::error_bar::{measured_error, reference};
 use tackscope::study::plan::run_planned;
 use tackscope::study::plan::{plan, refusal};
@@ -146,7 +145,7 @@ fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
         ("ridge-line", "whole", "a line cell is small enough"),
     ];
     for (name, strategy, words) in strategies {
-        let scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
+        let scene = preset(name);
         let plan = plan(&scene, &scene.model().unwrap(), None);
         let word = match plan.strategy {
             Strategy::Atlas => "atlas",
@@ -160,7 +159,7 @@ fn the_plan_takes_the_cheapest_road_that_holds_and_says_why() {
 
 #[test]
 fn a_tip_is_left_to_its_even_quarter_and_the_user_may_overrule() {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = preset("fig2");
     scene.indenter = Indenter::Hertz(Hertz { radius: 256.0 });
     let model = scene.model().unwrap();
     assert_eq!(plan(&scene, &model, None).strategy, Strategy::QUARTER);
@@ -205,7 +204,7 @@ fn no_mesh_is_chosen_that_the_program_itself_warns_about() {
 #[test]
 fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh() {
     for name in ["wavy", "rough", "hertz", "coarse-mesh"] {
-        let mut scene = scene_file::parse(presets::find(name).unwrap().text, name).unwrap();
+        let mut scene = preset(name);
         let words = |scene: &Scene| plan(scene, &scene.model().unwrap(), None).words();
         assert!(
             words(&scene).contains("no accuracy is promised"),
@@ -224,7 +223,7 @@ fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh(
             );
         }
     }
-    let fig2 = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let fig2 = preset("fig2");
     assert!(
         plan(&fig2, &fig2.model().unwrap(), None)
             .words()
@@ -234,9 +233,9 @@ fn where_nothing_is_promised_the_plan_says_so_and_promises_no_error_of_the_mesh(
 
 #[test]
 fn a_wish_overrules_the_plan_but_not_the_scene() {
-    let tip = scene_file::parse(presets::find("hertz").unwrap().text, "hertz").unwrap();
-    let line = scene_file::parse(presets::find("ridge-line").unwrap().text, "ridge-line").unwrap();
-    let mut small = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let tip = preset("hertz");
+    let line = preset("ridge-line");
+    let mut small = preset("fig2");
     small.cell.points = Points::Square(6);
     for scene in [tip, line, small] {
         let model = scene.model().unwrap();
@@ -249,8 +248,7 @@ fn a_wish_overrules_the_plan_but_not_the_scene() {
             Strategy::WHOLE
         );
     }
-    let coarse =
-        scene_file::parse(presets::find("coarse-mesh").unwrap().text, "coarse-mesh").unwrap();
+    let coarse = preset("coarse-mesh");
     assert_eq!(
         refusal(&coarse, &coarse.model().unwrap(), Some(Strategy::Atlas)),
         None,

@@ -1,13 +1,13 @@
 //! The measured stability of GFMD against the bound, on the approach of Fig. 2.
 
+use crate::loops::preset;
 use tackscope::numerics::cancel::Cancel;
 use tackscope::physics::theory::flat;
 use tackscope::scene::{Points, Scene};
-use tackscope::storage::{presets, scene_file};
 use tackscope::study::time_step_map::{Progress, Survey, TimeStepMap};
 
 fn fig2(points: Points) -> Scene {
-    let mut scene = scene_file::parse(presets::find("fig2").unwrap().text, "fig2").unwrap();
+    let mut scene = preset("fig2");
     scene.cell.points = points;
     scene
 }

@@ -16,7 +16,7 @@ use tackscope::physics::theory::flat;
 use tackscope::scene::part::Part;
 use tackscope::scene::{Model, Scene};
 use tackscope::solver::Stop;
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::presets;
 use tackscope::study::chart::Effort;
 use tackscope::study::landscape::{Landscape, Standing};
 use tackscope::study::plan::plan;
@@ -71,11 +71,7 @@ pub struct Bench {
 
 /// The scene the window opens with.
 pub fn fig2() -> Scene {
-    scene_file::parse(
-        presets::find("fig2").expect("fig2 is built in").text,
-        "fig2",
-    )
-    .expect("fig2 is allowed")
+    presets::resolve("fig2").unwrap()
 }
 
 impl Bench {

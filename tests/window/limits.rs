@@ -42,10 +42,7 @@ impl Bench {
 }
 
 fn hertz() -> Scene {
-    presets::find("hertz")
-        .expect("built in")
-        .scene()
-        .expect("allowed")
+    presets::resolve("hertz").unwrap()
 }
 
 #[test]

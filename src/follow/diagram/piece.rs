@@ -1,9 +1,10 @@
 //! Pieces of branches with one index: along each the control grows, for where it turns back a mode
-//! changes its sign.
+//! changes its sign. Between two stable pieces of the same energy neither is favoured.
 
 use super::{Branch, Diagram, Kind, Point};
 use crate::follow::atlas::Support;
 use crate::physics::system::State;
+use crate::physics::theory::boundary;
 
 /// Points of one branch in a row, by the growing control, between two of its ends, folds and
 /// bifurcations.
@@ -117,4 +118,64 @@ impl<'d> Piece<'d> {
         let common = [a.max(c), b.min(d)];
         (common[0] < common[1]).then_some(common)
     }
+}
+
+/// Stable pieces of two branches with the same energy at the same value of the control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EqualEnergy {
+    /// Names of both branches.
+    pub branches: [String; 2],
+    /// Where: u0 or the position of the stage (length), or the load per area (E*).
+    pub control: f64,
+    /// u0 on each (length).
+    pub mean_displacements: [f64; 2],
+    /// Mean stress on each (E*).
+    pub stresses: [f64; 2],
+    /// Energy per area of both, that of the machine with it (E* times length).
+    pub energy: f64,
+}
+
+/// All crossings of the energies of stable pieces.
+pub(super) fn equal_energies(diagram: &Diagram) -> Vec<EqualEnergy> {
+    let pieces: Vec<Piece<'_>> = diagram.pieces(0).collect();
+    let mut found = Vec::new();
+    for (i, a) in pieces.iter().enumerate() {
+        for b in &pieces[i + 1..] {
+            for control in crossings(a, b) {
+                let states = [a, b].map(|piece| piece.at(control));
+                found.push(EqualEnergy {
+                    branches: [a, b].map(|piece| piece.branch.name.clone()),
+                    control,
+                    mean_displacements: states.each_ref().map(|state| state.mean_displacement),
+                    stresses: states.each_ref().map(|state| state.stress),
+                    energy: states[0].energy,
+                });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.control.total_cmp(&a.control));
+    found
+}
+
+/// Where the energies of two pieces cross.
+fn crossings(a: &Piece<'_>, b: &Piece<'_>) -> Vec<f64> {
+    let Some([low, high]) = a.common(b) else {
+        return Vec::new();
+    };
+    let within = |value: &f64| low < *value && *value < high;
+    let mut places: Vec<f64> = a.places().chain(b.places()).filter(within).collect();
+    places.extend([low, high]);
+    places.sort_by(f64::total_cmp);
+    let apart = |control: f64| a.at(control).energy - b.at(control).energy;
+    let mut found = Vec::new();
+    for pair in places.windows(2) {
+        let (low, high) = (pair[0], pair[1]);
+        // Pieces that meet at a bifurcation have the same energy there: no crossing.
+        if apart(low) * apart(high) < 0.0 {
+            found.push(boundary(low, high, |middle| {
+                apart(low) * apart(middle) > 0.0
+            }));
+        }
+    }
+    found
 }

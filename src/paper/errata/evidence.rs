@@ -10,7 +10,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::law::{Cosine, Law, Morse, Shape};
 use crate::physics::mesh_rule;
 use crate::physics::system::System;
-use crate::physics::theory::circular::{self, Part};
+use crate::physics::theory::circular;
 use crate::physics::theory::jkr::Jkr;
 use crate::physics::theory::{flat, ridge};
 use crate::scene::Points;
@@ -388,7 +388,7 @@ pub(super) fn after_equation_29() -> Erratum {
     let fold = bulge.fold();
     // The energy of neighbouring sizes at u~ = 0.5, on the stable part of the branch.
     let displacement = 0.5;
-    let size = bulge.size(displacement, Part::Stable).unwrap_or(f64::NAN);
+    let size = bulge.size(displacement).unwrap_or(f64::NAN);
     let energy = |size: f64| {
         displacement * displacement * bulge.elastic_energy(size)[0] - bulge.contact_area(size)
     };

@@ -12,8 +12,8 @@
 //! has one fold: a largest u~. The dimple is stable against growing and shrinking below the fold's
 //! size, the bulge above it.
 
+use super::boundary;
 use super::discs::{self, Kind};
-use super::{boundary, ridge};
 use crate::numerics::chebyshev::Chebyshev;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::OnceLock;
@@ -32,15 +32,6 @@ pub struct Pattern {
     /// vhat times size^3 (dimple) or over size (bulge) and its two derivatives, as functions of
     /// -ln(1 - size): smooth up to 1.
     scaled: [Chebyshev; 3],
-}
-
-/// The two parts of a branch, on either side of its fold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Part {
-    /// Smallest energy among neighbouring sizes.
-    Stable,
-    /// Largest energy among neighbouring sizes.
-    Unstable,
 }
 
 /// A state at zero range.
@@ -143,15 +134,15 @@ impl Pattern {
         }))
     }
 
-    /// Size of the pattern at `displacement` u~ on a part of its branch; `None` where there is
-    /// none, or beyond [`SIZE_MAX`].
-    pub fn size(&self, displacement: f64, part: Part) -> Option<f64> {
+    /// Size of the pattern at `displacement` u~, on the part of its branch whose energy is smallest
+    /// among neighbouring sizes; `None` where there is none, or beyond [`SIZE_MAX`].
+    pub fn size(&self, displacement: f64) -> Option<f64> {
         let fold = self.fold();
         if !(displacement > 0.0 && displacement <= fold.displacement) {
             return None;
         }
         let below = |size: f64| self.state(size).displacement < displacement;
-        let small = (self.kind == Kind::Dimple) == (part == Part::Stable);
+        let small = self.kind == Kind::Dimple;
         let end = if small { SIZE_MIN } else { SIZE_MAX };
         if !below(end) {
             return None;
@@ -163,10 +154,9 @@ impl Pattern {
         })
     }
 
-    /// The equilibrium at `displacement` u~ on a part of the branch; `None` as in
-    /// [`Pattern::size`].
-    pub fn at(&self, displacement: f64, part: Part) -> Option<State> {
-        self.size(displacement, part).map(|size| self.state(size))
+    /// The equilibrium at `displacement` u~; `None` as in [`Pattern::size`].
+    pub fn at(&self, displacement: f64) -> Option<State> {
+        self.size(displacement).map(|size| self.state(size))
     }
 
     /// The equilibrium whose circle begins to give way to an ellipse (axes along the cell's): the
@@ -207,30 +197,4 @@ fn secant([mut a, mut b]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
         (fa, fb) = (fb, f(b));
     }
     b
-}
-
-/// u~ at which two patterns have equal energy.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EqualEnergy {
-    /// Below it the dimple is lower, above it the ridge.
-    pub dimple_ridge: f64,
-    /// Below it the ridge is lower, above it the bulge.
-    pub ridge_bulge: f64,
-    /// Below it the bulge is lower, above it the flat separated state.
-    pub bulge_flat: f64,
-}
-
-/// The crossings of the stable branches' energies.
-pub fn equal_energy() -> EqualEnergy {
-    let ridge = |u: f64| ridge::alpha(u).map_or(f64::NAN, |alpha| ridge::energy(alpha, u));
-    let of = |pattern: &Pattern, u: f64| {
-        pattern
-            .at(u, Part::Stable)
-            .map_or(f64::NAN, |state| state.energy)
-    };
-    EqualEnergy {
-        dimple_ridge: boundary(0.1, 0.45, |u| of(dimple(), u) < ridge(u)),
-        ridge_bulge: boundary(0.3, 0.6, |u| ridge(u) < of(bulge(), u)),
-        bulge_flat: boundary(0.4, 0.62, |u| of(bulge(), u) < 0.0),
-    }
 }

@@ -10,9 +10,9 @@
 //!
 //! with W the ridge of an adhesion without range ([`ridge::energy`]). The flat term is added and
 //! negative; the text at Eq. 30 subtracts it. All lengths here are reduced by sqrt(gamma L/E*) (see
-//! [`super::units`]).
+//! [`Units`]).
 
-use super::{flat, ridge, units::Units};
+use super::{Units, flat, ridge};
 use crate::physics::law::Law;
 use std::f64::consts::PI;
 

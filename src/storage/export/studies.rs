@@ -1,9 +1,19 @@
-//! What many loops of a scene give, as tables: the map of patterns, the convergence with the mesh.
+//! What studies of a scene give, as tables: the diagram and the barriers between its states, the map of
+//! patterns, the convergence with the mesh, the ground.
 
-use super::{cells_of, number, quoted, write_rows};
+use super::{cells_of, number, quoted, write_matrix, write_rows};
+use crate::follow::diagram::Diagram;
+use crate::physics::parameter::Dimension;
+use crate::physics::system::State;
+use crate::physics::topography::Statistics;
+use crate::scene::Scene;
 use crate::storage::Failure;
+use crate::storage::summary::{Number, write_json};
 use crate::study::converge::Convergence;
+use crate::study::ground::GroundReport;
+use crate::study::landscape::{Ground, Saddle};
 use crate::study::map::PatternMap;
+use serde::Serialize;
 use std::path::Path;
 
 /// First line of `map.csv`.
@@ -81,4 +91,235 @@ pub fn write_convergence_csv(path: &Path, all: &[Convergence]) -> Result<(), Fai
         })
     });
     write_rows(path, CONVERGENCE_COLUMNS, rows)
+}
+
+/// First line of `branches.csv`.
+const BRANCH_COLUMNS: &str =
+    "branch,point,mean_displacement,stress,energy,index,pattern,kind,residual,control";
+
+/// First line of `points.csv`.
+const POINT_COLUMNS: &str =
+    "kind,branch,mean_displacement,stress,energy,index_before,index_after,control";
+
+/// Writes every point of every branch in order along it: u0 in the scene's length, stress in E*,
+/// energy per area of body and cohesion in E* times length. `index` is the number of negative
+/// eigenvalues over all modes of the whole cell, and u0 where it is free, sliding ones left out; at
+/// a fold or bifurcation the mode without stiffness is not counted.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_branches_csv(path: &Path, diagram: &Diagram, scene: &Scene) -> Result<(), Failure> {
+    let given = |of, value| number(scene.number_given(of, value));
+    let rows = diagram.branches.iter().flat_map(|branch| {
+        branch.points.iter().enumerate().map(|(i, point)| {
+            let State {
+                mean_displacement,
+                stress,
+                control,
+                ..
+            } = point.state;
+            vec![
+                branch.name.clone(),
+                i.to_string(),
+                number(mean_displacement),
+                given(Dimension::Stress, stress),
+                given(
+                    Dimension::SurfaceEnergy,
+                    point.state.body_energy(diagram.control),
+                ),
+                point.index[0].min(point.index[1]).to_string(),
+                point.pattern.to_string(),
+                point.kind.to_string(),
+                number(point.residual),
+                given(Dimension::Driven, control),
+            ]
+        })
+    });
+    write_rows(path, BRANCH_COLUMNS, rows)
+}
+
+/// Writes folds and bifurcations in order along their branches, then equal energies: `branch` is
+/// then the names of both, with a slash between them, and the numbers those of the first. Energies
+/// are those of body and cohesion.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_points_csv(path: &Path, diagram: &Diagram, scene: &Scene) -> Result<(), Failure> {
+    let given = |of, value| number(scene.number_given(of, value));
+    // u0, stress, energy with that of the machine, and control.
+    let row = |kind: &str, branch: &str, [u0, stress, energy, control]: [f64; 4], index| {
+        let body = energy - diagram.control.energy(control, u0);
+        let mut cells = [kind, branch].map(str::to_owned).to_vec();
+        cells.extend([
+            number(u0),
+            given(Dimension::Stress, stress),
+            given(Dimension::SurfaceEnergy, body),
+        ]);
+        cells.extend(<[usize; 2]>::map(index, |count| count.to_string()));
+        cells.push(given(Dimension::Driven, control));
+        cells
+    };
+    let events = diagram.events().map(|(branch, point)| {
+        let State {
+            mean_displacement,
+            stress,
+            energy,
+            control,
+            ..
+        } = point.state;
+        let numbers = [mean_displacement, stress, energy, control];
+        row(&point.kind.to_string(), &branch.name, numbers, point.index)
+    });
+    let equal = diagram.equal_energies.iter().map(|equal| {
+        let [u0, stress] = [equal.mean_displacements[0], equal.stresses[0]];
+        let numbers = [u0, stress, equal.energy, equal.control];
+        row("equal_energy", &equal.branches.join("/"), numbers, [0, 0])
+    });
+    write_rows(path, POINT_COLUMNS, events.chain(equal))
+}
+
+/// First line of `barriers.csv`.
+pub const BARRIER_COLUMNS: &str =
+    "control,mean_displacement,saddle,stress,from,barrier,to,released_energy";
+
+/// What a scene with units adds to it: the barrier of a square cell in kT.
+const BARRIER_COLUMN_OF_UNITS: &str = ",barrier_kt";
+
+/// Writes two lines a saddle, one for each way over it: what is driven and the saddle's own u0 (in
+/// the scene's length), the name of its branch and its stress (E*), the pattern that is left and
+/// the barrier from there, the pattern beyond and what is released by going there; energies per
+/// area in units of gamma, of a cell in gamma L^2; of a scene with units also in kT (NaN of a line
+/// cell, which has no depth).
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_barriers_csv(
+    path: &Path,
+    ground: Ground<'_>,
+    saddles: &[(f64, Saddle)],
+) -> Result<(), Failure> {
+    let given = |of, value| number(ground.scene.number_given(of, value));
+    let gamma = ground.model.law.surface_energy;
+    let rows = saddles.iter().flat_map(|(control, saddle)| {
+        let ends = saddle.sides.each_ref().map(|side| &side[side.len() - 1]);
+        [[0, 1], [1, 0]].map(|ways| {
+            let [from, to] = ways.map(|side| ends[side]);
+            let [barrier, released] = [saddle.place.energy - from.energy, from.energy - to.energy];
+            let mut cells = vec![
+                given(Dimension::Driven, *control),
+                number(saddle.place.mean_displacement),
+                saddle.branch.clone(),
+                given(Dimension::Stress, saddle.place.stress),
+                ground.pattern(from, *control).to_string(),
+                number(barrier / gamma),
+                ground.pattern(to, *control).to_string(),
+                number(released / gamma),
+            ];
+            let kt = |_| number(ground.model.in_kt(barrier).unwrap_or(f64::NAN));
+            cells.extend(ground.model.units.map(kt));
+            cells
+        })
+    });
+    let more = ground.model.units.map_or("", |_| BARRIER_COLUMN_OF_UNITS);
+    write_rows(path, &format!("{BARRIER_COLUMNS}{more}"), rows)
+}
+
+/// First line of `spectrum.csv`.
+pub const SPECTRUM_COLUMNS: &str = "wave_number,power";
+
+/// `ground.json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    /// Root mean squares of the ground on the mesh, which is periodic.
+    mesh: Numbers,
+    /// The file, if the ground was measured.
+    file: Option<File<'a>>,
+    /// Wave numbers (1/length) that cut the spectrum off.
+    cutoffs: serde_json::Map<String, serde_json::Value>,
+    /// Of lengths, where it is known.
+    unit: Option<&'static str>,
+    warnings: &'a [String],
+}
+
+/// Named as SurfaceTopography's.
+#[derive(Serialize)]
+struct Numbers {
+    rms_height_from_area: Number,
+    rms_gradient: Number,
+    rms_laplacian: Number,
+    rms_curvature_from_area: Number,
+    span: Number,
+}
+
+#[derive(Serialize)]
+struct File<'a> {
+    path: &'a str,
+    format: &'static str,
+    points: [usize; 2],
+    side: f64,
+    filled_points: usize,
+    points_outside_the_square: usize,
+    /// Before it was made periodic.
+    before: Numbers,
+    /// One period.
+    after: Numbers,
+}
+
+impl Numbers {
+    fn of(statistics: &Statistics) -> Self {
+        Self {
+            rms_height_from_area: Number(statistics.height),
+            rms_gradient: Number(statistics.gradient),
+            rms_laplacian: Number(statistics.laplacian),
+            rms_curvature_from_area: Number(0.5 * statistics.laplacian),
+            span: Number(statistics.span),
+        }
+    }
+}
+
+/// Writes the numbers as JSON.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_ground_json(path: &Path, report: &GroundReport) -> Result<(), Failure> {
+    let file = report.file.as_ref().map(|file| File {
+        path: &file.path,
+        format: file.format,
+        points: file.points,
+        side: file.side,
+        filled_points: file.filled,
+        points_outside_the_square: file.cut,
+        before: Numbers::of(&file.before),
+        after: Numbers::of(&file.after),
+    });
+    let cutoffs = report.cutoffs.iter();
+    let told = Told {
+        mesh: Numbers::of(&report.cell),
+        file,
+        unit: report.unit,
+        cutoffs: cutoffs
+            .map(|(name, q)| ((*name).to_owned(), (*q).into()))
+            .collect(),
+        warnings: &report.words,
+    };
+    write_json(path, &told)
+}
+
+/// Writes the power spectrum by rings.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_spectrum_csv(path: &Path, report: &GroundReport) -> Result<(), Failure> {
+    let row = |[q, power]: &[f64; 2]| vec![number(*q), number(*power)];
+    write_rows(path, SPECTRUM_COLUMNS, report.spectrum.iter().map(row))
+}
+
+/// Writes the heights above the mean as a height file: a matrix, the first row at y = 0, with its
+/// side in the header.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_heights_csv(path: &Path, report: &GroundReport) -> Result<(), Failure> {
+    let head = format!("# width = {}\n", number(report.grid.length));
+    write_matrix(path, &head, &report.height)
 }

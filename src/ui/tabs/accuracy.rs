@@ -14,8 +14,7 @@ use crate::ui::widgets::{described, progress};
 use crate::ui::words::explain;
 use crate::worker::background::{self, ChartSoFar};
 use crate::worker::job::Job;
-use egui::{PopupAnchor, Pos2, RichText, Tooltip, Ui};
-use egui_plot::PlotPoint;
+use egui::{PopupAnchor, RichText, Tooltip, Ui};
 
 /// A pointer this near to a mark means it, in screen points.
 const NEAR: f32 = 10.0;
@@ -123,22 +122,9 @@ fn clicked<'a>(ui: &mut Ui, chart: &'a ChartSoFar, cost: Cost) -> Option<&'a Jud
     }
     let height = ui.available_height().max(80.0);
     let shown = diagram::show(ui, &panel, "accuracy", height, |_, _| None);
-    let (response, transform) = (shown.response, shown.transform);
-    let distance = |row: &Judged, at: Pos2| {
-        let [x, y] = drawn.place(row)?.map(f64::log10);
-        Some(
-            transform
-                .position_from_point(&PlotPoint::new(x, y))
-                .distance(at),
-        )
-        .filter(|distance| *distance <= NEAR)
-    };
-    let nearest = |at: Pos2| {
-        let near = |row: &'a Judged| Some((row, distance(row, at)?));
-        let near = chart.rows.iter().filter_map(near);
-        near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
-    };
-    let pointed = response.hover_pos().and_then(nearest);
+    let place = |row: &'a Judged| Some((row, drawn.place(row)?.map(f64::log10)));
+    let pointed = diagram::nearest(&shown, NEAR, chart.rows.iter().filter_map(place));
+    let response = shown.response;
     if let Some(row) = pointed {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         // At once, and not when the pointer has rested: the marks are close together.

@@ -4,7 +4,8 @@
 use super::{Tab, Title, Update, doing};
 use crate::follow::diagram::{Branch, Diagram, Kind, Point};
 use crate::physics::parameter::Dimension;
-use crate::plot::diagram_panel::{counts, diagram_panel, place};
+use crate::plot::diagram_panel::{counts, diagram_panel};
+use crate::plot::loop_panel::place;
 use crate::plot::panel::{Colour, Panel, Role, Series, Symbol};
 use crate::scene::{Model, Scene};
 use crate::ui::action::Action;
@@ -283,44 +284,22 @@ fn clicked(ui: &mut Ui, state: &ViewState, shown: &Shown, at: Option<At>) -> Opt
     let mut panel = shown.panel.clone();
     let [x, y] = axes(&shown.model);
     (panel.x.label, panel.y.label) = (x.label, y.label);
-    if let Some(now) = &state.run.state {
-        let at = vec![[now.mean_displacement / state.rho(), now.stress_over_max]];
-        let here = |symbol| Series::symbols("", symbol, Colour::Ink, at.clone());
-        panel
-            .series
-            .extend([here(Symbol::Ring), here(Symbol::Circle).filled()]);
-    }
-    let seen = at.and_then(|at| {
-        let state = &shown.point(at)?.1.state;
-        Some(place(
-            state.mean_displacement,
-            state.stress,
-            &shown.model.law,
-        ))
-    });
-    let frame = Series::symbols("", Symbol::Frame, Colour::Ink, seen.into_iter().collect());
-    panel.series.push(frame);
+    let now = state.run.state.as_ref();
+    let now = now.map(|now| [now.mean_displacement / state.rho(), now.stress_over_max]);
+    panel.series.extend(Series::here(now));
+    let law = &shown.model.law;
+    let seen = at.and_then(|at| shown.point(at));
+    let seen = seen.map(|(_, at)| place(at.state.mean_displacement, at.state.stress, law));
+    panel.series.push(Series::framed(seen, Colour::Ink));
     let height = ui.available_height().max(80.0);
     let drawn = diagram::show(ui, &panel, "branches", height, |_, _| None);
-    let (response, transform) = (drawn.response, drawn.transform);
-    let nearest = response.hover_pos().and_then(|pointer| {
-        let near = |at: [f64; 2]| {
-            let place = transform.position_from_point(&egui_plot::PlotPoint::new(at[0], at[1]));
-            place.distance(pointer)
-        };
-        points(shown)
-            .map(|(which, at)| (which, near(at)))
-            .filter(|(_, distance)| *distance <= NEAR)
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-    });
+    let nearest = diagram::nearest(&drawn, NEAR, points(shown));
     if nearest.is_some() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
     }
     let sentence = format!("Every branch of equilibria: {}", counts(&shown.diagram));
-    described(&response, &sentence);
-    nearest
-        .filter(|_| response.clicked())
-        .map(|(which, _)| which)
+    described(&drawn.response, &sentence);
+    nearest.filter(|_| drawn.response.clicked())
 }
 
 /// Every point with its branch and place, and where it is drawn.

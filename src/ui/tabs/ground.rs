@@ -29,10 +29,7 @@ pub struct GroundTab {
 impl Tab for GroundTab {
     fn title(&self) -> Title {
         let what = "the ground: map, heights, spectrum, and what was done to a height file";
-        Title {
-            tall: true,
-            ..Title::new("Ground", what)
-        }
+        Title::tall("Ground", what)
     }
 
     fn show(&mut self, ui: &mut Ui, _: &ViewState, _: &mut Vec<Action>) {

@@ -8,7 +8,7 @@ use crate::numerics::cancel::Cancel;
 use crate::physics::control::Control;
 use crate::physics::law::Law;
 use crate::plot::landscape_panel::{Extent, at, barrier_panel, landscape_panel};
-use crate::plot::panel::{Colour, Panel, Series, Symbol};
+use crate::plot::panel::{Colour, Panel, Series};
 use crate::scene::Scene;
 use crate::scene::units::significant;
 use crate::solver::Lost;
@@ -21,7 +21,7 @@ use crate::ui::widgets::{described, progress};
 use crate::worker::job::{Job, Reporter};
 use crate::worker::protocol::Frame;
 use egui::{Align, Label, Layout, RichText, Ui, vec2};
-use egui_plot::{PlotPoint, PlotResponse};
+use egui_plot::PlotResponse;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -67,10 +67,7 @@ struct Fall {
 impl Tab for LandscapeTab {
     fn title(&self) -> Title {
         let what = "what holds the surface: the barriers around it, and the ways over them";
-        Title {
-            tall: true,
-            ..Title::new("Landscape", what)
-        }
+        Title::tall("Landscape", what)
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
@@ -97,9 +94,7 @@ impl Tab for LandscapeTab {
             let pass = landscape.passes.get(pass)?;
             Some(at(pass.path.get(place)?, pass, law))
         });
-        let frame = place.into_iter().collect();
-        let frame = Series::symbols("", Symbol::Frame, Colour::Ink, frame);
-        paths.series.push(frame);
+        paths.series.push(Series::framed(place, Colour::Ink));
         diagram::legend(ui, &paths);
         let size = ui.available_size();
         ui.horizontal_top(|ui| {
@@ -319,7 +314,7 @@ impl LandscapeTab {
 }
 
 /// The surface as a ball: at the foot of the paths, or a share of the way `down` the lowest.
-fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> Vec<Series> {
+fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> [Series; 2] {
     let place = landscape.passes.first().and_then(|pass| {
         let Some(share) = down else {
             return pass.path.first().map(|foot| at(foot, pass, law));
@@ -329,26 +324,15 @@ fn ball(landscape: &Landscape, law: &Law, down: Option<f64>) -> Vec<Series> {
         let further = below.partition_point(|place| place.arc < top + share * (end - top));
         below.get(further).map(|place| at(place, pass, law))
     });
-    let place: Vec<[f64; 2]> = place.into_iter().collect();
-    let symbols = [Symbol::Ring, Symbol::Circle];
-    let [ring, dot] = symbols.map(|symbol| Series::symbols("", symbol, Colour::Ink, place.clone()));
-    vec![ring, dot.filled()]
+    Series::here(place)
 }
 
 /// The pass and the place of its path that are nearest to the pointer.
 fn pointed(drawn: &PlotResponse<()>, landscape: &Landscape, law: &Law) -> Option<[usize; 2]> {
-    let pointer = drawn.response.hover_pos()?;
     let passes = landscape.passes.iter().enumerate();
     let places = passes.flat_map(|(i, pass)| {
         let places = pass.path.iter().enumerate();
         places.map(move |(j, place)| ([i, j], at(place, pass, law)))
     });
-    let far = |[x, y]: [f64; 2]| {
-        let place = drawn.transform.position_from_point(&PlotPoint::new(x, y));
-        place.distance(pointer)
-    };
-    let near = places.map(|(which, at)| (which, far(at)));
-    let near = near.filter(|(_, far)| *far < NEAR);
-    near.min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(which, _)| which)
+    diagram::nearest(drawn, NEAR, places)
 }

@@ -117,13 +117,10 @@ impl Around {
 
 impl Tab for Map {
     fn title(&self) -> Title {
-        Title {
-            tall: true,
-            ..Title::new(
-                "Map",
-                "which pattern stands where, while one parameter goes",
-            )
-        }
+        Title::tall(
+            "Map",
+            "which pattern stands where, while one parameter goes",
+        )
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {

@@ -74,10 +74,7 @@ impl Default for Paper {
 impl Tab for Paper {
     fn title(&self) -> Title {
         let what = "the paper's figures beside their theory, and what the print got wrong";
-        Title {
-            tall: true,
-            ..Title::new("Paper", what)
-        }
+        Title::tall("Paper", what)
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {

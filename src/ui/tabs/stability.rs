@@ -6,7 +6,7 @@ use crate::follow::record::Direction;
 use crate::physics::parameter::Dimension;
 use crate::plot::curve::{eigenvalue_at, eigenvalue_scale};
 use crate::plot::loop_panel::branches;
-use crate::plot::panel::{Axis, Panel};
+use crate::plot::panel::{Axis, Colour, Panel, Role, Series, Symbol};
 use crate::plot::style::Ground;
 use crate::plot::ticks::label;
 use crate::scene::units::fixed;
@@ -78,6 +78,10 @@ impl Tab for Stability {
     }
 
     fn panels(&self, state: &ViewState) -> Vec<Panel> {
+        if self.of == Of::TimeSteps {
+            let map = self.map().map(|map| time_step_panel(map, state));
+            return map.into_iter().collect();
+        }
         let mut series = branches(&state.run.stiffness);
         for point in series.iter_mut().flat_map(|series| &mut series.points) {
             point[1] = eigenvalue_at(point[1]);
@@ -309,119 +313,77 @@ fn foreseen(state: &ViewState, ahead: Option<&Forecast>) -> String {
     }
 }
 
-/// Marks of the axis of time steps.
-const TIME_STEPS: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
+/// How far the axis of time steps goes beyond the first and the last, as a factor.
+const BEYOND: f64 = 1.15;
 
 impl Stability {
+    /// What was measured of the time steps.
+    fn map(&self) -> Option<&TimeStepMap> {
+        self.time_steps.as_ref()?.1.so_far.as_ref()
+    }
+
     /// Which time steps GFMD survives.
     fn time_steps(&mut self, ui: &mut Ui, state: &ViewState) {
-        let palette = theme::palette(ui);
-        let job = self.time_steps.as_ref().map(|(_, job)| job);
         ui.horizontal_wrapped(|ui| {
+            let job = self.time_steps.as_ref().map(|(_, job)| job);
             if let Some(job) = job.filter(|job| job.is_running()) {
                 progress(ui, job).on_hover_text(STAYS);
             } else {
                 let what = "let a tiny perturbation go at states along the approach";
                 self.measure = ui.button("Measure").on_hover_text(what).clicked();
             }
-            time_step_legend(ui, &palette);
         });
-        if let Some(map) = job.and_then(|job| job.so_far.as_ref()) {
-            time_step_plot(ui, state, map, &palette);
-        } else {
+        let Some(map) = self.map() else {
             let words = "Which time steps does GFMD survive on the way down? Measure, and compare \
                 with the bound.";
             ui.label(RichText::new(words).weak());
-        }
+            return;
+        };
+        let panel = time_step_panel(map, state);
+        diagram::legend(ui, &panel);
+        let unit = state.model.unit(Dimension::Length);
+        let hover = |x, step| Some(format!("u₀ {}\ntime step {step:.3}", unit.say(x, 3, "ρ")));
+        let height = ui.available_height().max(80.0);
+        let drawn = diagram::show(ui, &panel, "time steps", height, hover);
+        let unstable = map.stable.iter().filter(|stable| !**stable).count();
+        let sentence = format!(
+            "Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable",
+            map.stable.len()
+        );
+        described(&drawn.response, &sentence);
     }
 }
 
 /// Measured crosses and dots over u0, with the bound that predicts them.
-fn time_step_plot(ui: &mut Ui, state: &ViewState, map: &TimeStepMap, palette: &Palette) {
+fn time_step_panel(map: &TimeStepMap, state: &ViewState) -> Panel {
+    let (rho, unit) = (state.rho(), state.model.unit(Dimension::Length));
     let (left, right) = (state.axes().0[0], state.axes().1[0]);
-    let ends = (
-        map.time_steps[0].log10() - 0.06,
-        map.time_steps[map.time_steps.len() - 1].log10() + 0.06,
-    );
-    let unit = state.model.unit(Dimension::Length);
-    let hover = |x, y| {
-        let u0 = unit.say(x, 3, "ρ");
-        format!("u₀ {u0}\ntime step {:.3}", 10f64.powf(y))
+    let columns = || map.displacements.iter().map(|u0| u0 / rho).enumerate();
+    let cells = |stable: bool| -> Vec<[f64; 2]> {
+        let rows = || map.time_steps.iter().enumerate();
+        let all = columns().flat_map(|(i, x)| rows().map(move |(j, step)| ([i, j], [x, *step])));
+        let of = all.filter(|([column, row], _)| map.at(*column, *row) == Some(stable));
+        of.map(|(_, at)| at).collect()
     };
-    let names = [&*unit.label("u₀ / ρ", "u₀"), "time step"];
-    let response = along(small(ui, "time steps", names, hover), unit.scale)
-        .y_grid_spacer(|_| {
-            TIME_STEPS
-                .map(|step| GridMark {
-                    value: step.log10(),
-                    step_size: 1.0,
-                })
-                .to_vec()
-        })
-        .y_axis_formatter(|mark, _| format!("{}", (10f64.powf(mark.value) * 1e3).round() / 1e3))
-        .show(ui, |plot| {
-            plot.set_plot_bounds(PlotBounds::from_min_max([left, ends.0], [right, ends.1]));
-            draw_time_steps(plot, state, map, palette);
-        })
-        .response;
-    let unstable = map.stable.iter().filter(|stable| !**stable).count();
-    let sentence = format!(
-        "Time steps of GFMD against u0: {} cells measured, {unstable} of them unstable",
-        map.stable.len()
-    );
-    described(&response, &sentence);
-}
-
-fn time_step_legend(ui: &mut Ui, palette: &Palette) {
-    ui.spacing_mut().item_spacing.x = 4.0;
-    for (mark, colour, word) in [
-        ("●", palette.good, "stable"),
-        ("✖", palette.warn, "unstable"),
-        ("—", palette.now, "bound"),
-        ("┄", palette.flat, "the paper's"),
-    ] {
-        ui.label(RichText::new(mark).color(colour).small());
-        ui.label(RichText::new(word).small());
-    }
-}
-
-fn draw_time_steps(plot: &mut PlotUi<'_>, state: &ViewState, map: &TimeStepMap, palette: &Palette) {
-    let rho = state.rho();
-    let (mut stable, mut unstable) = (Vec::new(), Vec::new());
-    for (column, u0) in map.displacements.iter().enumerate() {
-        for (row, step) in map.time_steps.iter().enumerate() {
-            match map.at(column, row) {
-                Some(true) => stable.push([u0 / rho, step.log10()]),
-                Some(false) => unstable.push([u0 / rho, step.log10()]),
-                None => {}
-            }
-        }
-    }
-    plot.points(
-        Points::new("stable", stable)
-            .shape(MarkerShape::Circle)
-            .radius(1.8)
-            .color(palette.good),
-    );
-    plot.points(
-        Points::new("unstable", unstable)
-            .shape(MarkerShape::Cross)
-            .radius(3.0)
-            .color(palette.warn),
-    );
-    let paper = GfmdBudget::default().time_step.log10();
-    plot.hline(
-        HLine::new("the paper's", paper)
-            .color(palette.flat)
-            .width(1.5)
-            .style(LineStyle::dashed_dense())
-            .allow_hover(false),
-    );
-    let bound: Vec<[f64; 2]> = map
-        .displacements
-        .iter()
+    let bound = columns()
         .zip(&map.bounds)
-        .map(|(u0, bound)| [u0 / rho, bound.log10()])
-        .collect();
-    plot.line(line("bound", &bound, palette.now, 2.0));
+        .map(|((_, x), bound)| [x, *bound]);
+    let paper = GfmdBudget::default().time_step;
+    let (first, last) = (map.time_steps[0], map.time_steps[map.time_steps.len() - 1]);
+    Panel {
+        x: Axis::of(&unit, "u_0/rho", "u_0").from_to(left, right),
+        y: Axis::logarithmic("time step").from_to(first / BEYOND, BEYOND * last),
+        series: vec![
+            Series::symbols("stable", Symbol::Dot, Colour::Green, cells(true)),
+            Series::symbols("unstable", Symbol::Cross, Colour::Red, cells(false)),
+            Series::line("bound", Role::Theory, Colour::Ink, bound.collect()),
+            Series::line(
+                "the paper's",
+                Role::Printed,
+                Colour::Grey,
+                vec![[left, paper], [right, paper]],
+            ),
+        ],
+        ..Panel::default()
+    }
 }

@@ -16,8 +16,7 @@ use crate::ui::view_state::ViewState;
 use crate::ui::widgets::{Entry, described, named_as, progress};
 use crate::ui::words::explain;
 use crate::worker::job::{Job, Reporter};
-use egui::{ComboBox, Pos2, RichText, Role, Ui};
-use egui_plot::PlotPoint;
+use egui::{ComboBox, RichText, Role, Ui};
 use std::sync::Arc;
 
 /// Loops, as long as nobody chooses, and at most.
@@ -109,13 +108,10 @@ fn around((parameter, value): (&'static Parameter, f64)) -> (&'static Parameter,
 
 impl Tab for StudyTab {
     fn title(&self) -> Title {
-        Title {
-            tall: true,
-            ..Title::new(
-                "Study",
-                "the loop at many values of one number, as marks to open",
-            )
-        }
+        Title::tall(
+            "Study",
+            "the loop at many values of one number, as marks to open",
+        )
     }
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
@@ -335,25 +331,17 @@ impl Running {
         diagram::legend(ui, panel);
         let height = ui.available_height().max(80.0);
         let shown = diagram::show(ui, panel, "study", height, |_, _| None);
-        let (response, transform) = (shown.response, shown.transform);
-        let place = |[x, y]: [f64; 2]| {
-            let at = PlotPoint::new(panel.x.shown(x), panel.y.shown(y));
-            transform.position_from_point(&at)
-        };
-        let nearest = |pointer: Pos2| {
-            let marks = rows.iter().flat_map(|row| {
-                let numbers = self.study.numbers(row, name);
-                numbers.into_iter().map(move |y| (row, [row.values[0], y]))
-            });
-            marks
-                .map(|(row, at)| (row, at, place(at).distance(pointer)))
-                .filter(|(.., distance)| *distance <= NEAR)
-                .min_by(|a, b| a.2.total_cmp(&b.2))
-        };
-        let pointed = response.hover_pos().and_then(nearest);
+        let marks = rows.iter().flat_map(|row| {
+            let numbers = self.study.numbers(row, name);
+            numbers.into_iter().map(move |y| (row, [row.values[0], y]))
+        });
+        let placed =
+            marks.map(|(row, [x, y])| ((row, [x, y]), [panel.x.shown(x), panel.y.shown(y)]));
+        let pointed = diagram::nearest(&shown, NEAR, placed);
+        let response = shown.response;
         let sentence = format!("Study of {}: {}", self.study.keys[0], self.words());
         described(&response, &sentence);
-        let (row, [x, y], _) = pointed?;
+        let (row, [x, y]) = pointed?;
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         let words = format!(
             "{} = {}: {title} {}",
