@@ -145,8 +145,8 @@ impl FlatBranch {
         flat
     }
 
-    /// True if the flat state at gap `u0` is stable. At the limit itself it is not: the softest wave
-    /// takes no energy there, and patterns of its waves lie lower.
+    /// True if the flat state at gap `u0` is stable. At the limit itself it is not: nothing holds the
+    /// softest wave there.
     pub fn is_stable(&self, u0: f64) -> bool {
         let value = self.stiffness(u0);
         value > 0.0 && self.is_finite(u0, value)

@@ -2,8 +2,10 @@
 //! with its contact line. No egui widgets.
 
 use super::action::ViewOptions;
+use super::theme::rgb;
 use crate::physics::grid::Grid;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
+use crate::plot::colours::Colours;
 use crate::plot::scale::ends;
 use crate::worker::protocol::Frame;
 use egui::{Color32, ColorImage, Pos2, Rect, TextureOptions, pos2};
@@ -135,9 +137,9 @@ impl GapPicture {
         }
     }
 
-    /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
-    pub fn image(&self, top: f64) -> ColorImage {
-        image(&self.gap, colour, |gap| gap / top)
+    /// The coloured picture; `top` is the gap of the last colour, contact is dark.
+    pub fn image(&self, top: f64, colours: Colours) -> ColorImage {
+        image(&self.gap, |share| rgb(colours.at(share)), |gap| gap / top)
     }
 
     /// A mode of this field in signed colours: orange where it lifts the surface, purple where it
@@ -169,22 +171,17 @@ impl GapPicture {
     }
 }
 
-/// The colour of a share 0 (contact) to 1 of the scale.
-pub fn colour(share: f64) -> Color32 {
-    let c = colorous::VIRIDIS.eval_continuous(share);
-    Color32::from_rgb(c.r, c.g, c.b)
-}
-
 /// The colour of a share 0 (lowers) over 0.5 (neither) to 1 (lifts).
 fn signed_colour(share: f64) -> Color32 {
     let c = colorous::PURPLE_ORANGE.eval_continuous(share);
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
-/// A field in these colours, dark where it is lowest.
+/// A field of heights, dark where it is lowest.
 pub fn heights(field: &Array2<f64>) -> ColorImage {
     let ends = |[low, high]: [f64; 2], h: &f64| [low.min(*h), high.max(*h)];
     let [low, high] = field.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+    let colour = |share| rgb(Colours::Uniform.at(share));
     image(field, colour, |h| (h - low) / (high - low))
 }
 

@@ -4,16 +4,20 @@ use super::action::ViewOptions;
 use super::gap_picture::{self, GapPicture, ModeLines};
 use super::view_state::ViewState;
 use crate::physics::indenter::Indenter;
+use crate::plot::colours::Colours;
 use crate::plot::scale;
 use crate::scene::Model;
 use crate::worker::protocol::{Frame, Play};
 use egui::{Color32, Rect, Shape, Stroke, TextureHandle, Ui, pos2};
 use std::sync::Arc;
 
+/// How a field is drawn: centred, smooth, with its soft mode, in which colours up to which gap.
+type Drawn = (bool, bool, bool, Colours, f64);
+
 /// The texture and what it was made from, so that nothing is made twice.
 #[derive(Default)]
 pub struct MapCache {
-    made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
+    made_from: Option<(Arc<Frame>, Drawn)>,
     texture: Option<TextureHandle>,
     /// The field as drawn.
     pub picture: Option<GapPicture>,
@@ -65,10 +69,9 @@ impl MapCache {
             return;
         };
         let centred = view.centred && model.indenter == Indenter::Flat;
-        let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
-            Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
-        });
-        if fresh {
+        let drawn = (centred, view.smooth, view.soft_mode, view.colours, top);
+        let made_from = self.made_from.as_ref();
+        if made_from.is_some_and(|(of, so)| Arc::ptr_eq(of, frame) && *so == drawn) {
             return;
         }
         let contact = model.law.contact_gap();
@@ -82,7 +85,7 @@ impl MapCache {
             GapPicture::new(&frame.gap, contact, island)
         };
         let options = gap_picture::texture_options(&view);
-        let image = picture.image(top);
+        let image = picture.image(top, view.colours);
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ctx.load_texture("gap", image, options)),
@@ -93,7 +96,7 @@ impl MapCache {
             .filter(|_| view.soft_mode || frame.is_of_a_branch())
             .map(|mode| picture.mode_lines(mode));
         self.picture = Some(picture);
-        self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
+        self.made_from = Some((frame.clone(), drawn));
     }
 
     /// Draws the field with its contact line; false where there is none.

@@ -18,6 +18,7 @@ pub mod view_state;
 mod advanced;
 mod beside;
 mod card;
+mod clicks;
 mod commands;
 mod controls;
 mod diagram;
@@ -49,5 +50,6 @@ mod widgets;
 mod words;
 
 pub use app::App;
+pub use clicks::Player;
 pub use dialogs::{FileRequest, PathFuture};
 pub use display::{Options, display_available, run, run_with};
