@@ -52,7 +52,11 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let wide = ui.available_width() >= WIDE;
     let rows = if wide || height < LOW { ROWS.0 } else { ROWS.1 };
     let mut inside = ui.new_child(UiBuilder::new().max_rect(ui.available_rect_before_wrap()));
-    diagram::legend(&mut inside, &named(state, &panel, wide));
+    if wide {
+        diagram::legend(&mut inside, &panel);
+    } else {
+        diagram::legend(&mut inside, &without_branches(state, &panel));
+    }
     // The plot stays where it is when an entry comes, as long as the rows hold it.
     let needed = inside.min_rect().height().max(rows * LEGEND);
     ui.allocate_space(vec2(ui.available_width(), needed));
@@ -91,14 +95,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     described(&response, &sentence);
 }
 
-/// What the legend names: in a narrow column the branches beneath, which their own tab names, would
-/// leave no room for the plot.
-fn named(state: &ViewState, panel: &Panel, all: bool) -> Panel {
+/// What the legend names in a narrow column: with the branches beneath, which their own tab names, it
+/// would leave no room for the plot.
+fn without_branches(state: &ViewState, panel: &Panel) -> Panel {
     let mut named = panel.clone();
     let beneath = &state.plots.beneath;
     named
         .series
-        .retain(|series| all || beneath.iter().all(|line| line.name != series.name));
+        .retain(|series| beneath.iter().all(|line| line.name != series.name));
     named
 }
 
