@@ -7,6 +7,7 @@ use crate::follow::run::{Landing, LoopRun, Outcome, RivalLoop, nan_max};
 use crate::numerics::threads::side_by_side;
 use crate::physics::parameter::Dimension;
 use crate::physics::pattern::Pattern;
+use crate::plot::colours::Colours;
 use crate::plot::loop_panel;
 use crate::scene::units::Units;
 use crate::scene::{Model, Points, Scene, Turn};
@@ -328,7 +329,11 @@ pub(super) fn results<'a>(
     for (i, landing) in run.landings.iter().enumerate() {
         let path = folder.join(GAPS).join(gap_picture(i, landing));
         files.push(Box::new(move || {
-            picture::write_with_scene(&path, &picture::gap_image(&landing.gap, scale), scene)
+            picture::write_with_scene(
+                &path,
+                &picture::gap_image(&landing.gap, scale, Colours::default()),
+                scene,
+            )
         }));
     }
     files

@@ -38,15 +38,6 @@ impl FlatBranch {
         }
     }
 
-    /// True if this smallest eigenvalue holds the body. Under a load a law that has ended holds
-    /// nothing.
-    fn holds(&self, stiffness: f64) -> bool {
-        match self.control {
-            Control::Load => stiffness > 0.0,
-            _ => stiffness >= 0.0,
-        }
-    }
-
     /// The smallest eigenvalue at gap `u0` (E* per length).
     pub fn stiffness(&self, u0: f64) -> f64 {
         match self.control {
@@ -154,10 +145,11 @@ impl FlatBranch {
         flat
     }
 
-    /// True if the flat state at gap `u0` is stable.
+    /// True if the flat state at gap `u0` is stable. At the limit itself it is not: nothing holds the
+    /// softest wave there.
     pub fn is_stable(&self, u0: f64) -> bool {
         let value = self.stiffness(u0);
-        self.holds(value) && self.is_finite(u0, value)
+        value > 0.0 && self.is_finite(u0, value)
     }
 
     /// False so deep in the wall that the law overflows.
@@ -168,7 +160,7 @@ impl FlatBranch {
     /// Where stability is lost on the way `from` a stable gap `to` another, as the last stable and
     /// the first unstable double found by bisection; `None` if it is not lost.
     pub fn limit_between(&self, from: f64, to: f64) -> Option<(f64, f64)> {
-        let stable = |u: f64| self.holds(self.stiffness(u));
+        let stable = |u: f64| self.stiffness(u) > 0.0;
         let (lower, upper) = self.unstable?;
         // The unstable gaps are one interval: the gap of the way that lies nearest to its middle
         // tells whether it is met.
@@ -224,7 +216,7 @@ mod tests {
             let branch = FlatBranch::new(law, length, Control::Displacement);
             let base = law.equilibrium_gap();
             let (from, to) = (base + from.abs() * law.range, base + to.abs() * law.range);
-            let stable = |u: f64| stiffness_min(&law, length, u) >= 0.0;
+            let stable = |u: f64| stiffness_min(&law, length, u) > 0.0;
             prop_assume!(stable(from));
             let scanned = (0..=20_000).map(|i| from + (to - from) * f64::from(i) / 20_000.0).find(|&u| !stable(u));
             match (branch.limit_between(from, to), scanned) {

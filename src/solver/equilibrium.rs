@@ -53,9 +53,10 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// True only if it is known that no eigenvalue is negative.
+    /// True only if it is known that every eigenvalue is positive: where one is zero nothing holds
+    /// its mode.
     pub fn is_stable(&self) -> bool {
-        self.value >= 0.0
+        self.value > 0.0
     }
 
     /// The smallest eigenvalue among `all` modes, of which these are some.
@@ -112,9 +113,9 @@ impl Equilibrium {
 /// The honest end of a relaxation; every shown state carries one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Stop {
-    /// Residual below tolerance and no negative eigenvalue beyond its error.
+    /// Residual below tolerance and every eigenvalue positive.
     Stable,
-    /// Residual below tolerance, but the smallest eigenvalue is negative.
+    /// Residual below tolerance, but the smallest eigenvalue is not positive.
     Unstable,
     /// Budget spent with the residual above tolerance.
     NotConverged,

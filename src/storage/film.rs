@@ -1,8 +1,9 @@
 //! Films: the surface along a path as an animated GIF or PNG, in the colours of the map, with a bar
 //! beneath that says how far the drive is.
 
-use super::picture::{SIDE_MIN, viridis};
+use super::picture::SIDE_MIN;
 use super::{Failure, files};
+use crate::plot::colours::Colours;
 use ndarray::Array2;
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind, Write};
@@ -36,7 +37,7 @@ const MARK: [u8; 3] = [255, 255, 255];
 const BAR: usize = 8;
 const HALF: usize = 3;
 
-/// Writes a film of so many pictures, whose brightest colour is a gap of `top` (length). `goes_on`
+/// Writes a film of so many pictures, whose last colour is a gap of `top` (length). `goes_on`
 /// hears after each picture which share is done, and ends it by a no: nothing is left of it then.
 ///
 /// # Errors
@@ -45,7 +46,7 @@ pub fn write_film(
     path: &Path,
     kind: FilmKind,
     (shots, count): (impl Iterator<Item = Shot>, usize),
-    top: f64,
+    (top, colours): (f64, Colours),
     goes_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), Failure> {
     files::write_by(path, |file| {
@@ -54,7 +55,7 @@ pub fn write_film(
         for (index, shot) in shots.enumerate() {
             let image = Image::of(&shot, top);
             if let Some(file) = file.take() {
-                writer = Some(Film::begin(kind, file, &image, count)?);
+                writer = Some(Film::begin((kind, colours), file, &image, count)?);
             }
             if let Some(writer) = &mut writer {
                 writer.add(&image)?;
@@ -106,8 +107,8 @@ impl Image {
 }
 
 /// Red, green and blue of every colour.
-fn palette() -> Vec<u8> {
-    let gaps = (0..COLOURS).flat_map(|k| viridis(k as f64 / (COLOURS - 1) as f64));
+fn palette(colours: Colours) -> Vec<u8> {
+    let gaps = (0..COLOURS).flat_map(|k| colours.at(k as f64 / (COLOURS - 1) as f64));
     gaps.chain(GROUND).chain(MARK).collect()
 }
 
@@ -118,13 +119,18 @@ enum Film<W: Write> {
 }
 
 impl<W: Write> Film<W> {
-    fn begin(kind: FilmKind, file: W, first: &Image, count: usize) -> Result<Self, Error> {
+    fn begin(
+        (kind, colours): (FilmKind, Colours),
+        file: W,
+        first: &Image,
+        count: usize,
+    ) -> Result<Self, Error> {
         let (width, height) = (first.width, first.height);
         Ok(match kind {
             FilmKind::Gif => {
                 let side = |n: usize| u16::try_from(n).map_err(Error::other);
                 let (width, height) = (side(width)?, side(height)?);
-                let encoder = gif::Encoder::new(file, width, height, &palette());
+                let encoder = gif::Encoder::new(file, width, height, &palette(colours));
                 let mut encoder = encoder.map_err(Error::other)?;
                 let repeats = encoder.set_repeat(gif::Repeat::Infinite);
                 repeats.map_err(Error::other)?;
@@ -134,7 +140,7 @@ impl<W: Write> Film<W> {
                 let mut encoder = png::Encoder::new(file, width as u32, height as u32);
                 encoder.set_color(png::ColorType::Indexed);
                 encoder.set_depth(png::BitDepth::Eight);
-                encoder.set_palette(palette());
+                encoder.set_palette(palette(colours));
                 encoder
                     .set_animated(count as u32, 0)
                     .map_err(Error::other)?;

@@ -7,6 +7,7 @@
 //! everything that can go wrong is a [`Failure`], one sentence that names the file and says how to
 //! mend it. May use `paper` and all below it; computes nothing, opens no dialogs.
 
+pub mod click;
 pub mod drawing;
 pub mod export;
 mod failure;

@@ -1,4 +1,4 @@
-//! Pictures: the gap field as an image (viridis, contact dark), and the scene inside a PNG, so that
+//! Pictures: the gap field as an image (contact dark), and the scene inside a PNG, so that
 //! a picture opens again as what it shows.
 //!
 //! A PNG is a signature and a row of chunks: length, name, data, checksum. The scene is one more,
@@ -6,6 +6,7 @@
 
 use super::{Failure, files, heights, scene_file, session};
 use crate::physics::topography::Topography;
+use crate::plot::colours::Colours;
 use crate::plot::scale::ends;
 use crate::scene::Scene;
 use image::{ImageFormat, Rgb, RgbImage};
@@ -44,17 +45,17 @@ pub fn common_scale<'a>(gaps: impl IntoIterator<Item = &'a Array2<f64>>) -> Scal
     ends(all.filter(|g| g.is_finite()))
 }
 
-/// Writes the gap as a PNG in colours of its own: smallest gap dark, largest bright; y points up.
+/// Writes the gap as a PNG on a scale of its own, from the smallest gap to the largest; y points up.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_gap_png(path: &Path, gap: &Array2<f64>) -> Result<(), Failure> {
-    write_png(path, &gap_image(gap, common_scale([gap])))
+pub fn write_gap_png(path: &Path, gap: &Array2<f64>, colours: Colours) -> Result<(), Failure> {
+    write_png(path, &gap_image(gap, common_scale([gap]), colours))
 }
 
 /// The gap as an image in the colours of a scale: each point a square of equal pixels, at least 256
 /// pixels a side. A line cell becomes a band; values that are not finite are red.
-pub fn gap_image(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
+pub fn gap_image(gap: &Array2<f64>, (low, high): Scale, colours: Colours) -> RgbImage {
     let (rows, columns) = gap.dim();
     let across = SIDE_MIN.div_ceil(columns.max(1)) as u32;
     let up = if rows == 1 {
@@ -62,14 +63,18 @@ pub fn gap_image(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
     } else {
         across
     };
-    let points = gap_pixels(gap, (low, high));
+    let points = gap_pixels(gap, (low, high), colours);
     RgbImage::from_fn(columns as u32 * across, rows as u32 * up, |x, y| {
         *points.get_pixel(x / across, y / up)
     })
 }
 
 /// The same with one pixel for each point.
-pub(in crate::storage) fn gap_pixels(gap: &Array2<f64>, (low, high): Scale) -> RgbImage {
+pub(in crate::storage) fn gap_pixels(
+    gap: &Array2<f64>,
+    (low, high): Scale,
+    colours: Colours,
+) -> RgbImage {
     let (rows, columns) = gap.dim();
     // Without contrast there is no pattern to show: dark, as contact is.
     let span = if high - low > CONTRAST_MIN * low.abs().max(high.abs()) {
@@ -82,15 +87,8 @@ pub(in crate::storage) fn gap_pixels(gap: &Array2<f64>, (low, high): Scale) -> R
         if !g.is_finite() {
             return Rgb([255, 0, 0]);
         }
-        Rgb(viridis((g - low) / span))
+        Rgb(colours.at((g - low) / span))
     })
-}
-
-/// The colour at a share of the scale.
-pub(super) fn viridis(share: f64) -> [u8; 3] {
-    colorous::VIRIDIS
-        .eval_continuous(share.clamp(0.0, 1.0))
-        .as_array()
 }
 
 /// Keyword of the chunk.
@@ -274,7 +272,7 @@ mod tests {
     use ndarray::array;
 
     fn own_colours(gap: &Array2<f64>) -> RgbImage {
-        gap_image(gap, common_scale([gap]))
+        gap_image(gap, common_scale([gap]), Colours::default())
     }
 
     #[test]
@@ -317,6 +315,7 @@ mod tests {
         write_gap_png(
             &path,
             &Array2::from_shape_fn((8, 8), |(j, i)| 1.0 + (i * j) as f64),
+            Colours::default(),
         )
         .unwrap();
         let before = image::open(&path).unwrap().into_rgb8();

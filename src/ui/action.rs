@@ -2,12 +2,14 @@
 
 use crate::follow::record::Direction;
 use crate::follow::walk::Push;
+use crate::plot::colours::Colours;
 use crate::scene::Scene;
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
 use crate::storage::film::FilmKind;
 use crate::worker::protocol::{Speed, Sweep};
+use egui::ThemePreference;
 use std::path::PathBuf;
 
 /// An intent of the user.
@@ -63,14 +65,14 @@ pub enum Action {
     ToggleCommands,
     /// Show or hide the sheet of keys.
     ToggleHelp,
-    /// Light to dark and back.
-    ToggleTheme,
-    /// Light or dark as the desktop has it.
-    SystemTheme,
+    /// Light, dark, or as the desktop has it.
+    SetTheme(ThemePreference),
     /// Fit the plot's axes to the data.
     FitData,
     /// Fit the plot's axes to the scene.
     FitScene,
+    /// Give the plot these axes: lower left and upper right corner.
+    SetAxes([[f64; 2]; 2]),
     /// Change how things are drawn.
     SetView(ViewOptions),
     /// Ask a tab for one of its commands.
@@ -230,6 +232,8 @@ pub enum FileTask {
     ExportTabCsv,
     /// Write the curve of stress against u0 as a picture.
     ExportLoopPng,
+    /// The same as an SVG, to be printed at any size.
+    ExportLoopSvg,
     /// Write the gap map as a picture.
     ExportGapPng,
     /// Write the stored states of the path as a film.
@@ -247,7 +251,9 @@ impl FileTask {
             | FileTask::ExportEventsCsv
             | FileTask::ExportCurvesCsv
             | FileTask::ExportTabCsv => "Export data",
-            FileTask::ExportLoopPng | FileTask::ExportGapPng => "Export picture",
+            FileTask::ExportLoopPng | FileTask::ExportLoopSvg | FileTask::ExportGapPng => {
+                "Export picture"
+            }
             FileTask::ExportFilm(_) => "Export film",
         }
     }
@@ -268,6 +274,7 @@ impl FileTask {
             FileTask::ExportCurvesCsv => "curves.csv",
             FileTask::ExportTabCsv => "tab.csv",
             FileTask::ExportLoopPng => "loop.png",
+            FileTask::ExportLoopSvg => "loop.svg",
             FileTask::ExportGapPng => "gap.png",
             FileTask::ExportFilm(FilmKind::Gif) => "film.gif",
             FileTask::ExportFilm(FilmKind::Apng) => "film.png",
@@ -292,8 +299,12 @@ impl FileTask {
                 (FileTask::ExportCurvesCsv, "curves of the plot"),
                 (FileTask::ExportTabCsv, "of the tab"),
             ],
-            FileTask::ExportLoopPng | FileTask::ExportGapPng | FileTask::ExportFilm(_) => &[
+            FileTask::ExportLoopPng
+            | FileTask::ExportLoopSvg
+            | FileTask::ExportGapPng
+            | FileTask::ExportFilm(_) => &[
                 (FileTask::ExportLoopPng, "stress curve"),
+                (FileTask::ExportLoopSvg, "stress curve, SVG"),
                 (FileTask::ExportGapPng, "gap map"),
                 (FileTask::ExportFilm(FilmKind::Gif), "film, GIF"),
                 (FileTask::ExportFilm(FilmKind::Apng), "film, PNG"),
@@ -345,6 +356,8 @@ pub struct ViewOptions {
     pub centred: bool,
     /// Interpolate between mesh points.
     pub smooth: bool,
+    /// The colours of maps.
+    pub colours: Colours,
     /// Where the profile is cut.
     pub profile: ProfileLine,
     /// Draw the soft mode over the map.
@@ -361,6 +374,8 @@ pub struct ViewOptions {
     pub scales: Scales,
     /// Lecture mode.
     pub lecture: bool,
+    /// Click at a snap.
+    pub click: bool,
 }
 
 impl Default for ViewOptions {
@@ -368,6 +383,7 @@ impl Default for ViewOptions {
         Self {
             centred: true,
             smooth: true,
+            colours: Colours::default(),
             profile: ProfileLine::Auto,
             soft_mode: false,
             push_width: 0.12,
@@ -376,6 +392,7 @@ impl Default for ViewOptions {
             speed: Speed::default(),
             scales: Scales::default(),
             lecture: false,
+            click: false,
         }
     }
 }

@@ -1,12 +1,14 @@
 //! The application: takes in what the solver says, draws the panels, and acts on what they ask for.
 
 use super::action::{Action, FileTask, ViewOptions};
+use super::clicks::{self, Clicks, Player};
 use super::dialogs::{Dialogs, FileRequest, PathFuture, desktop_chooser};
 use super::film::FilmExport;
 use super::gap_picture::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, Extent, Saved, ViewState};
 use super::{keys, layout, lecture, loop_plot};
+use crate::follow::record::Cause;
 use crate::lessons::Progress;
 use crate::physics::topography::Topography;
 use crate::plot::loop_panel;
@@ -16,7 +18,7 @@ use crate::storage::session::{self, Session};
 use crate::storage::{self, Opened, drawing, export, picture, presets, scene_file};
 use crate::worker::SolverHandle;
 use crate::worker::job::Job;
-use crate::worker::protocol::{Command, Envelope};
+use crate::worker::protocol::{Command, Envelope, Event};
 use egui::containers::PanelState;
 use egui::{Context, Ui};
 use serde::{Deserialize, Serialize};
@@ -33,6 +35,7 @@ pub struct App {
     maps: Maps,
     tabs: Tabs,
     dialogs: Dialogs,
+    clicks: Clicks,
     /// When a jump was last announced (seconds).
     announced: f64,
     /// The file that is being read or written.
@@ -49,6 +52,7 @@ pub struct App {
 struct Sitting {
     lesson: Option<Progress>,
     before_lecture: Option<lecture::Before>,
+    click: bool,
 }
 
 /// Under which name.
@@ -90,6 +94,7 @@ impl App {
             maps: Maps::default(),
             tabs: Tabs::default(),
             dialogs: Dialogs::new(chooser),
+            clicks: Clicks::new(clicks::desktop()),
             announced: f64::NEG_INFINITY,
             file: None,
             film: None,
@@ -97,14 +102,24 @@ impl App {
         }
     }
 
-    /// Takes up what was kept of the last sitting: the lesson goes on, and the look is that before
-    /// a lecture.
+    /// With another way of clicking at a snap.
+    pub fn with_player(self, player: Player) -> Self {
+        Self {
+            clicks: Clicks::new(player),
+            ..self
+        }
+    }
+
+    /// Takes up what was kept of the last sitting: the lesson goes on, the look is that before a
+    /// lecture, and snaps click if they did.
     pub fn resume(&mut self, ctx: &Context, storage: &dyn eframe::Storage) {
         let kept = storage.get_string(SITTING).unwrap_or_default();
         let Sitting {
             lesson,
             before_lecture,
+            click,
         } = serde_json::from_str(&kept).unwrap_or_default();
+        self.state.view.click = click;
         if let Some(before) = before_lecture {
             before.restore(ctx);
         }
@@ -163,7 +178,16 @@ impl App {
 
     fn listen(&mut self) {
         for event in self.solver.poll() {
+            let snaps =
+                matches!(&event.message, Event::Jump(jump) if jump.cause != Cause::Transition);
+            if snaps && event.run == self.state.run.id && self.state.view.click {
+                self.clicks.click(&*self.solver);
+            }
             self.state.apply(event);
+        }
+        if let Some(why) = self.clicks.failed() {
+            self.state.view.click = false;
+            self.state.messages.notice = Some(format!("no click at a snap: {why}"));
         }
     }
 
@@ -274,17 +298,10 @@ impl App {
             }
             Action::ToggleCommands => self.dialogs.toggle_commands(ctx),
             Action::ToggleHelp => self.dialogs.help = !self.dialogs.help,
-            Action::ToggleTheme => {
-                let dark = ctx.theme() == egui::Theme::Dark;
-                ctx.set_theme(if dark {
-                    egui::Theme::Light
-                } else {
-                    egui::Theme::Dark
-                });
-            }
-            Action::SystemTheme => ctx.set_theme(egui::ThemePreference::System),
+            Action::SetTheme(theme) => ctx.set_theme(theme),
             Action::FitData => state.fit_axes(),
             Action::FitScene => state.plots.fit = None,
+            Action::SetAxes([low, high]) => state.plots.fit = Some((low, high)),
             Action::SetView(view) => state.view = view,
             Action::CommandTab { tab, index } => self.tabs.command(tab, index),
             Action::OpenTab(name) => {
@@ -336,6 +353,7 @@ impl App {
         let state = &mut self.state;
         state.view = ViewOptions {
             lecture: state.view.lecture,
+            click: state.view.click,
             ..ViewOptions::default()
         };
         state.plots.fit = None;
@@ -456,10 +474,10 @@ impl App {
             FileTask::ExportLoopPng => {
                 drawing::write_page_png(path, &page(state)).and_then(|()| attach(path, state))
             }
+            FileTask::ExportLoopSvg => drawing::write_page_svg(path, &page(state)),
             FileTask::ExportGapPng => match state.pictured() {
-                Some(frame) => {
-                    picture::write_gap_png(path, &frame.gap).and_then(|()| attach(path, state))
-                }
+                Some(frame) => picture::write_gap_png(path, &frame.gap, state.view.colours)
+                    .and_then(|()| attach(path, state)),
                 None => return,
             },
         };
@@ -517,6 +535,7 @@ impl eframe::App for App {
         let sitting = Sitting {
             lesson: self.state.lesson.clone(),
             before_lecture: self.before_lecture,
+            click: self.state.view.click,
         };
         if let Ok(text) = serde_json::to_string(&sitting) {
             storage.set_string(SITTING, text);

@@ -2,7 +2,7 @@
 //! with it.
 
 use super::action::Action;
-use super::headline::energy;
+use super::headline::{energy, residual};
 use super::theme;
 use super::view_state::{Origin, ViewState};
 use super::widgets::named;
@@ -130,11 +130,7 @@ fn numbers(state: &ViewState, s: &StateRecord) -> [String; 6] {
             s.stiffness_error
         ),
         format!("energy {}", unit.say(s.energy / gamma, 5, "γ")),
-        format!(
-            "contact {:.1} %, residual {:.0e}",
-            100.0 * s.contact_area,
-            s.residual
-        ),
+        format!("contact {:.1} %, {}", 100.0 * s.contact_area, residual(s)),
         format!(
             "{}, {} iteration{plural}, {:.0} ms",
             s.part, s.iterations, s.milliseconds

@@ -1,7 +1,7 @@
 //! The palette of commands (Ctrl+K): everything the window does, found by its name and run from the
 //! keyboard.
 
-use super::action::{Action, FileTask, KeepFrom, LessonAct, ViewOptions};
+use super::action::{Action, FileTask, KeepFrom, LessonAct, ProfileLine, ViewOptions};
 use super::flick;
 use super::machine::{self, Told};
 use super::tabs::Tabs;
@@ -10,6 +10,7 @@ use super::view_state::ViewState;
 use super::widgets;
 use crate::lessons;
 use crate::physics::law::Shape;
+use crate::plot::colours::Colours;
 use crate::scene::edit;
 use crate::scene::part::Strategy;
 use crate::solver::methods::MethodKind;
@@ -18,8 +19,8 @@ use crate::storage::presets;
 use crate::worker::protocol::Sweep;
 use egui::text_edit::TextEditState;
 use egui::{
-    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui,
-    Window,
+    Align, Align2, Context, Event, Id, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit,
+    ThemePreference, Ui, Window,
 };
 
 /// Something that can be done now.
@@ -54,6 +55,8 @@ fn all(state: &ViewState, tabs: &Tabs) -> Vec<Command> {
         one("Redo", "Ctrl+Y", Action::Redo),
     ]);
     list.extend(views(state));
+    list.extend(profiles(state));
+    list.extend(colours(state));
     let titles = lessons::all().iter().enumerate();
     list.extend(titles.map(|(index, lesson)| {
         let start = Action::Lesson(LessonAct::Start(index));
@@ -148,6 +151,7 @@ fn files() -> impl Iterator<Item = Command> {
         ("Export the curves of the plot as CSV", "", ExportCurvesCsv),
         ("Export the curves of the tab as CSV", "", ExportTabCsv),
         ("Export the stress curve as PNG", "S", ExportLoopPng),
+        ("Export the stress curve as SVG", "", ExportLoopSvg),
         ("Export the gap map as PNG", "", ExportGapPng),
         (
             "Export the path as a film (GIF)",
@@ -194,12 +198,60 @@ fn views(state: &ViewState) -> Vec<Command> {
                 ..state.view
             }),
         ),
-        one("Switch between light and dark", "", Action::ToggleTheme),
-        one("Theme of the system", "", Action::SystemTheme),
+        one("Theme: light", "", Action::SetTheme(ThemePreference::Light)),
+        one("Theme: dark", "", Action::SetTheme(ThemePreference::Dark)),
+        one(
+            "Theme: that of the system",
+            "",
+            Action::SetTheme(ThemePreference::System),
+        ),
+        one(
+            if state.view.click {
+                "No click at a snap"
+            } else {
+                "Click at a snap"
+            },
+            "",
+            view(ViewOptions {
+                click: !state.view.click,
+                ..state.view
+            }),
+        ),
         one("Lecture mode", "F11", Action::ToggleLecture),
         one("Restore layout", "", Action::RestoreLayout),
         one("Keys and marks", "?", Action::ToggleHelp),
     ]
+}
+
+/// The colours of maps.
+fn colours(state: &ViewState) -> [Command; 2] {
+    Colours::ALL.map(|(colours, word)| {
+        let view = ViewOptions {
+            colours,
+            ..state.view
+        };
+        Command::new(&format!("Colours: {word}"), "", Action::SetView(view))
+    })
+}
+
+/// Where the profile is cut.
+fn profiles(state: &ViewState) -> [Command; 3] {
+    [
+        ("the middle of the pattern", ProfileLine::Auto),
+        ("the middle of the map along x", ProfileLine::AlongX(0.5)),
+        ("the middle of the map along y", ProfileLine::AlongY(0.5)),
+    ]
+    .map(|(place, profile)| {
+        let view = ViewOptions {
+            profile,
+            ..state.view
+        };
+        Command::new(
+            &format!("Profile through {place}"),
+            "",
+            Action::SetView(view),
+        )
+    })
 }
 
 /// The presets, and the scene with another law.
@@ -259,7 +311,7 @@ fn choices(state: &ViewState) -> Vec<Command> {
 }
 
 /// What these words find: every word somewhere in the name. A number alone is a value of what is
-/// driven.
+/// driven, and in a lecture a guess of the first jump.
 pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
     let Told {
         symbol,
@@ -281,7 +333,14 @@ pub fn found(state: &ViewState, tabs: &Tabs, words: &str) -> Vec<Command> {
         let name = command.name.to_lowercase();
         wanted.iter().all(|word| name.contains(word.as_str()))
     };
+    let guesses = state.view.lecture && state.run.record.jumps.is_empty();
+    let guess = place.filter(|_| guesses && !state.scene.control().frees_mean());
+    let guess = guess.map(|value| {
+        let name = format!("Guess the first jump at {symbol} = {value}{suffix}");
+        Command::new(&name, "", Action::Guess(value * unit / state.rho()))
+    });
     go.into_iter()
+        .chain(guess)
         .chain(all(state, tabs).into_iter().filter(fits))
         .collect()
 }

@@ -4,19 +4,21 @@
 use super::theme::{self, append, set};
 use super::words::explain;
 use crate::plot::panel::{
-    Along, Axis, Colour, Dash, Fill, Look, Panel, Role, Series, Symbol, entries,
+    Along, Axis, Colour, Dash, Fill, Label, Look, Panel, Role, Series, Symbol, entries,
 };
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{Ground, MARKS, marked, pointing, stroke};
 use crate::plot::ticks::{self, label, ticks};
 use crate::plot::typeset::plain;
 use egui::emath::Rangef;
-use egui::{Align, Align2, AsIdSalt, Color32, RichText, Ui, vec2};
+use egui::{Align, Align2, AsIdSalt, Color32, FontId, Rect, RichText, Ui, Vec2, vec2};
 use egui_plot::{
     Arrows, AxisHints, FilledArea, GridInput, GridMark, HoverPosition, Line, LineStyle,
     MarkerShape, Plot, PlotBounds, PlotPoint, PlotPoints, PlotResponse, PlotUi, Points, Text,
 };
 
+/// Radius of the ring around the present point.
+const RING: f32 = 7.5;
 /// Below this height the names of the axes give way.
 const NAMED: f32 = 130.0;
 
@@ -321,24 +323,70 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
                 .allow_hover(false),
         );
     }
+    let rings = panel
+        .series
+        .iter()
+        .filter(|series| series.symbol == Some(Symbol::Ring));
+    let mut taken: Vec<Rect> = rings
+        .flat_map(|series| &series.points)
+        .map(|p| {
+            let [x, y] = at(*p);
+            let centre = plot.screen_from_plot(PlotPoint::new(x, y));
+            Rect::from_center_size(centre, Vec2::splat(2.0 * RING))
+        })
+        .collect();
     for label in &panel.labels {
         let [x, y] = at(label.at);
-        if !(x.is_finite() && y.is_finite()) {
-            continue;
+        if x.is_finite() && y.is_finite() {
+            draw_label(plot, label, PlotPoint::new(x, y), &mut taken, ground);
         }
-        // An anchor is the side of the word at the place: the other one than that on which the word
-        // stands; and places count upwards, letters downwards.
-        let anchor = |side: i8| match side {
-            1 => Align::Min,
-            0 => Align::Center,
-            _ => Align::Max,
-        };
-        let anchor = Align2([anchor(label.side[0]), anchor(-label.side[1])]);
-        let words = RichText::new(format!(" {} ", plain(&label.text))).small();
-        let text =
-            Text::new("label", PlotPoint::new(x, y), words).color(colour(label.colour, ground));
-        plot.text(text.anchor(anchor).allow_hover(false));
     }
+}
+
+/// Draws a word at a place, on its own side or on another one, so that it is clear of what is `taken`
+/// (the present point, and other words) and stays within the frame; one that has no clear place is
+/// left out.
+fn draw_label(
+    plot: &mut PlotUi<'_>,
+    label: &Label,
+    at: PlotPoint,
+    taken: &mut Vec<Rect>,
+    ground: Ground,
+) {
+    let (words, colour) = (
+        format!(" {} ", plain(&label.text)),
+        colour(label.colour, ground),
+    );
+    let size = plot.ctx().fonts_mut(|fonts| {
+        let font = FontId::proportional(theme::LEAST);
+        fonts.layout_no_wrap(words.clone(), font, colour).size()
+    });
+    let (frame, place) = (
+        plot.transform().frame().x_range(),
+        plot.screen_from_plot(at),
+    );
+    // An anchor is the side of the word at the place: the other one than that on which the word
+    // stands; and places count upwards, letters downwards.
+    let along = |side: i8| match side {
+        1 => Align::Min,
+        0 => Align::Center,
+        _ => Align::Max,
+    };
+    let [x, y] = label.side;
+    let anchors = [[x, y], [-x, -y], [x, -y], [-x, y]].map(|[x, y]| Align2([along(x), along(-y)]));
+    let area = |anchor: &Align2| anchor.anchor_size(place, size);
+    let clear = |anchor: &&Align2| !taken.iter().any(|taken| taken.intersects(area(anchor)));
+    let inside = |anchor: &&Align2| {
+        let area = area(anchor);
+        frame.contains(area.left()) && frame.contains(area.right())
+    };
+    let mut free = anchors.iter().filter(clear);
+    let Some(anchor) = free.clone().find(inside).or(free.next()).copied() else {
+        return;
+    };
+    taken.push(area(&anchor));
+    let text = Text::new("label", at, RichText::new(words).small()).color(colour);
+    plot.text(text.anchor(anchor).allow_hover(false));
 }
 
 /// Draws a line through places of the plot, broken where one is not finite.
@@ -380,7 +428,7 @@ fn symbols<'a>(name: &str, symbol: Symbol, at: Vec<[f64; 2]>, fill: Fill) -> Poi
         Symbol::Cross => (MarkerShape::Cross, 4.0),
         Symbol::Plus => (MarkerShape::Plus, 5.0),
         Symbol::Dot => (MarkerShape::Circle, 2.5),
-        Symbol::Ring => (MarkerShape::Circle, 7.5),
+        Symbol::Ring => (MarkerShape::Circle, RING),
         Symbol::Frame => (MarkerShape::Square, 7.5),
     };
     let filled =

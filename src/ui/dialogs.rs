@@ -192,7 +192,7 @@ impl FileDialog {
     fn body(&mut self, ui: &mut Ui, notes: &str, actions: &mut Vec<Action>) -> Option<FileTask> {
         ui.set_width(430.0);
         if !self.task.variants().is_empty() {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 for &(task, word) in self.task.variants() {
                     if ui.radio(self.task == task, word).clicked() {
                         self.task = task;
@@ -298,6 +298,7 @@ pub fn desktop_chooser(request: FileRequest) -> PathFuture {
         | FileTask::ExportCurvesCsv
         | FileTask::ExportTabCsv => ("CSV", &["csv"]),
         FileTask::ExportLoopPng | FileTask::ExportGapPng => ("PNG", &["png"]),
+        FileTask::ExportLoopSvg => ("SVG", &["svg"]),
         FileTask::ExportFilm(FilmKind::Gif) => ("GIF", &["gif"]),
         FileTask::ExportFilm(FilmKind::Apng) => ("Animated PNG", &["png"]),
     };

@@ -31,7 +31,10 @@ impl FilmExport {
         if shown.is_empty() {
             return None;
         }
-        let top = scale::gap_scale(&state.scene, &state.model);
+        let look = (
+            scale::gap_scale(&state.scene, &state.model),
+            state.view.colours,
+        );
         let centred = state.view.centred && state.model.indenter == Indenter::Flat;
         let (contact, (low, high)) = (state.model.law.contact_gap(), state.limits);
         let (file, ctx) = (path.to_owned(), ctx.clone());
@@ -56,7 +59,7 @@ impl FilmExport {
                 }
                 !report.cancel.requested()
             };
-            report.result(write_film(&file, kind, (shots, count), top, &mut goes_on));
+            report.result(write_film(&file, kind, (shots, count), look, &mut goes_on));
             Ok(())
         });
         let path = path.to_owned();

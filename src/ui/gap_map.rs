@@ -2,7 +2,7 @@
 //! it the map of another scene.
 
 use super::action::{Action, ProfileLine, ViewOptions};
-use super::gap_picture::{GapPicture, MapCache, Maps, Segment, colour};
+use super::gap_picture::{GapPicture, MapCache, Maps, Segment};
 use super::view_state::ViewState;
 use super::widgets::{described, named};
 use super::{flick, grip, headline, sliders, strip, theme};
@@ -103,10 +103,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, maps: &Ma
             line_grip(ui, state, picture, band, actions);
         }
     }
-    let hovered = response.hover_pos().filter(|at| band.contains(*at));
-    let reading = hovered.zip(cache.picture.as_ref()).map(|(at, picture)| {
-        let share = (at - band.left_bottom()) / band.size();
-        reading(state, picture, [share.x, -share.y])
+    let reading = cache.picture.as_ref().and_then(|picture| {
+        let on_the_map = response.hover_pos().filter(|at| band.contains(*at));
+        let place = on_the_map.map(|at| {
+            let share = (at - band.left_bottom()) / band.size();
+            [share.x, -share.y]
+        });
+        let place = place.or_else(|| over_profile(ui, &state.view, picture))?;
+        Some(reading(state, picture, place))
     });
     let reading = state.push_in_words().or(reading);
     reading_line(ui, state, reading.or_else(|| state.losses_in_words()));
@@ -125,7 +129,7 @@ fn reading_line(ui: &mut Ui, state: &ViewState, reading: Option<String>) {
         let stress = unit.say(stress, 3, "σₘₐₓ");
         Some(format!("ahead: {}, stress {stress}", pattern.words()))
     });
-    let words = words.unwrap_or_else(|| "Point at the map to read it.".to_owned());
+    let words = words.unwrap_or_else(|| "Point at map or profile to read it.".to_owned());
     let words = egui::RichText::new(words).small().color(colour);
     ui.add(egui::Label::new(words).truncate()).on_hover_text(
         "Drag the map up and down to move the body, and the profile line by its grip.",
@@ -177,6 +181,25 @@ fn soft_mode(ui: &Ui, state: &ViewState, cache: &MapCache, picture: &GapPicture,
     painter.galley(area.min + vec2(6.0, 3.0), galley, colour);
 }
 
+/// Id of the profile: what lies under the pointer there is read below the map as well, where it
+/// covers nothing.
+pub fn profile_id() -> egui::Id {
+    egui::Id::unique("profile")
+}
+
+/// The place of the cell under the pointer over the profile, in shares from the lower left corner.
+fn over_profile(ui: &Ui, view: &ViewOptions, picture: &GapPicture) -> Option<[f32; 2]> {
+    let profile = ui.ctx().read_response(profile_id())?;
+    let share = (profile.hover_pos()?.x - profile.rect.left()) / profile.rect.width();
+    let ((ny, nx), (along_x, index)) = (picture.gap.dim(), cut(view, picture));
+    let across = |n: usize| (index as f32 + 0.5) / n as f32;
+    Some(if along_x {
+        [share, across(ny)]
+    } else {
+        [across(nx), share]
+    })
+}
+
 /// The line of the profile: (along x, index of row or column).
 pub fn cut(view: &ViewOptions, picture: &GapPicture) -> (bool, usize) {
     let (ny, nx) = picture.gap.dim();
@@ -224,15 +247,18 @@ fn colour_bar(ui: &Ui, state: &ViewState, cache: &MapCache, map: Rect) {
     let unit = state.model.unit(Dimension::Length);
     let one = state.rho() / unit.scale;
     let top = scale::gap_scale(&state.scene, &state.model) / one;
-    let steps = 64;
+    let (steps, colours) = (64, state.view.colours);
     for i in 0..steps {
         let (a, b) = (i as f32 / steps as f32, (i + 1) as f32 / steps as f32);
         let stripe = Rect::from_x_y_ranges(
             bar.x_range(),
             bar.bottom() - b * bar.height() - 0.5..=bar.bottom() - a * bar.height(),
         );
-        ui.painter()
-            .rect_filled(stripe, 0.0, colour(f64::from(0.5 * (a + b))));
+        ui.painter().rect_filled(
+            stripe,
+            0.0,
+            theme::rgb(colours.at(f64::from(0.5 * (a + b)))),
+        );
     }
     let text = ui.visuals().text_color();
     ui.painter().text(
@@ -407,7 +433,7 @@ fn line_grip(
 }
 
 /// Gap and traction at a place, in shares of the cell from its lower left corner.
-pub fn reading(state: &ViewState, picture: &GapPicture, [x, y]: [f32; 2]) -> String {
+fn reading(state: &ViewState, picture: &GapPicture, [x, y]: [f32; 2]) -> String {
     let (ny, nx) = picture.gap.dim();
     let index = |share: f32, n: usize| ((share * n as f32) as usize).min(n - 1);
     let gap = picture.gap[(index(y, ny), index(x, nx))];
@@ -416,11 +442,11 @@ pub fn reading(state: &ViewState, picture: &GapPicture, [x, y]: [f32; 2]) -> Str
     let (model, across) = (&state.model, state.model.unit_across());
     let force = if traction >= 0.0 { "pulls" } else { "pushes" };
     format!(
-        "x {}   y {}   gap {}   stress {} ({force})",
+        "x {}   y {}   gap {}   {force} {}",
         across.say(f64::from(x) * length / rho, 1, "ρ"),
         across.say(f64::from(y) * length / rho, 1, "ρ"),
         model.unit(Dimension::Length).say(gap / rho, 3, "ρ"),
-        model.unit(Dimension::Stress).say(traction, 3, "σₘₐₓ")
+        model.unit(Dimension::Stress).say(traction.abs(), 3, "σₘₐₓ")
     )
 }
 

@@ -2,10 +2,12 @@
 //! with its contact line. No egui widgets.
 
 use super::action::ViewOptions;
+use super::theme::rgb;
 use super::view_state::ViewState;
 use crate::physics::grid::Grid;
 use crate::physics::indenter::Indenter;
 use crate::physics::pattern::{Island, Pattern, rolled, shift_to_middle};
+use crate::plot::colours::Colours;
 use crate::plot::scale::{self, ends};
 use crate::scene::Model;
 use crate::worker::protocol::{Frame, Play};
@@ -141,9 +143,9 @@ impl GapPicture {
         }
     }
 
-    /// The coloured picture; `top` is the gap of the brightest colour, contact is dark.
-    pub fn image(&self, top: f64) -> ColorImage {
-        image(&self.gap, colour, |gap| gap / top)
+    /// The coloured picture; `top` is the gap of the last colour, contact is dark.
+    pub fn image(&self, top: f64, colours: Colours) -> ColorImage {
+        image(&self.gap, |share| rgb(colours.at(share)), |gap| gap / top)
     }
 
     /// A mode of this field in signed colours: orange where it lifts the surface, purple where it
@@ -175,22 +177,17 @@ impl GapPicture {
     }
 }
 
-/// The colour of a share 0 (contact) to 1 of the scale.
-pub fn colour(share: f64) -> Color32 {
-    let c = colorous::VIRIDIS.eval_continuous(share);
-    Color32::from_rgb(c.r, c.g, c.b)
-}
-
 /// The colour of a share 0 (lowers) over 0.5 (neither) to 1 (lifts).
 fn signed_colour(share: f64) -> Color32 {
     let c = colorous::PURPLE_ORANGE.eval_continuous(share);
     Color32::from_rgb(c.r, c.g, c.b)
 }
 
-/// A field in these colours, dark where it is lowest.
+/// A field of heights, dark where it is lowest.
 pub fn heights(field: &Array2<f64>) -> ColorImage {
     let ends = |[low, high]: [f64; 2], h: &f64| [low.min(*h), high.max(*h)];
     let [low, high] = field.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+    let colour = |share| rgb(Colours::Uniform.at(share));
     image(field, colour, |h| (h - low) / (high - low))
 }
 
@@ -279,10 +276,13 @@ fn joined(pieces: &[Segment]) -> Vec<Vec<[f32; 2]>> {
     lines
 }
 
+/// How a field is drawn: centred, smooth, with its soft mode, in which colours up to which gap.
+type Drawn = (bool, bool, bool, Colours, f64);
+
 /// The texture and what it was made from, so that nothing is made twice.
 #[derive(Default)]
 pub struct MapCache {
-    made_from: Option<(Arc<Frame>, bool, bool, bool, f64)>,
+    made_from: Option<(Arc<Frame>, Drawn)>,
     texture: Option<TextureHandle>,
     /// The field as drawn.
     pub picture: Option<GapPicture>,
@@ -334,10 +334,9 @@ impl MapCache {
             return;
         };
         let centred = view.centred && model.indenter == Indenter::Flat;
-        let fresh = self.made_from.as_ref().is_some_and(|(f, c, s, m, t)| {
-            Arc::ptr_eq(f, frame) && (*c, *s, *m, *t) == (centred, view.smooth, view.soft_mode, top)
-        });
-        if fresh {
+        let drawn = (centred, view.smooth, view.soft_mode, view.colours, top);
+        let made_from = self.made_from.as_ref();
+        if made_from.is_some_and(|(of, so)| Arc::ptr_eq(of, frame) && *so == drawn) {
             return;
         }
         let contact = model.law.contact_gap();
@@ -351,7 +350,7 @@ impl MapCache {
             GapPicture::new(&frame.gap, contact, island)
         };
         let options = texture_options(&view);
-        let image = picture.image(top);
+        let image = picture.image(top, view.colours);
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ctx.load_texture("gap", image, options)),
@@ -362,7 +361,7 @@ impl MapCache {
             .filter(|_| view.soft_mode || frame.is_of_a_branch())
             .map(|mode| picture.mode_lines(mode));
         self.picture = Some(picture);
-        self.made_from = Some((frame.clone(), centred, view.smooth, view.soft_mode, top));
+        self.made_from = Some((frame.clone(), drawn));
     }
 
     /// Draws the field with its contact line; false where there is none.

@@ -12,6 +12,7 @@ use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
+use crate::plot::colours::Colours;
 use crate::solver::Stop;
 use crate::study::plan::promise;
 use egui::{Align, Color32, FontId, Label, Layout, Response, RichText, Ui, vec2};
@@ -24,15 +25,18 @@ const LEAST: f32 = 16.0;
 const MENU: f32 = 40.0;
 const FIT: f32 = 60.0;
 
+/// A size of letters between two at which the words have room.
+fn fitting(ui: &Ui, words: &str, [least, most]: [f32; 2], room: f32) -> f32 {
+    let (words, font) = (words.to_owned(), FontId::proportional(most));
+    let galley = ui.painter().layout_no_wrap(words, font, Color32::WHITE);
+    (most * room / galley.size().x.max(1.0))
+        .clamp(least, most)
+        .floor()
+}
+
 /// A line as large as its width allows; what does not fit at the least size is cut.
 fn line(ui: &mut Ui, words: &str, size: f32, room: f32, colour: Color32) -> Response {
-    let font = FontId::proportional(size);
-    let painter = ui.painter();
-    let wide = painter
-        .layout_no_wrap(words.to_owned(), font, colour)
-        .size()
-        .x;
-    let size = (size * room / wide.max(1.0)).clamp(LEAST, size).floor();
+    let size = fitting(ui, words, [LEAST, size], room);
     let words = RichText::new(words).size(size).strong().color(colour);
     ui.add(Label::new(words).truncate())
 }
@@ -64,6 +68,11 @@ fn options(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         ui.checkbox(&mut view.centred, "Centre the pattern");
     }
     ui.checkbox(&mut view.soft_mode, "Soft mode");
+    ui.separator();
+    for (colours, word) in Colours::ALL {
+        let words = format!("Colours: {word}");
+        ui.radio_value(&mut view.colours, colours, words);
+    }
     if view != state.view {
         actions.push(Action::SetView(view));
     }
@@ -126,11 +135,25 @@ pub fn stability(state: &StateRecord) -> &'static str {
     }
 }
 
+/// How far from balance a state is; a closed form is not at all.
+pub fn residual(state: &StateRecord) -> String {
+    if state.residual == 0.0 {
+        "residual 0".to_owned()
+    } else {
+        format!("residual {:.1e} σₘₐₓ", state.residual)
+    }
+}
+
 /// With a capital letter.
 pub fn capital(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).collect()
+}
+
+/// What is promised of a number, in the fewest words; `error` is relative.
+pub fn exact_to(error: Option<f64>) -> String {
+    promise(error).replace("expected error", "exact to")
 }
 
 /// What is lost, in words.
@@ -161,8 +184,10 @@ pub fn loss(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         Some(doubt) => (format!("⚠ {doubt}"), palette.warn),
         None => (lost.detail, ui.visuals().text_color()),
     };
-    let label = Label::new(RichText::new(&words).color(colour)).truncate();
-    ui.add(label).on_hover_text(words);
+    let letters = [theme::LEAST, theme::BODY];
+    let letters = fitting(ui, &words, letters, ui.available_width());
+    let text = RichText::new(&words).size(letters).color(colour);
+    ui.add(Label::new(text).truncate()).on_hover_text(words);
 }
 
 fn fit(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, palette: &Palette) {
@@ -200,7 +225,7 @@ fn lost(state: &ViewState) -> Lost {
         let contested = contested(&state.run.record.jumps);
         let detail = format!(
             "in one loop, {}",
-            promise(ledger.stated_error(state.predicted_error()))
+            exact_to(ledger.stated_error(state.predicted_error()))
         );
         let headline = match (ledger.dissipated_energy(), &ledger.open) {
             (Some(loss), _) if contested.is_some() => format!("{} lost", either(state, loss)),
@@ -229,8 +254,8 @@ fn lost(state: &ViewState) -> Lost {
             None => energy(state, loss),
         };
         let detail = if fresh {
-            let promise = promise(Some(live.predicted_error));
-            format!("live loop, {} jumps, {promise}", live.jumps.len())
+            let exact = exact_to(Some(live.predicted_error));
+            format!("live loop, {} jumps, {exact}", live.jumps.len())
         } else {
             "live loop before the edit; the new one is computed …".to_owned()
         };
@@ -241,7 +266,7 @@ fn lost(state: &ViewState) -> Lost {
     }
     let record = &state.run.record;
     if record.jumps.is_empty() {
-        let detail = "play a loop to see what one cycle dissipates";
+        let detail = "play a loop to see what is lost";
         return plain("Nothing lost yet".to_owned(), detail.to_owned());
     }
     let freed = energy(state, record.released_energy_sum());

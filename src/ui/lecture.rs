@@ -9,11 +9,13 @@ use super::view_state::ViewState;
 use super::widgets::described;
 use crate::scene::units::fixed;
 use crate::solver::Stop;
-use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui};
+use egui::{CentralPanel, Context, Label, Panel, RichText, Theme, Ui, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
-/// How much larger everything is: words of 15 points become 21, lines of 2 points 3.
+/// How much larger everything is at most: words of 15 points become 21, lines of 2 points 3.
 const ZOOM: f32 = 1.4;
+/// The size from which it is: in a smaller window there would be no room for map and curve.
+const LARGE: Vec2 = vec2(880.0, 580.0);
 
 /// How the window looked before.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,7 +31,8 @@ impl Before {
             zoom: ctx.zoom_factor(),
             dark: ctx.theme() == Theme::Dark,
         };
-        ctx.set_zoom_factor(ZOOM);
+        let share = ctx.content_rect().size() * before.zoom / LARGE;
+        ctx.set_zoom_factor((ZOOM * share.min_elem()).clamp(1.0, ZOOM));
         ctx.set_theme(Theme::Light);
         before
     }

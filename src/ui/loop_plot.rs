@@ -17,9 +17,16 @@ use crate::scene::Model;
 use crate::scene::units::Unit;
 use crate::study::forecast::{Forecast, forecast};
 use crate::worker::protocol::Frame as Picture;
-use egui::{Ui, UiBuilder, vec2};
+use egui::{PointerButton, Response, Ui, UiBuilder, vec2};
+use egui_plot::PlotTransform;
 use std::iter::once;
 use std::sync::Arc;
+
+/// Points of the wheel that make the axes shorter by a factor e.
+const WHEEL: f32 = 200.0;
+/// How much shorter, and how much longer, than those of the scene the axes may be.
+const CLOSEST: f64 = 1e4;
+const FARTHEST: f64 = 4.0;
 
 /// A click this near to a state means it, in screen points.
 const CLICK: f64 = 14.0;
@@ -44,10 +51,14 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     let top = ui.cursor().top();
     headline::loss(ui, state, actions);
     let panel = panel(state);
-    let few = ui.available_width() >= WIDE || height < LOW;
-    let rows = if few { ROWS.0 } else { ROWS.1 };
+    let wide = ui.available_width() >= WIDE;
+    let rows = if wide || height < LOW { ROWS.0 } else { ROWS.1 };
     let mut inside = ui.new_child(UiBuilder::new().max_rect(ui.available_rect_before_wrap()));
-    diagram::legend(&mut inside, &panel);
+    if wide {
+        diagram::legend(&mut inside, &panel);
+    } else {
+        diagram::legend(&mut inside, &without_branches(state, &panel));
+    }
     // The plot stays where it is when an entry comes, as long as the rows hold it.
     let needed = inside.min_rect().height().max(rows * LEGEND);
     ui.allocate_space(vec2(ui.available_width(), needed));
@@ -59,7 +70,9 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     };
     let shown = diagram::show(ui, &panel, "loop", height, hover);
     let (response, transform) = (shown.response, shown.transform);
-    let scrubs = response.dragged() && response.drag_delta() != egui::Vec2::ZERO;
+    actions.extend(other_axes(ui, state, &response, &transform).map(Action::SetAxes));
+    let scrubs =
+        response.dragged_by(PointerButton::Primary) && response.drag_delta() != egui::Vec2::ZERO;
     if let Some(pointer) = response
         .interact_pointer_pos()
         .filter(|_| response.clicked() || scrubs)
@@ -82,6 +95,51 @@ pub fn show(ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>, height: f
     card::show(ui, state, actions, response.rect);
     let sentence = sentence(state);
     described(&response, &sentence);
+}
+
+/// What the legend names in a narrow column: with the branches beneath, which their own tab names, it
+/// would leave no room for the plot.
+fn without_branches(state: &ViewState, panel: &Panel) -> Panel {
+    let mut named = panel.clone();
+    let beneath = &state.plots.beneath;
+    named
+        .series
+        .retain(|series| beneath.iter().all(|line| line.name != series.name));
+    named
+}
+
+/// The axes after a turn of the wheel or a pinch at the pointer, or a drag with the second button.
+fn other_axes(
+    ui: &Ui,
+    state: &ViewState,
+    response: &Response,
+    transform: &PlotTransform,
+) -> Option<[[f64; 2]; 2]> {
+    let ((low, high), whole) = (state.axes(), state.scene_axes());
+    let turned = if response.contains_pointer() {
+        // Nothing beneath scrolls with it.
+        let wheel = ui.input_mut(|input| std::mem::take(&mut input.smooth_scroll_delta).y);
+        (wheel / WHEEL).exp() * ui.input(egui::InputState::zoom_delta)
+    } else {
+        1.0
+    };
+    if turned != 1.0 {
+        let at = transform.value_from_position(response.hover_pos()?);
+        let about = |k: usize, at: f64| {
+            let (now, scene) = (high[k] - low[k], whole.1[k] - whole.0[k]);
+            let then = (now / f64::from(turned)).clamp(scene / CLOSEST, scene * FARTHEST);
+            [low[k], high[k]].map(|end| at + (end - at) * then / now)
+        };
+        let [[left, right], [bottom, top]] = [about(0, at.x), about(1, at.y)];
+        return Some([[left, bottom], [right, top]]);
+    }
+    let moved = response.drag_delta();
+    let dragged = response.dragged_by(PointerButton::Secondary) && moved != egui::Vec2::ZERO;
+    dragged.then(|| {
+        let scale = transform.dpos_dvalue();
+        let by = [f64::from(moved.x) / scale[0], f64::from(moved.y) / scale[1]];
+        [low, high].map(|end| [end[0] - by[0], end[1] - by[1]])
+    })
 }
 
 /// In what u0 and the stress are told.
@@ -146,7 +204,9 @@ pub fn panel(state: &ViewState) -> Panel {
         .labels
         .extend(theory.into_iter().filter_map(|(_, label)| label));
     panel.series.extend(earlier(state));
-    kept(state, &mut panel);
+    if !state.hides_kept() {
+        kept(state, &mut panel);
+    }
     panel.series.extend(machine::line(state, [left, right]));
     guesses(state, &mut panel);
     let wish = state.run.foresight.wish().and_then(|wanted| {

@@ -17,6 +17,7 @@ pub mod view_state;
 
 mod advanced;
 mod card;
+mod clicks;
 mod commands;
 mod controls;
 mod diagram;
@@ -47,5 +48,6 @@ mod widgets;
 mod words;
 
 pub use app::App;
+pub use clicks::Player;
 pub use dialogs::{FileRequest, PathFuture};
 pub use display::{Options, begun, display_available, run, run_with};

@@ -46,7 +46,7 @@ pub fn show(
         }
         None => "Profile: waiting for the solver …".to_owned(),
     };
-    let response = ui.interact(frame, egui::Id::unique("profile"), Sense::drag());
+    let response = ui.interact(frame, gap_map::profile_id(), Sense::drag());
     described(&response, &name);
     // The body keeps to the hand; a load has no height of its own.
     let driven = if state.scene.control() == Control::Load {
@@ -74,19 +74,6 @@ pub fn show(
         (low / one, high / one),
         cut.is_none_or(|(along_x, _)| along_x),
     );
-    if let (Some(picture), Some((along_x, index))) = (picture, cut)
-        && let Some(at) = response.hover_pos()
-    {
-        let (ny, nx) = picture.gap.dim();
-        let share = (at.x - frame.left()) / frame.width();
-        let across = |n: usize| (index as f32 + 0.5) / n as f32;
-        let place = if along_x {
-            [share, across(ny)]
-        } else {
-            [across(nx), share]
-        };
-        response.on_hover_text_at_pointer(gap_map::reading(state, picture, place));
-    }
 }
 
 /// Lower and upper end of the height axis.

@@ -57,6 +57,8 @@ fn keep(ui: &Ui, response: &Response, keys: EventFilter) {
 const ROW: f32 = 30.0;
 /// Room of the numbers at its left.
 const NUMBERS: f32 = 34.0;
+/// Length of the arrow at the place where the surface is.
+const ARROW: f32 = 9.0;
 /// Width from which its marks have names.
 const NAMED: f32 = 90.0;
 
@@ -153,7 +155,7 @@ fn rail(ui: &Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>, rect
     painter.rect_filled(walked, 4.0, palette.elastomer);
     let actual = y_of(state.run.actual);
     let tip = pos2(rail.center().x + 16.0, actual);
-    let arrow = vec![tip, tip + vec2(9.0, -6.0), tip + vec2(9.0, 6.0)];
+    let arrow = vec![tip, tip + vec2(ARROW, -6.0), tip + vec2(ARROW, 6.0)];
     painter.add(Shape::convex_polygon(
         arrow,
         palette.retraction,
@@ -193,6 +195,12 @@ fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
     }
     let over = (target_y.max(actual_y) - rail.bottom()).max(0.0);
     (target_y, actual_y) = (target_y - over, actual_y - over);
+    // Beside the arrow where it stands at the same height.
+    let arrow = if (actual_y - actual.y).abs() < ARROW {
+        ARROW
+    } else {
+        0.0
+    };
     ui.painter().text(
         pos2(x, target_y),
         Align2::LEFT_CENTER,
@@ -208,7 +216,7 @@ fn marks(ui: &Ui, rail: Rect, target: Pos2, actual: Pos2, state: &ViewState) {
         "now"
     };
     ui.painter().text(
-        pos2(x, actual_y),
+        pos2(x + arrow, actual_y),
         Align2::LEFT_CENTER,
         word,
         FontId::proportional(theme::LEAST),

@@ -3,7 +3,7 @@
 
 use super::action::Action;
 use super::flick;
-use super::headline::stability;
+use super::headline::{exact_to, residual, stability};
 use super::theme::{self, Palette};
 use super::view_state::ViewState;
 use super::words::explain;
@@ -143,7 +143,7 @@ fn chip(state: &ViewState) -> String {
             let closed = state.run.closed_loop.as_ref();
             let stated = closed.and_then(|closed| closed.summary.ledger.stated_error(predicted));
             let error = stated.unwrap_or(predicted);
-            promise(Some(error)).replace("expected error", "exact to")
+            exact_to(Some(error))
         }
         Some(_) => "no equilibrium".to_owned(),
     }
@@ -176,7 +176,7 @@ fn lines(state: &ViewState) -> Vec<String> {
                 fixed(now.stiffness_min, 3),
                 now.stiffness_error
             ),
-            format!("residual {:.1e} σₘₐₓ", now.residual),
+            residual(now),
             format!("{}, {}", now.part, state.method.title()),
             format!(
                 "last increment: {} iteration{plural}, {} transforms, {:.1} ms",

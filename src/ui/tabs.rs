@@ -12,6 +12,7 @@ mod kept;
 mod landscape;
 mod map;
 mod paper;
+mod relief;
 mod stability;
 mod study;
 mod why;
@@ -114,6 +115,7 @@ impl Default for Tabs {
             Box::<branches::Branches>::default(),
             Box::<landscape::LandscapeTab>::default(),
             Box::<map::Map>::default(),
+            Box::<relief::Relief>::default(),
             Box::<ground::GroundTab>::default(),
             Box::<accuracy::Accuracy>::default(),
             Box::<study::StudyTab>::default(),

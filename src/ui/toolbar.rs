@@ -6,9 +6,10 @@ use super::gallery;
 use super::theme;
 use super::view_state::ViewState;
 use super::widgets::named;
+use super::words::explain;
 use crate::lessons;
 use crate::worker::protocol::{Speed, Sweep};
-use egui::{Button, Id, RichText, Ui, vec2};
+use egui::{Button, Id, RichText, ThemePreference, Ui, vec2};
 
 /// Size of the faces of play, and of the other buttons without words.
 const PLAY: f32 = 18.0;
@@ -239,9 +240,19 @@ fn files(ui: &mut Ui, actions: &mut Vec<Action>) {
     entries(ui, actions, list);
 }
 
+/// The other theme, with its face.
+fn other_theme(ui: &Ui) -> (&'static str, Action) {
+    let (face, theme) = if ui.visuals().dark_mode {
+        ("☀", ThemePreference::Light)
+    } else {
+        ("☾", ThemePreference::Dark)
+    };
+    (face, Action::SetTheme(theme))
+}
+
 /// Lecture mode, light or dark, the sheet of keys.
 fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
-    let theme = if ui.visuals().dark_mode { "☀" } else { "☾" };
+    let (theme, switch) = other_theme(ui);
     for (face, name, hover, action) in [
         (
             "🎓",
@@ -249,7 +260,7 @@ fn looks(ui: &mut Ui, actions: &mut Vec<Action>) {
             "Lecture mode (F11)",
             Action::ToggleLecture,
         ),
-        (theme, "Switch theme", "light or dark", Action::ToggleTheme),
+        (theme, "Switch theme", "light or dark", switch),
         ("?", "Help", "keys and marks (?)", Action::ToggleHelp),
     ] {
         let button = named(ui.add(large(face)), name);
@@ -287,18 +298,30 @@ fn more(ui: &mut Ui, state: &ViewState, room: Room, actions: &mut Vec<Action>) {
     if room != Room::Words {
         let list = [
             ("Lecture mode", "F11", Action::ToggleLecture),
-            ("Switch theme", "", Action::ToggleTheme),
+            ("Switch theme", "", other_theme(ui).1),
             ("Help", "?", Action::ToggleHelp),
         ];
         entries(ui, actions, list);
     }
     let list = [
-        ("Theme of the system", "", Action::SystemTheme),
+        (
+            "Theme of the system",
+            "",
+            Action::SetTheme(ThemePreference::System),
+        ),
         ("Restore layout", "", Action::RestoreLayout),
         ("All commands…", "Ctrl+K", Action::ToggleCommands),
         ("Quit", "Ctrl+Q", Action::Quit),
     ];
     entries(ui, actions, list);
+    let mut view = state.view;
+    explain(
+        ui.checkbox(&mut view.click, "Click at a snap"),
+        "Click at a snap",
+    );
+    if view != state.view {
+        actions.push(Action::SetView(view));
+    }
     let size = theme::LEAST;
     ui.label(RichText::new("Ctrl + and Ctrl − make everything larger, smaller.").size(size));
 }

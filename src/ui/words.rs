@@ -188,6 +188,11 @@ const WORDS: &[(&str, &str, &str)] = &[
         "The published dynamics: a fixed number of steps, after which states may not rest, and are drawn hollow.",
         "",
     ),
+    (
+        "Click at a snap",
+        "A short sound whenever the surface jumps, by the desktop's own player of sounds.",
+        "",
+    ),
     // What is seen.
     (
         "u0",

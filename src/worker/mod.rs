@@ -1,7 +1,7 @@
 //! Floor 7: the only threads and channels. The solver's thread and the live loop's beside it,
-//! background jobs (measurements, the paper's figures, whatever else takes its time), and the
-//! signals that ask the process to end. The caller passes `wake`, called whenever something new can
-//! be received. Names no window, writes no files.
+//! background jobs (measurements, the paper's figures, whatever else takes its time), the player of
+//! a sound, and the signals that ask the process to end. The caller passes `wake`, called whenever
+//! something new can be received. Names no window, writes no files.
 
 pub mod background;
 pub mod job;
@@ -9,6 +9,7 @@ pub mod protocol;
 pub mod rehearsal;
 pub mod session;
 pub mod signals;
+pub mod sound;
 
 mod film;
 mod run_loop;

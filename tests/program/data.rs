@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tackscope::physics::grid::Grid;
 use tackscope::physics::system::System;
+use tackscope::plot::colours::Colours;
 use tackscope::storage::film::{FilmKind, Shot, write_film};
 use tackscope::storage::{VERSION, presets, scene_file};
 use zip::ZipArchive;
@@ -421,10 +422,16 @@ fn a_gif_has_every_picture_in_the_colours_of_the_map() {
     let path = folder.path().join("film.gif");
     let mut shares = Vec::new();
     let film = (shots(), COUNT);
-    write_film(&path, FilmKind::Gif, film, TOP, &mut |share| {
-        shares.push(share);
-        true
-    })
+    write_film(
+        &path,
+        FilmKind::Gif,
+        film,
+        (TOP, Colours::default()),
+        &mut |share| {
+            shares.push(share);
+            true
+        },
+    )
     .unwrap();
     assert_eq!(shares, [0.2, 0.4, 0.6, 0.8, 1.0]);
     let mut options = gif::DecodeOptions::new();
@@ -462,7 +469,14 @@ fn an_animated_png_has_every_picture() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.png");
     let film = (shots(), COUNT);
-    write_film(&path, FilmKind::Apng, film, TOP, &mut |_| true).unwrap();
+    write_film(
+        &path,
+        FilmKind::Apng,
+        film,
+        (TOP, Colours::default()),
+        &mut |_| true,
+    )
+    .unwrap();
     let decoder = png::Decoder::new(BufReader::new(File::open(&path).unwrap()));
     let mut film = decoder.read_info().unwrap();
     let told = film.info().animation_control.expect("it is animated");
@@ -482,11 +496,23 @@ fn of_a_film_that_is_given_up_nothing_is_left_and_what_was_there_stays() {
     let path = folder.path().join("film.gif");
     std::fs::write(&path, "what was there").unwrap();
     let film = (shots(), COUNT);
-    let end = write_film(&path, FilmKind::Gif, film, TOP, &mut |share| share < 0.5);
+    let end = write_film(
+        &path,
+        FilmKind::Gif,
+        film,
+        (TOP, Colours::default()),
+        &mut |share| share < 0.5,
+    );
     assert!(end.unwrap_err().to_string().contains("given up"));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "what was there");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let none = (std::iter::empty::<Shot>(), 0);
-    let end = write_film(&path, FilmKind::Apng, none, TOP, &mut |_| true);
+    let end = write_film(
+        &path,
+        FilmKind::Apng,
+        none,
+        (TOP, Colours::default()),
+        &mut |_| true,
+    );
     assert!(end.unwrap_err().to_string().contains("nothing to show"));
 }

@@ -4,6 +4,7 @@
 mod binary;
 mod command_line;
 mod data;
+mod explorer;
 mod files;
 mod floors;
 mod height_formats;

@@ -8,7 +8,7 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use tackscope::follow::diagram::Diagram;
 use tackscope::follow::record::{Cause, Direction, JumpRecord, StateRecord};
 use tackscope::physics::pattern::Pattern;
@@ -62,11 +62,27 @@ impl SolverHandle for FakeSolver {
 /// What a landscape is asked for: a scene, its branches, a state, the landscape before.
 pub type Asked = (Arc<Scene>, Arc<Diagram>, Standing, Option<Arc<Landscape>>);
 
+/// A player of sounds that makes none: how often it was called, and what it answers.
+pub type Silent = Arc<Mutex<(usize, Result<(), String>)>>;
+
 /// The window under test.
 pub struct Bench {
     pub window: Harness<'static, App>,
     solver: FakeSolver,
     pub model: Model,
+    pub player: Silent,
+}
+
+/// What has a name that begins with these words.
+pub fn named_from<'a>(
+    window: &'a Harness<'static, App>,
+    words: &'a str,
+) -> Option<egui_kittest::Node<'a>> {
+    let begins = |node: &egui_kittest::Node<'_>| {
+        let name = node.accesskit_node().label();
+        name.is_some_and(|name| name.starts_with(words))
+    };
+    window.query_all_by_label_contains(words).find(begins)
 }
 
 /// The scene the window opens with.
@@ -99,6 +115,13 @@ impl Bench {
         let app = App::with_chooser(solver.clone(), state, |_| {
             Box::pin(std::future::ready(None::<PathBuf>))
         });
+        let player: Silent = Arc::new(Mutex::new((0, Ok(()))));
+        let called = player.clone();
+        let app = app.with_player(Arc::new(move || {
+            let mut called = called.lock().expect("nobody panics over it");
+            called.0 += 1;
+            called.1.clone()
+        }));
         let window = Harness::builder()
             .with_size(vec2(width, height))
             .with_max_steps(12)
@@ -108,6 +131,7 @@ impl Bench {
             window,
             solver,
             model,
+            player,
         };
         bench.window.run();
         bench
@@ -352,13 +376,10 @@ impl Bench {
             "no equilibrium",
             "not computed",
         ];
-        let chip = |words: &&str| {
-            let mut all = self.window.query_all_by_label_contains(words);
-            all.next().is_some()
-        };
+        let chip = |words: &&str| named_from(&self.window, words).is_some();
         let chip = CHIPS.into_iter().find(chip).expect("a chip");
         let open = |bench: &mut Self| {
-            let node = bench.window.query_all_by_label_contains(chip).next();
+            let node = named_from(&bench.window, chip);
             node.expect("the chip").click();
             bench.settle();
         };

@@ -1,6 +1,6 @@
 //! Every word on the screen has a card.
 
-use super::bench::fig2;
+use super::bench::{fig2, named_from};
 use super::stepped::computing;
 use super::stored::looped;
 use egui::{Event, Key, Modifiers, Pos2, Role};
@@ -28,15 +28,15 @@ fn is_plain(role: Role, name: &str) -> bool {
 /// The words in sight, with their places.
 fn words(window: &Harness<'static, App>) -> Vec<(Role, String, Pos2)> {
     let screen = window.ctx.content_rect();
-    let chip = |words| window.query_by_label_contains(words);
-    let chip = chip("exact to").or_else(|| chip("accuracy is promised"));
+    let chip = |words| named_from(window, words);
+    let chip = chip("exact to").or_else(|| chip("no accuracy is promised"));
     let bar = chip.expect("the chip of the bar").rect();
     let nodes = window.root().children_recursive();
     let words = nodes.filter_map(|node| {
         let (role, name) = (node.accesskit_node().role(), node.accesskit_node().label());
         let (name, at) = (name.or(node.value())?, node.rect().center());
         // What scrolls lies under the bar at the foot of the window.
-        let of_bar = ["flat", "stable"].contains(&&*name) || name.contains("exact to");
+        let of_bar = ["flat", "stable"].contains(&&*name) || name.starts_with("exact to");
         let seen = of_bar || at.y < bar.top() - 14.0;
         (screen.contains(at) && seen && !is_plain(role, &name)).then_some((role, name, at))
     });

@@ -1,11 +1,12 @@
 //! Saving, where what it does to files that are there is asked for first; and the palette of commands.
 
 use super::bench::{Bench, fig2};
-use egui::{Event, Key, Modifiers};
+use egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable;
 use std::fs;
 use std::path::Path;
 use tackscope::paper::GALLERY;
+use tackscope::ui::action::ProfileLine;
 use tackscope::worker::background::Page;
 use tackscope::worker::protocol::{Command, Speed};
 
@@ -105,6 +106,42 @@ fn a_command_is_found_by_parts_of_its_name_and_run_by_enter() {
         !bench.names().contains("Cohesive law: cosine"),
         "it is closed"
     );
+}
+
+#[test]
+fn the_profile_is_cut_and_a_guess_is_made_without_a_mouse() {
+    let mut bench = asked("profile along y");
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().view.profile, ProfileLine::AlongY(0.5));
+    bench.press(Modifiers::NONE, Key::F11);
+    bench.press(Modifiers::COMMAND, Key::K);
+    bench.window.event(Event::Text("3.3".to_owned()));
+    bench.window.run();
+    bench.press(Modifiers::NONE, Key::ArrowDown);
+    bench.press(Modifiers::NONE, Key::Enter);
+    assert_eq!(bench.state().plots.guesses, [3.3]);
+    bench.jump(3.1);
+    bench.press(Modifiers::COMMAND, Key::K);
+    bench.window.event(Event::Text("3.3".to_owned()));
+    bench.window.run();
+    assert!(
+        !bench.names().contains("Guess the first jump"),
+        "it is over"
+    );
+}
+
+#[test]
+fn the_theme_is_found_by_its_name_in_any_order() {
+    for (words, theme) in [
+        ("theme dark", Theme::Dark),
+        ("light theme", Theme::Light),
+        ("dark", Theme::Dark),
+        ("light", Theme::Light),
+    ] {
+        let mut bench = asked(words);
+        bench.press(Modifiers::NONE, Key::Enter);
+        assert_eq!(bench.window.ctx.theme(), theme, "{words}");
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::bench::{Bench, fig2};
 use super::stepped::opened;
+use super::stored::looped;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -86,8 +87,9 @@ fn the_first_lesson_is_passed_by_keyboard_alone() {
 }
 
 /// The toolkit's memory.
+/// What is kept between two sittings.
 #[derive(Default)]
-struct Memory(HashMap<String, String>);
+pub struct Memory(HashMap<String, String>);
 
 impl eframe::Storage for Memory {
     fn get_string(&self, key: &str) -> Option<String> {
@@ -132,6 +134,48 @@ fn a_lesson_is_resumed_where_it_was_left() {
     later.run();
     assert!(later.state().state().lesson.is_none());
     assert!(says(&later, "law morse"), "the controls are back");
+}
+
+#[test]
+fn a_lecture_is_enlarged_as_far_as_there_is_room() {
+    for (size, zoom) in [((1280.0, 800.0), 1.4), ((640.0, 480.0), 1.0)] {
+        let mut bench = Bench::sized(size.0, size.1);
+        bench.reach(4.0, Direction::Approach);
+        bench.press(Modifiers::NONE, Key::F11);
+        bench.settle();
+        let found = bench.window.ctx.zoom_factor();
+        assert!((found - zoom).abs() < 0.1, "{found} at {size:?}");
+        let slider = bench.window.get_by_label("mean displacement u0").rect();
+        assert!(slider.height() > 80.0, "{slider:?} at {size:?}");
+        bench.press(Modifiers::NONE, Key::F11);
+        bench.settle();
+        assert_eq!(bench.window.ctx.zoom_factor(), 1.0);
+    }
+}
+
+#[test]
+fn no_kept_loop_and_no_scene_beside_tells_what_a_lesson_asks() {
+    let (mut window, _) = looped();
+    window.key_press(Key::L);
+    window.run();
+    window.get_by_label("law cosine").click();
+    rest(&mut window);
+    let act = |window: &mut Harness<'static, App>, words: &str| {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+        window.step();
+        window.event(Event::Text(words.to_owned()));
+        window.step();
+        window.key_press(Key::Enter);
+        rest(window);
+    };
+    act(&mut window, "A | B: compare");
+    let beside = |window: &Harness<'static, App>| says(window, "B, Fig. 2");
+    assert!(beside(&window));
+    act(&mut window, "lesson first snap");
+    assert!(!beside(&window) && !says(&window, "B: Fig. 2"));
+    window.get_by_label("Leave the lesson").click();
+    rest(&mut window);
+    assert!(beside(&window), "they are there again");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use tackscope::follow::record::Direction;
 use tackscope::physics::indenter::{Hertz, Indenter, Wave};
+use tackscope::plot::colours::Colours;
 use tackscope::scene::{Range, Scene, Turn};
 use tackscope::storage::{files, picture, presets, scene_file};
 
@@ -50,7 +51,8 @@ fn a_scene_file_and_a_picture_with_its_scene_open_whatever_they_are_called() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (text, shot) = (folder.path().join("scene.txt"), folder.path().join("loop"));
     scene_file::save(&text, &hertz()).expect("saved");
-    picture::write_gap_png(&shot, &ndarray::Array2::zeros((4, 4))).expect("written");
+    picture::write_gap_png(&shot, &ndarray::Array2::zeros((4, 4)), Colours::default())
+        .expect("written");
     picture::attach(&shot, &hertz(), None).expect("attached");
     for path in [text, shot] {
         let mut bench = Bench::new();
@@ -74,7 +76,12 @@ fn what_is_no_scene_is_refused_in_words_and_never_waited_for() {
     files::write_whole(&at("long.toml"), &vec![b'#'; (1 << 20) + 1]).expect("written");
     // A picture whose text is longer than any scene: length, name, keyword and data, checksum.
     let mut bytes = Vec::new();
-    picture::write_gap_png(&at("plain.png"), &ndarray::Array2::zeros((4, 4))).expect("written");
+    picture::write_gap_png(
+        &at("plain.png"),
+        &ndarray::Array2::zeros((4, 4)),
+        Colours::default(),
+    )
+    .expect("written");
     bytes.extend(std::fs::read(at("plain.png")).expect("there"));
     let mut chunk = b"iTXttackscope-scene\0\0\0\0\0".to_vec();
     chunk.extend(std::iter::repeat_n(b'#', 3 << 20));

@@ -3,10 +3,12 @@
 #![cfg(feature = "gui")]
 
 mod accuracy;
+mod axes;
 mod bench;
 mod branches;
 mod canvas;
 mod cards;
+mod clicks;
 mod dialogs;
 mod foreseen;
 mod ground;
@@ -20,6 +22,8 @@ mod model;
 mod paper;
 mod push;
 mod random;
+mod reading;
+mod relief;
 mod screens;
 mod select;
 mod session;
@@ -510,6 +514,25 @@ fn the_hint_goes_when_the_surface_was_all_the_way_down_without_a_jump() {
     assert!(bench.state().messages.hint.is_some());
     bench.reach(0.2, Direction::Approach);
     assert_eq!(bench.state().messages.hint, None);
+}
+
+#[test]
+fn a_jump_is_announced_and_a_second_one_not_within_two_seconds() {
+    let mut bench = Bench::new();
+    let said = |bench: &Bench| bench.state().messages.announced.clone();
+    let time = |bench: &Bench| bench.window.ctx.input(|input| input.time);
+    assert_eq!(said(&bench), "");
+    let begun = time(&bench);
+    bench.jump(3.1);
+    assert!(said(&bench).contains("3.1"), "{}", said(&bench));
+    bench.jump(2.9);
+    let mut frames = 0;
+    while !said(&bench).contains("2.9") {
+        bench.window.step();
+        frames += 1;
+        assert!(frames < 100, "it is never announced");
+    }
+    assert!(time(&bench) - begun >= 2.0);
 }
 
 #[test]

@@ -92,10 +92,12 @@ impl Screen {
         let (ctx, output) = (&window.ctx, window.output());
         let mut picture = halved(&self.canvas.draw(ctx, output, MARGIN * zoom));
         let told = window.query_all_by_label_contains(" ms");
-        let place = |rect: Rect| rect.translate(Vec2::splat(-MARGIN)) * (zoom / 2.0);
+        // The width of the words changes with the digits of the clock.
+        let whole = |rect: Rect| rect.with_max_x(rect.left() + (rect.width() / 64.0).ceil() * 64.0);
+        let place = |rect: Rect| whole(rect).translate(Vec2::splat(-MARGIN)) * (zoom / 2.0);
         for place in told.map(|node| place(node.rect())) {
             for y in place.top() as u32..place.bottom() as u32 {
-                for x in place.left() as u32..place.right() as u32 {
+                for x in place.left() as u32..(place.right() as u32).min(picture.width()) {
                     picture.put_pixel(x, y, image::Rgb([128; 3]));
                 }
             }

@@ -1,10 +1,13 @@
 //! Looking at stored states and jumps; the scene on the clipboard; the layout restored.
 
 use super::bench::{Bench, fig2};
+use egui::epaint::{ClippedShape, Shape};
 use egui::{Key, Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
 use tackscope::follow::record::Direction;
+use tackscope::plot::colours::Colours;
 use tackscope::storage::scene_file;
+use tackscope::ui::theme;
 
 /// Down through two jumps.
 fn walked() -> Bench {
@@ -139,6 +142,62 @@ fn restore_layout_brings_view_and_axes_back() {
     bench.click("Restore layout");
     assert_eq!(bench.state().view, Default::default());
     assert_eq!(bench.state().plots.fit, None);
+}
+
+#[test]
+fn the_map_and_its_picture_are_in_the_chosen_colours() {
+    let mut bench = walked();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (colours, word) in Colours::ALL {
+        bench.click(&format!("Colours: {word}"));
+        bench.press(Modifiers::NONE, Key::Escape);
+        assert_eq!(bench.state().view.colours, colours);
+        let path = folder.path().join(format!("{}.png", word.len()));
+        bench.click("Export picture…");
+        bench.click("gap map");
+        write_to(&mut bench, &path);
+        let picture = image::open(&path).expect("a picture").to_rgb8();
+        // A uniform gap has no contrast: all of it is the colour of the scale's beginning.
+        assert_eq!(picture.get_pixel(9, 9).0, colours.at(0.0), "{word}");
+    }
+    // On the screen the colour bar ends in the last colour.
+    let last = theme::rgb(Colours::Paper.at(1.0 - 0.5 / 64.0));
+    let filled =
+        |shape: &ClippedShape| matches!(&shape.shape, Shape::Rect(rect) if rect.fill == last);
+    assert!(bench.window.output().shapes.iter().any(filled));
+}
+
+/// Types the path of the open dialog and writes.
+fn write_to(bench: &mut Bench, path: &std::path::Path) {
+    bench
+        .window
+        .get_by_role_and_label(egui::Role::TextInput, "Path")
+        .focus();
+    bench.window.run();
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    bench.window.run();
+    bench
+        .window
+        .event(egui::Event::Text(path.display().to_string()));
+    bench.window.run();
+    bench.click("Write");
+    assert_eq!(bench.state().messages.failure, None);
+}
+
+#[test]
+fn the_curve_is_written_as_an_svg_that_names_the_scene() {
+    let mut bench = walked();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("loop.svg");
+    bench.click("Export picture…");
+    bench.click("stress curve, SVG");
+    write_to(&mut bench, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(
+        text.starts_with("<svg") || text.starts_with("<?xml"),
+        "{text:.80}"
+    );
+    assert!(text.contains("four patterns") && text.contains("</svg>"));
 }
 
 #[test]

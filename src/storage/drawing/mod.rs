@@ -68,6 +68,14 @@ fn write_pixels(path: &Path, sheet: &Sheet) -> Result<(), Failure> {
     write_png(path, &pixels.map_err(|error| Failure::write(path, error))?)
 }
 
+/// Writes the page as an SVG alone.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_page_svg(path: &Path, page: &Page<'_>) -> Result<(), Failure> {
+    files::write_whole(path, page_svg(page).as_bytes())
+}
+
 /// The page as the text of an SVG.
 pub fn page_svg(page: &Page<'_>) -> String {
     page_sheet(page).svg()

@@ -5,6 +5,7 @@ use super::legend::{self, Legend, MARK, SYMBOL, scaled};
 use super::svg::{
     Anchor, GRID, GROUND, Place, RULE, Sheet, frame, ink, rectangle, set, solid, width,
 };
+use crate::plot::colours::Colours;
 use crate::plot::panel::{Area, Arrow, Axis, Content, Fill, Inset, Label, Panel, Role, Series};
 use crate::plot::scale::{Scale, scales};
 use crate::plot::style::{MARKS, marked, pointing, stroke};
@@ -325,7 +326,7 @@ impl Plot<'_> {
                 draw(sheet, panel, &panel.title, sides, (&legend, room), size);
             }
             Content::Map { letter, gap } => {
-                let image = gap_pixels(gap, self.gap_scale());
+                let image = gap_pixels(gap, self.gap_scale(), Colours::default());
                 let (columns, rows) = (
                     f64::from(image.width().max(1)),
                     f64::from(image.height().max(1)),

@@ -72,6 +72,7 @@ impl Tab for LandscapeTab {
 
     fn show(&mut self, ui: &mut Ui, state: &ViewState, _: &mut Vec<Action>) {
         let words = self.words(state);
+        let landscape = self.shown.clone().filter(|shown| !shown.passes.is_empty());
         let down = self.roll(ui);
         // Nothing moves when a job begins or ends.
         let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
@@ -79,12 +80,16 @@ impl Tab for LandscapeTab {
             if let Some((_, job)) = self.job.as_ref().filter(|(_, job)| job.is_running()) {
                 progress(ui, job);
             }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(Label::new(RichText::new(&words).strong()).truncate());
-            });
+            if landscape.is_some() {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add(Label::new(RichText::new(&words).strong()).truncate());
+                });
+            }
         });
         let before = self.pointed.take();
-        let Some(landscape) = self.shown.clone().filter(|shown| !shown.passes.is_empty()) else {
+        let Some(landscape) = landscape else {
+            // Below there is room for all of them.
+            ui.strong(words);
             return;
         };
         let law = &state.model.law;

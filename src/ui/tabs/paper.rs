@@ -5,6 +5,7 @@ use super::{Tab, Title, Update, doing};
 use crate::paper::errata::Erratum;
 use crate::paper::figure::Finding;
 use crate::paper::{Entry, Figure, GALLERY};
+use crate::plot::colours::Colours;
 use crate::plot::panel::{Content, Panel, letter};
 use crate::plot::typeset::number;
 use crate::storage::picture::{common_scale, gap_image};
@@ -410,7 +411,7 @@ fn maps(ui: &Ui, panel: &Panel, frame: Rect, key: (usize, usize)) {
                 .cloned()
         });
         let texture = known.unwrap_or_else(|| {
-            let image = gap_image(gap, colours);
+            let image = gap_image(gap, colours, Colours::default());
             let size = [image.width() as usize, image.height() as usize];
             let picture = ColorImage::from_rgb(size, image.as_raw());
             let texture = ui.ctx().load_texture(

@@ -6,6 +6,7 @@ use crate::follow::record::JumpRecord;
 use crate::lessons::Hidden;
 use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
+use crate::plot::colours::Colours;
 use crate::plot::scale;
 use crate::scene::Scene;
 use crate::scene::units::fixed;
@@ -33,6 +34,8 @@ const GAP: f32 = 8.0;
 /// Room of the buttons beside the maps, and the width from which they stand there.
 const COLUMN: f32 = 190.0;
 const BESIDE: f32 = 406.0;
+/// Height of the tab below which maps and sentence have no room together.
+const LOW: f32 = 150.0;
 /// Height of the row that replays.
 const ROW: f32 = 28.0;
 /// Width and height of a map's name.
@@ -52,8 +55,8 @@ struct Told {
     index: usize,
     jump: JumpRecord,
     film: Option<Arc<Film>>,
-    /// Of the pictures: the pattern in the middle, and between mesh points as well.
-    drawn: (bool, bool),
+    /// Of the pictures: the pattern in the middle, between mesh points as well, their colours.
+    drawn: (bool, bool, Colours),
     why: Explanation,
     /// Before, soft mode, after.
     maps: Vec<Map>,
@@ -98,7 +101,10 @@ impl Tab for Why {
     fn show(&mut self, ui: &mut Ui, state: &ViewState, actions: &mut Vec<Action>) {
         self.tell(ui.ctx(), state);
         self.play(ui);
+        // Of another jump the beginning is seen first.
+        let jump = self.told.as_ref().map(|told| (told.run, told.index));
         ScrollArea::vertical()
+            .id_salt(("why", jump))
             .auto_shrink([false, false])
             .show(ui, |ui| match &self.told {
                 None if state.hides(Hidden::Forecast) => {
@@ -108,9 +114,16 @@ impl Tab for Why {
                     ui.label(ahead(&state.scene, &state.model, &state.run.record));
                 }
                 Some(told) => {
+                    // In the least window the answer comes first, and the rest is scrolled to.
+                    let low = ui.clip_rect().height() < LOW;
+                    if low {
+                        sentence(ui, &told.why.sentence);
+                    }
                     headline(ui, told);
                     let whole = pictures(ui, state, told, actions);
-                    sentence(ui, &told.why.sentence);
+                    if !low {
+                        sentence(ui, &told.why.sentence);
+                    }
                     replay(ui, state, told, &mut self.replay);
                     if !whole {
                         more(ui, state, told, actions);
@@ -146,7 +159,8 @@ impl Why {
             return;
         };
         let film = state.run.films.of(index);
-        let drawn = (state.view.centred, state.view.smooth);
+        let view = &state.view;
+        let drawn = (view.centred, view.smooth, view.colours);
         let is_fresh = self.told.as_ref().is_some_and(|told| {
             let same = match (&told.film, film) {
                 (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -178,7 +192,7 @@ impl Why {
 }
 
 impl Told {
-    fn new(ctx: &Context, state: &ViewState, index: usize, drawn: (bool, bool)) -> Self {
+    fn new(ctx: &Context, state: &ViewState, index: usize, drawn: (bool, bool, Colours)) -> Self {
         let jump = state.run.record.jumps[index].clone();
         let film = state.run.films.of(index).cloned();
         let mode = film.as_ref().and_then(|film| film.soft_mode());
@@ -211,9 +225,9 @@ impl Told {
                 contour: picture.map_or_else(Vec::new, shares),
             };
             let from = format!("Gap before the jump: {}", jump.from.words());
-            let first = map("before", from, before.image(top), Some(&before));
+            let first = map("before", from, before.image(top, drawn.2), Some(&before));
             let to = format!("Gap after the jump: {}", jump.to.words());
-            let last = map("after", to, after.image(top), Some(&after));
+            let last = map("after", to, after.image(top, drawn.2), Some(&after));
             let mode = mode.as_ref().map(|mode| {
                 let [x, y] = why.wave.unwrap_or_default();
                 let shows = format!(
@@ -323,7 +337,7 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     let this = told.jump.released_energy + 0.0;
     let unit = state.model.unit(Dimension::SurfaceEnergy);
     let (freed, sum) = (unit.number(this, 4), unit.say(all, 4, "γ"));
-    ui.label(format!("{freed} of {sum} set free"))
+    ui.label(RichText::new(format!("{freed} of {sum} set free")).small())
         .on_hover_text("what this jump turned into heat, of what all jumps did so far");
     let (_, bar) = ui.allocate_space(vec2(ui.available_width().min(220.0), 12.0));
     let colour = theme::palette(ui).jump;
@@ -340,14 +354,14 @@ fn more(ui: &mut Ui, state: &ViewState, told: &Told, actions: &mut Vec<Action>) 
     let (this, all) = (fixed(this, 4), fixed(all, 4));
     let sentence = format!("{this} of {all} gamma released so far");
     described(&response, &sentence);
-    let stiffness = ui.button("Show the stiffness");
+    let stiffness = ui.button(RichText::new("Show the stiffness").small());
     if stiffness
         .on_hover_text("how it fell to zero: the tab Stability")
         .clicked()
     {
         actions.push(Action::OpenTab("Stability"));
     }
-    let branches = ui.button("What could it do instead?");
+    let branches = ui.button(RichText::new("What could it do instead?").small());
     if branches
         .on_hover_text("every state of equilibrium, stable or not: the tab Branches")
         .clicked()

@@ -89,7 +89,7 @@ impl Beside {
 impl ViewState {
     /// The scene beside this one, with its kept loop.
     pub fn beside(&self) -> Option<(&Beside, &Kept)> {
-        let beside = self.beside.as_ref()?;
+        let beside = self.beside.as_ref().filter(|_| !self.hides_kept())?;
         Some((beside, self.plots.kept.get(beside.of)?))
     }
 

@@ -32,11 +32,20 @@ impl ViewState {
 
     /// True if the lesson hides this, or a lecture or the window itself before the first jump.
     pub fn hides(&self, what: Hidden) -> bool {
+        let waits = self.opened.guessing || self.view.lecture && self.run.record.jumps.is_empty();
+        self.lesson_hides(what) || waits && what == Hidden::Forecast
+    }
+
+    fn lesson_hides(&self, what: Hidden) -> bool {
         let step = self
             .lesson()
             .and_then(|(lesson, progress)| progress.step(lesson));
-        let waits = self.opened.guessing || self.view.lecture && self.run.record.jumps.is_empty();
-        step.is_some_and(|step| step.hide.contains(&what)) || waits && what == Hidden::Forecast
+        step.is_some_and(|step| step.hide.contains(&what))
+    }
+
+    /// True if kept loops, and the scene beside, would tell what a lesson asks.
+    pub fn hides_kept(&self) -> bool {
+        self.lesson_hides(Hidden::Forecast)
     }
 
     /// What a lesson knows of the model.

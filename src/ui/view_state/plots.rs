@@ -195,9 +195,11 @@ impl ViewState {
 
     /// Axes of the plot: (lower left, upper right) in u0/rho and stress/sigma_max.
     pub fn axes(&self) -> ([f64; 2], [f64; 2]) {
-        if let Some(fit) = self.plots.fit {
-            return fit;
-        }
+        self.plots.fit.unwrap_or_else(|| self.scene_axes())
+    }
+
+    /// The same of the scene, whatever was done to them.
+    pub fn scene_axes(&self) -> ([f64; 2], [f64; 2]) {
         let (low, high) = scale::stress_scale(&self.scene, &self.model);
         let [left, right] = window::of_u0(&self.scene, &self.model).map(|u0| u0 / self.rho());
         let margin = 0.03 * (right - left);
