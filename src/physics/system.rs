@@ -472,27 +472,6 @@ impl System {
         z
     }
 
-    /// Multiplies each wave of a `field` by its factor; its mean is dropped where u0 is no unknown.
-    /// `amplitudes` is room for them. Two transforms.
-    pub fn filter(
-        &self,
-        field: &mut Array2<f64>,
-        factors: &[f64],
-        amplitudes: &mut [f64],
-        ws: &mut Workspace,
-    ) {
-        let mean = self.transforms.analyse(field, amplitudes, &mut ws.scratch);
-        amplitudes[0] = mean;
-        amplitudes
-            .iter_mut()
-            .zip(factors)
-            .for_each(|(a, f)| *a *= f);
-        let mean = self.mean(amplitudes);
-        self.transforms
-            .synthesise(amplitudes, mean, field, &mut ws.scratch);
-        ws.transforms += 2;
-    }
-
     /// Along which of x and y patterns can slide; even fields cannot.
     pub fn slides_along(&self) -> [bool; 2] {
         let fixed = self.is_even();

@@ -109,7 +109,6 @@ struct Filter<'a> {
     system: &'a System,
     workspace: Workspace,
     field: Array2<f64>,
-    amplitudes: Vec<f64>,
 }
 
 impl<'a> Filter<'a> {
@@ -117,7 +116,6 @@ impl<'a> Filter<'a> {
         Self {
             workspace: system.workspace(),
             field: Array2::zeros(system.shape()),
-            amplitudes: vec![0.0; system.dimension()],
             system,
         }
     }
@@ -125,10 +123,9 @@ impl<'a> Filter<'a> {
     /// The field with these `values` after that. Two transforms.
     fn applied(&mut self, factors: &[f64], values: impl Iterator<Item = f64>) -> &[f64] {
         self.field.iter_mut().zip(values).for_each(|(f, v)| *f = v);
-        let (field, amplitudes) = (&mut self.field, &mut self.amplitudes);
-        self.system
-            .filter(field, factors, amplitudes, &mut self.workspace);
-        flat(&self.field)
+        let mut waves = self.system.amplitudes(&self.field, &mut self.workspace);
+        waves.iter_mut().zip(factors).for_each(|(w, f)| *w *= f);
+        flat(self.system.field(&waves, &mut self.workspace))
     }
 }
 

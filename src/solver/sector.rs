@@ -36,6 +36,8 @@ const SETTLING: f64 = 0.2;
 const DESCENTS: usize = 12;
 /// Newton steps of one solve.
 const STEPS: usize = 9;
+/// Of which the block of a node close by serves the first, and often the second.
+const SERVES: usize = 2;
 /// Error of a soft mode that is followed, over its eigenvalue.
 const FOLLOWED: f64 = 0.02;
 /// Products of one linear solve.
@@ -247,7 +249,7 @@ impl Sector {
             mut state,
             gradient,
             fields,
-        } = self.converge(u0, z, before.is_some(), tolerance)?;
+        } = self.converge(u0, z, before.map_or(0, |_| SERVES), tolerance)?;
         let rates = self.refresh(&fields);
         let mut tangent = self.solve(&fields, &rates.forces, &[], 1e-2)?;
         tangent.iter_mut().for_each(|t| *t = -*t);
@@ -298,16 +300,15 @@ impl Sector {
         None
     }
 
-    /// Newton's method at fixed u0, down to a root mean square force of `tolerance` (sigma_max).
-    /// The block of a node that was `near` serves a first step, and often the second.
+    /// Newton's method at fixed u0, down to a root mean square force of `tolerance` (sigma_max);
+    /// from step `refresh` on the block is made anew.
     fn converge(
         &mut self,
         u0: f64,
         z: Vec<f64>,
-        near: bool,
+        refresh: usize,
         tolerance: f64,
     ) -> Result<Evaluation, Lost> {
-        let refresh = if near { 2 } else { 0 };
         let limits = NewtonLimits {
             tolerance,
             residual: Residual::Mean,
@@ -509,7 +510,7 @@ impl Sector {
         tolerance: f64,
     ) -> Result<Measured, Lost> {
         let mut mean = 0.5 * tolerance;
-        let mut at = self.converge(u0, guess, before.is_some(), mean)?;
+        let mut at = self.converge(u0, guess, before.map_or(0, |_| SERVES), mean)?;
         let mut residual = self.mechanics.residual(&at);
         while !(residual <= tolerance) {
             // The largest residual is more than the mean one promised.
@@ -517,7 +518,7 @@ impl Sector {
             if mean < 1e-3 * tolerance {
                 return Err(Lost::Gone);
             }
-            at = self.converge(u0, at.state.amplitudes, true, mean)?;
+            at = self.converge(u0, at.state.amplitudes, SERVES, mean)?;
             residual = self.mechanics.residual(&at);
         }
         let Evaluation { state, fields, .. } = at;
