@@ -230,13 +230,18 @@ impl eframe::App for Measured {
         input.focused = true;
         input.events.clear();
         let mut events = Vec::new();
-        if self.line < self.script.len() {
+        while self.line < self.script.len() {
             let done = self.play(ctx, &mut events);
+            let says = matches!(self.script[self.line], Act::Say(..));
             (self.line, self.frame) = if done {
                 (self.line + 1, 0)
             } else {
                 (self.line, self.frame + 1)
             };
+            // What is first shown together is told together.
+            if !(done && says) {
+                break;
+            }
         }
         input.events.append(&mut events);
     }
