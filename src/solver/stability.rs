@@ -384,7 +384,7 @@ impl Tracker {
             .stiffness
             .fold(0.0, |most: f64, k| most.max(*k));
         let cap = self.cap * place.unit();
-        if shift > 0.0 && shift < cap && cap < stiffest && !place.mechanics.system.is_flat() {
+        if shift < cap && cap < stiffest && !place.mechanics.system.is_flat() {
             let goals = [cap, shift];
             let Place {
                 mechanics,

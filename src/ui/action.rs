@@ -37,6 +37,8 @@ pub enum Action {
     LetGo,
     /// Back to rest at the start, everything recorded forgotten.
     Reset,
+    /// Bring the number of this key back to what it is in the scene that was opened.
+    BringBack(&'static str),
     /// Replace the scene by an edited one.
     EditScene(Box<Scene>),
     /// Choose the method.

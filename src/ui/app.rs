@@ -7,7 +7,7 @@ use super::film::FilmExport;
 use super::gap_picture::Maps;
 use super::tabs::Tabs;
 use super::view_state::{Begin, Extent, Saved, ViewState};
-use super::{keys, layout, lecture, loop_plot};
+use super::{keys, layout, lecture, loop_plot, widgets};
 use crate::follow::record::Cause;
 use crate::lessons::Progress;
 use crate::physics::topography::Topography;
@@ -151,6 +151,7 @@ impl App {
         actions.extend(dropped.take(1).map(Action::Open));
         self.announce(&ctx);
         self.panels(ui, &mut actions);
+        actions.extend(widgets::take_asked_back(&ctx).map(Action::BringBack));
         self.tabs.float(&ctx, &self.state, &mut actions);
         self.dialogs
             .show(&ctx, &self.state, &self.tabs, &mut actions);
@@ -281,6 +282,7 @@ impl App {
             Action::Press(push) => state.press(push),
             Action::LetGo => state.let_go(),
             Action::Reset => state.reset(),
+            Action::BringBack(key) => state.bring_number_back(key),
             Action::EditScene(scene) => state.edit_scene(*scene),
             Action::SetMethod(method) => state.set_method(method),
             Action::SetStrategy(asked) => state.set_strategy(asked),

@@ -25,14 +25,14 @@ use crate::follow::record::{JumpRecord, StateRecord};
 use crate::lessons::Progress;
 use crate::numerics::cancel::Cancel;
 use crate::physics::indenter::Indenter;
-use crate::physics::parameter::{Dimension, Refusal};
+use crate::physics::parameter::{Dimension, Refusal, Value};
 use crate::physics::theory::flat;
 use crate::plot::curve::{Curve, eigenvalue_scale};
 use crate::plot::loop_panel::{flat_state, loss};
 use crate::scene::edit::Follows;
 use crate::scene::part::Strategy;
-use crate::scene::window;
 use crate::scene::{Drive, Model, Scene};
+use crate::scene::{edit, parameter, window};
 use crate::solver::methods::MethodKind;
 use crate::worker::job::Job;
 use crate::worker::protocol::{
@@ -92,8 +92,10 @@ pub struct ViewState {
 }
 
 /// The scene that was opened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
+    /// As it was opened.
+    scene: Arc<Scene>,
     /// How many were opened before it.
     pub count: usize,
     /// Its first run: what is told of older ones is another scene's.
@@ -143,14 +145,16 @@ impl ViewState {
         let model = scene.model()?;
         let limits = window::of_control(&scene, &model);
         let run = RunView::new(1, &scene, limits.1);
+        let scene = Arc::new(scene);
         Ok(Self {
             plots: Plots::new(flat_state(
                 &model,
                 scene.control(),
                 window::of_u0(&scene, &model),
             )),
-            scene: Arc::new(scene),
+            scene: scene.clone(),
             opened: Opened {
+                scene,
                 count: 0,
                 first_run: 1,
                 guessing: false,
@@ -259,7 +263,11 @@ impl ViewState {
         self.plots.preview = None;
         let ends = window::of_u0(&scene, &model);
         self.plots.flat_state = flat_state(&model, scene.control(), ends);
+        let is_another = title_without(&scene.title) != title_without(&self.opened.scene.title);
         self.scene = Arc::new(scene);
+        if is_another || !self.scene.title.starts_with(CHANGED) {
+            self.opened.scene = self.scene.clone();
+        }
         self.model = model;
         self.messages.failure = None;
         self.plots.fit = None;
@@ -281,6 +289,27 @@ impl ViewState {
         }
         if self.set_scene(scene) {
             self.history.remember(before);
+        }
+    }
+
+    /// Brings the number of this key back to what it is in the scene that was opened.
+    pub fn bring_number_back(&mut self, key: &str) {
+        let (opened, scene, model) = (&self.opened.scene, &self.scene, &self.model);
+        let known = opened.numbers().into_iter().find(|(p, _)| p.key == key);
+        let edited = match known.map(|(_, value)| value) {
+            // It may be given by the mesh number there or here.
+            _ if key == parameter::RANGE.key => opened
+                .model()
+                .map(|opened| edit::with_range(scene, model, opened.law.range)),
+            Some(Value::Number(x)) => edit::with_parameter(scene, model, key, x),
+            Some(Value::Whole(n)) => edit::with_parameter(scene, model, key, n as f64),
+            _ => return,
+        };
+        match edited {
+            Ok(scene) => self.edit_scene(scene),
+            Err(error) => self
+                .messages
+                .fail(error, "Undo brings the scene back as it was."),
         }
     }
 

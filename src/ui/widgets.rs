@@ -9,8 +9,8 @@ use crate::scene::{Model, Scene};
 use crate::worker::job::Job;
 use egui::emath::format_with_decimals_in_range;
 use egui::{
-    Align, Align2, DragValue, FontId, Id, Layout, Painter, ProgressBar, Rect, Response, Role,
-    Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
+    Align, Align2, Context, DragValue, FontId, Id, Label, Layout, Painter, ProgressBar, Rect,
+    Response, Role, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, WidgetInfo, WidgetText, pos2,
 };
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -213,12 +213,31 @@ pub fn number(
     };
     let mut entered = None;
     let explained = |response| explain_parameter(response, parameter);
-    row(ui, name.as_str(), explained, |ui| {
+    let label = row(ui, name.as_str(), explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
     });
+    ask_back(&label, parameter);
     entered
+}
+
+/// A double click on the name of a number asks for what it is in the scene that was opened.
+fn ask_back(label: &Response, parameter: &Parameter) {
+    if label.double_clicked() {
+        label
+            .ctx
+            .data_mut(|data| data.insert_temp(asked_back(), parameter.key));
+    }
+}
+
+fn asked_back() -> Id {
+    Id::unique("number_asked_back")
+}
+
+/// The key of the number that was asked back in this frame.
+pub fn take_asked_back(ctx: &Context) -> Option<&'static str> {
+    ctx.data_mut(|data| data.remove_temp(asked_back()))
 }
 
 /// The same of a number with E* = 1, which is shown as the scene's file gives it.
@@ -311,11 +330,12 @@ pub fn whole(
     };
     let mut entered = None;
     let explained = |response| explain_parameter(response, parameter);
-    row(ui, name, explained, |ui| {
+    let label = row(ui, name, explained, |ui| {
         let (value, response) = entry.show(ui);
         entered = value;
         response
     });
+    ask_back(&label, parameter);
     entered.map(|value| value as u64)
 }
 
@@ -331,13 +351,17 @@ fn row(
     name: impl Into<WidgetText>,
     explained: impl Fn(Response) -> Response,
     add: impl FnOnce(&mut Ui) -> Response,
-) {
+) -> Response {
     ui.horizontal(|ui| {
-        let label = explained(ui.label(name));
+        // Names are no stops of the keyboard.
+        let name = Label::new(name).selectable(false).sense(Sense::CLICK);
+        let label = explained(ui.add(name));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             explained(add(ui).labelled_by(label.id))
         });
-    });
+        label
+    })
+    .inner
 }
 
 /// Gives a button a name that says more than its face.

@@ -442,7 +442,10 @@ pub fn explain_parameter(response: Response, parameter: &Parameter) -> Response 
         } else {
             unit
         };
-        let words = format!("Unit: {unit}. Allowed: {}.", parameter.allowed());
+        let words = format!(
+            "Unit: {unit}. Allowed: {}. A double click on the name brings back what the scene was opened with.",
+            parameter.allowed()
+        );
         ui.label(RichText::new(words).small().weak());
     })
 }

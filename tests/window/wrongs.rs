@@ -4,7 +4,7 @@
 use super::bench::{Bench, fig2};
 use super::live::live;
 use super::stepped::opened;
-use egui::{Event as Input, Key, Modifiers};
+use egui::{Event as Input, Key, Modifiers, PointerButton, Role, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
@@ -303,6 +303,46 @@ fn from_law_to_law_and_back_ends_where_it_began() {
         }
         assert_eq!(*bench.state().scene, fig2(), "{way:?}");
     }
+}
+
+#[test]
+fn a_double_click_on_the_name_of_a_number_brings_back_what_the_scene_was_opened_with() {
+    let mut bench = Bench::new();
+    let double_click = |bench: &mut Bench, name: &str| {
+        let field = bench
+            .window
+            .get_by_role_and_label(Role::SpinButton, name)
+            .rect();
+        let at = pos2(24.0, field.center().y);
+        bench.window.hover_at(at);
+        bench.window.run();
+        for pressed in [true, false, true, false] {
+            bench.window.event(Input::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            bench.window.step();
+        }
+        bench.settle();
+    };
+    // A frame of the harness takes a quarter of a second.
+    let ctx = bench.window.ctx.clone();
+    ctx.options_mut(|options| options.input_options.max_double_click_delay = 2.0);
+    bench.enter("Range ρ", "1.3");
+    bench.enter("Length L", "250");
+    let edited = bench.state().scene.clone();
+    assert_eq!(edited.law.range, Range::Length(1.3));
+    double_click(&mut bench, "Range ρ");
+    assert_eq!(bench.state().scene.law.range, Range::Length(1.0));
+    assert_eq!(bench.state().scene.cell.length, edited.cell.length);
+    double_click(&mut bench, "Length L");
+    assert_eq!(bench.state().scene.cell.length, fig2().cell.length);
+    for _ in 0..2 {
+        bench.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(bench.state().scene, edited);
 }
 
 #[test]
