@@ -9,9 +9,9 @@
 //!
 //! off the contact the elastic body, in contact the law's stiffness alone, point by point. The
 //! iteration is of fields, and a product takes four transforms in place of two, but their number
-//! hardly grows with the mesh: over the tip at mu_rho = 0.5 the Newton steps of a state take 12, 14
-//! and 18 products at n = 128, 256 and 512, with a diagonal in waves 34, 55 and 87; at mu_rho = 1.5
-//! and n = 128 3 and 19.
+//! hardly grows with the mesh. In a prototype on the whole cell, without blocks of long waves, the
+//! Newton steps of a state over the tip at mu_rho = 0.5 took 12, 14 and 18 products at n = 128, 256
+//! and 512, with a diagonal in waves 34, 55 and 87; at mu_rho = 1.5 and n = 128 3 and 19.
 
 use crate::numerics::cancel::Cancel;
 use crate::numerics::krylov::{CgLimits, CgSolution, conjugate_gradients};
@@ -23,9 +23,9 @@ use ndarray::Array2;
 const OFF_CONTACT: f64 = 0.01;
 /// Stiffness k of points in contact over the same: three times as much costs a sixth more.
 const IN_CONTACT: f64 = 1.0;
-/// Stiffest point over the softest wave from which on this inverse pays for its transforms. From 60
-/// to 150 loops over tips cost the same to 3 %; over the tip at mu_rho = 0.5 the share is 51, 97 and
-/// 185 at n = 64, 128 and 256.
+/// Stiffest point over the softest wave from which on this inverse pays for its transforms. From 30
+/// to 150 two loops over tips cost the same to 3 %, that at mu_rho = 0.7 and n = 64 a tenth more at
+/// 150; at mu_rho = 0.5 the share is 51, 97 and 185 at n = 64, 128 and 256.
 const PAYS: f64 = 80.0;
 
 /// Whether a surface with these `fields` is so stiff somewhere that this inverse pays.
@@ -199,7 +199,7 @@ mod tests {
             for control in [Control::Displacement, Control::Spring { stiffness: 2.0 }] {
                 let system = system.clone().with_control(control);
                 let (left, _) = solved(&system, &fields);
-                assert!(left < 2e-6, "{control:?}: {left:.1e}");
+                assert!(left < 1.001e-6, "{control:?}: {left:.1e}");
             }
         }
     }

@@ -149,13 +149,18 @@ pub fn diagram(scene: &Scene, cancel: &Cancel, observe: Observe<'_>) -> Result<D
 
 /// What is promised of a number, in words; `error` is relative.
 pub fn promise(error: Option<f64>) -> String {
+    promise_as("expected error", error)
+}
+
+/// The same, an error named in other `words`.
+pub fn promise_as(words: &str, error: Option<f64>) -> String {
     let Some(error) = error.filter(|error| *error < 1.0) else {
         return "no accuracy is promised".to_owned();
     };
     // One significant digit.
     let percent = 100.0 * error;
     let digits = (-percent.log10().floor()).max(0.0) as usize;
-    format!("expected error {percent:.digits$} %")
+    format!("{words} {percent:.digits$} %")
 }
 
 /// The relative error to be expected of loss and jumps: as a finer mesh tells it, or else as the plan

@@ -344,8 +344,8 @@ pub fn draw(plot: &mut PlotUi<'_>, panel: &Panel, ground: Ground) {
 }
 
 /// Draws a word at a place, on its own side or on another one, so that it is clear of what is `taken`
-/// (the present point, and other words) and stays within the frame; one that has no clear place is
-/// left out.
+/// (the present point, and other words) and stays within the frame, into which it is moved if it has
+/// to; one that has no clear place is left out.
 fn draw_label(
     plot: &mut PlotUi<'_>,
     label: &Label,
@@ -374,17 +374,19 @@ fn draw_label(
     };
     let [x, y] = label.side;
     let anchors = [[x, y], [-x, -y], [x, -y], [-x, y]].map(|[x, y]| Align2([along(x), along(-y)]));
-    let area = |anchor: &Align2| anchor.anchor_size(place, size);
-    let clear = |anchor: &&Align2| !taken.iter().any(|taken| taken.intersects(area(anchor)));
-    let inside = |anchor: &&Align2| {
-        let area = area(anchor);
-        frame.contains(area.left()) && frame.contains(area.right())
+    let moved = |anchor: &Align2| {
+        let area = anchor.anchor_size(place, size);
+        (frame.min - area.left()).max(0.0) + (frame.max - area.right()).min(0.0)
     };
+    let area = |anchor: &Align2| anchor.anchor_size(place + vec2(moved(anchor), 0.0), size);
+    let clear = |anchor: &&Align2| !taken.iter().any(|taken| taken.intersects(area(anchor)));
     let mut free = anchors.iter().filter(clear);
-    let Some(anchor) = free.clone().find(inside).or(free.next()).copied() else {
+    let inside = free.clone().find(|anchor| moved(anchor) == 0.0);
+    let Some(anchor) = inside.or(free.next()).copied() else {
         return;
     };
     taken.push(area(&anchor));
+    let at = plot.plot_from_screen(place + vec2(moved(&anchor), 0.0));
     let text = Text::new("label", at, RichText::new(words).small()).color(colour);
     plot.text(text.anchor(anchor).allow_hover(false));
 }

@@ -14,7 +14,7 @@ use crate::physics::indenter::Indenter;
 use crate::physics::parameter::Dimension;
 use crate::plot::colours::Colours;
 use crate::solver::Stop;
-use crate::study::plan::promise;
+use crate::study::plan::promise_as;
 use egui::{Align, Color32, FontId, Label, Layout, Response, RichText, Ui, vec2};
 
 /// Sizes of the two, and the least to which they shrink where the column is narrow.
@@ -153,7 +153,7 @@ pub fn capital(words: &str) -> String {
 
 /// What is promised of a number, in the fewest words; `error` is relative.
 pub fn exact_to(error: Option<f64>) -> String {
-    promise(error).replace("expected error", "exact to")
+    promise_as("exact to", error)
 }
 
 /// What is lost, in words.

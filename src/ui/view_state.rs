@@ -307,9 +307,7 @@ impl ViewState {
         };
         match edited {
             Ok(scene) => self.edit_scene(scene),
-            Err(error) => self
-                .messages
-                .fail(error, "Undo brings the scene back as it was."),
+            Err(error) => self.messages.fail(error, "The scene stays as it is."),
         }
     }
 
@@ -318,6 +316,7 @@ impl ViewState {
         let before = self.past();
         self.target = self.limits.1;
         if self.set_scene(scene) {
+            self.opened.scene = self.scene.clone();
             self.forget_the_last_scene(self.run.id);
             (self.method, self.asked) = Default::default();
             self.opened.count += 1;

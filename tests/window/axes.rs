@@ -94,23 +94,14 @@ fn a_drag_with_the_second_button_moves_the_axes_and_shows_no_stored_state() {
     let (mut bench, plot) = walked();
     let before = at(&bench, [0.0, 0.0]);
     let from = plot.center();
-    let press = |bench: &mut Bench, at: Pos2, pressed: bool| {
-        bench.window.event(Event::PointerButton {
-            pos: at,
-            button: PointerButton::Secondary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        });
-        bench.window.step();
-    };
     bench.window.hover_at(from);
     bench.window.step();
-    press(&mut bench, from, true);
+    bench.button(from, PointerButton::Secondary, true);
     let by: Vec2 = vec2(-60.0, 30.0);
     bench.window.hover_at(from + by);
     bench.window.step();
     bench.window.step();
-    press(&mut bench, from + by, false);
+    bench.button(from + by, PointerButton::Secondary, false);
     bench.settle();
     let after = at(&bench, [0.0, 0.0]);
     // What lay at the right comes in, and what lay above.

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use ndarray::Array2;
 use std::any::Any;
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use tackscope::follow::diagram::Diagram;
@@ -451,6 +451,26 @@ impl Bench {
         self.window.step();
         self.window.drop_at(at);
         self.settle();
+    }
+
+    /// Presses a button of the mouse at a place, or lets it go.
+    pub fn button(&mut self, at: egui::Pos2, button: egui::PointerButton, pressed: bool) {
+        self.window.event(egui::Event::PointerButton {
+            pos: at,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        self.window.step();
+    }
+
+    /// Types a path into the open dialog, in place of what is there.
+    pub fn type_path(&mut self, path: &Path) {
+        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.window.run();
+        let text = path.display().to_string();
+        self.window.event(egui::Event::Text(text));
+        self.window.run();
     }
 
     pub fn names(&self) -> String {

@@ -7,33 +7,9 @@ use super::stepped::opened;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::fs;
-use std::path::Path;
-use std::time::Duration;
 use tackscope::physics::control::Control;
 use tackscope::physics::indenter::Indenter;
 use tackscope::worker::protocol::Command;
-
-/// Opens a file by its typed path and waits until something was said of it.
-fn open(bench: &mut Bench, path: &Path) {
-    bench.press(Modifiers::COMMAND, Key::O);
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench
-        .window
-        .event(egui::Event::Text(path.display().to_string()));
-    bench.window.run();
-    bench.press(Modifiers::NONE, Key::Enter);
-    for _ in 0..500 {
-        bench.window.step();
-        let messages = &bench.state().messages;
-        let waits = |notice: &String| notice.starts_with("opening");
-        if messages.failure.is_some() || !messages.notice.as_ref().is_some_and(waits) {
-            return bench.settle();
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    panic!("it was never opened: {}", bench.names());
-}
 
 #[test]
 fn a_height_file_becomes_the_ground_and_the_tab_shows_map_and_numbers() {
@@ -47,7 +23,7 @@ fn a_height_file_becomes_the_ground_and_the_tab_shows_map_and_numbers() {
     fs::write(&path, rows.join("\n")).expect("written");
     let mut bench = Bench::new();
     let before = bench.state().scene.clone();
-    open(&mut bench, &path);
+    bench.open(&path);
     let scene = bench.state().scene.clone();
     let Indenter::Measured(measured) = &scene.indenter else {
         panic!("{:?}: {}", scene.indenter, bench.names());
@@ -87,7 +63,7 @@ fn a_broken_height_file_is_refused_with_its_line_and_the_scene_stays() {
     fs::write(&path, "1,2,3,4\n5,6,seven,8\n").expect("written");
     let mut bench = Bench::new();
     let before = bench.state().scene.clone();
-    open(&mut bench, &path);
+    bench.open(&path);
     assert!(
         bench.names().contains("line 2, column 3"),
         "{}",

@@ -1,7 +1,7 @@
 //! A lesson in the window, by keyboard alone; resumed; lecture mode.
 
 use super::bench::{Bench, fig2};
-use super::stepped::opened;
+use super::stepped::{opened, rest};
 use super::stored::looped;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
@@ -18,17 +18,6 @@ fn says(window: &Harness<'static, App>, words: &str) -> bool {
 
 fn press(window: &mut Harness<'static, App>, key: Key) {
     window.key_press(key);
-    window.run();
-}
-
-/// Draws until the surface rests.
-fn rest(window: &mut Harness<'static, App>) {
-    let mut frames = 0;
-    while window.state().state().run.is_busy() {
-        window.step();
-        frames += 1;
-        assert!(frames < 2000, "it never comes to rest");
-    }
     window.run();
 }
 

@@ -16,11 +16,7 @@ impl Bench {
     /// Types a path into the dialog that opens a file, and waits for what becomes of it.
     pub fn open(&mut self, path: &Path) {
         self.click("Open…");
-        self.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        self.window.run();
-        self.window
-            .event(egui::Event::Text(path.display().to_string()));
-        self.window.run();
+        self.type_path(path);
         self.window.get_by_label("Open").click();
         self.window.run_steps(2);
         let begin = Instant::now();

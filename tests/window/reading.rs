@@ -1,7 +1,7 @@
 //! What is written where: readings cover nothing, words are whole, and the present point lies on none.
 
 use super::bench::fig2;
-use super::stepped::{foretold, opened};
+use super::stepped::{act, foretold, opened};
 use super::stored::looped;
 use egui::epaint::{ClippedShape, Shape};
 use egui::{Event, Key, Modifiers, Rect, vec2};
@@ -39,28 +39,12 @@ fn written(window: &Harness<'static, App>, letters: &str) -> Vec<(String, Rect, 
     shapes(window).iter().filter_map(text).collect()
 }
 
-fn go(window: &mut Harness<'static, App>, words: &str) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    window.step();
-    window.event(Event::Text(words.to_owned()));
-    window.step();
-    window.key_press(Key::Enter);
-    window.run_steps(4);
-    let mut frames = 0;
-    while window.state().state().run.is_busy() {
-        window.step();
-        frames += 1;
-        assert!(frames < 2000, "it never comes to rest");
-    }
-    window.run();
-}
-
 #[test]
 fn what_is_read_over_the_profile_stands_below_the_map_and_covers_no_map_of_why() {
     let mut scene = fig2();
     scene.cell.points = Points::Square(32);
     let mut window = opened(scene);
-    go(&mut window, "3.05");
+    act(&mut window, "3.05");
     for size in [[1280.0, 800.0], [900.0, 600.0]] {
         window.set_size(vec2(size[0], size[1]));
         window.run();
@@ -96,7 +80,7 @@ fn the_present_point_lies_on_no_name_of_a_pattern_and_names_are_whole_in_small_p
         window.run();
         let mut covered = Vec::new();
         for step in 0..12 {
-            go(&mut window, &format!("{:.2}", 4.1 - 0.3 * f64::from(step)));
+            act(&mut window, &format!("{:.2}", 4.1 - 0.3 * f64::from(step)));
             let plot = window.get_by_label_contains("Stress against u0:").rect();
             let ring = |shape: &Shape| match shape {
                 Shape::Circle(circle) if circle.radius == 7.5 && plot.contains(circle.center) => {
@@ -125,6 +109,31 @@ fn the_present_point_lies_on_no_name_of_a_pattern_and_names_are_whole_in_small_p
         }
         assert!(covered.is_empty(), "{covered:?} at {size:?}");
     }
+}
+
+#[test]
+fn the_name_of_what_is_ahead_is_whole_while_the_body_is_on_its_way() {
+    let mut window = foretold(fig2());
+    window.set_size(vec2(900.0, 600.0));
+    window.run();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    window.step();
+    window.event(Event::Text("1.4".to_owned()));
+    window.step();
+    window.key_press(Key::Enter);
+    window.run_steps(4);
+    let mut seen = 0;
+    while window.state().state().run.is_busy() {
+        window.step();
+        let plot = window.get_by_label_contains("Stress against u0:").rect();
+        for (words, place, _) in written(&window, " ahead ") {
+            seen += 1;
+            let inside = plot.x_range().shrink(-1.0);
+            let whole = inside.contains(place.left()) && inside.contains(place.right());
+            assert!(whole, "{words}: {place:?} in {plot:?}");
+        }
+    }
+    assert!(seen > 0);
 }
 
 #[test]

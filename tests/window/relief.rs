@@ -1,31 +1,15 @@
 //! The surface in three dimensions.
 
 use super::bench::fig2;
-use super::stepped::opened;
+use super::stepped::{act, opened};
 use egui::epaint::{ClippedShape, Mesh, Shape};
-use egui::{Event, Key, Modifiers, Rect, vec2};
+use egui::{Rect, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 use tackscope::plot::colours::Colours;
 use tackscope::scene::Points;
 use tackscope::ui::App;
-
-fn act(window: &mut Harness<'static, App>, words: &str) {
-    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
-    window.step();
-    window.event(Event::Text(words.to_owned()));
-    window.step();
-    window.key_press(Key::Enter);
-    window.run_steps(4);
-    let mut frames = 0;
-    while window.state().state().run.is_busy() {
-        window.step();
-        frames += 1;
-        assert!(frames < 2000, "it never comes to rest");
-    }
-    window.run();
-}
 
 /// The window with the tab open.
 fn seen() -> Harness<'static, App> {

@@ -5,9 +5,9 @@
 
 use super::bench::fig2;
 use super::canvas::Canvas;
-use super::stepped::computing;
-use super::stored::{press_at, run, strip};
-use egui::{ColorImage, Event, Key, Modifiers, Rect, Theme, Vec2, vec2};
+use super::stepped::{act, computing, rest};
+use super::stored::{press_at, strip};
+use egui::{ColorImage, Key, Modifiers, Rect, Theme, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbImage;
@@ -49,37 +49,26 @@ impl Screen {
             .open(tab)
     }
 
-    fn rest(mut self) -> Self {
-        let mut frames = 0;
-        self.window.run_steps(4);
-        while run(&self.window).is_busy() {
-            self.window.step();
-            frames += 1;
-            assert!(frames < 2000, "it never comes to rest");
-        }
+    fn press(mut self, modifiers: Modifiers, key: Key) -> Self {
+        self.window.key_press_modifiers(modifiers, key);
+        rest(&mut self.window);
         self
     }
 
-    fn press(self, modifiers: Modifiers, key: Key) -> Self {
-        self.window.key_press_modifiers(modifiers, key);
-        self.rest()
-    }
-
     /// Does what the palette finds.
-    fn act(self, words: &str) -> Self {
-        let mut open = self.press(Modifiers::COMMAND, Key::K);
-        open.window.event(Event::Text(words.to_owned()));
-        open.window.step();
-        open.press(Modifiers::NONE, Key::Enter)
+    fn act(mut self, words: &str) -> Self {
+        act(&mut self.window, words);
+        self
     }
 
     fn open(self, tab: &str) -> Self {
         self.act(&format!("Tab: {tab}"))
     }
 
-    fn click(self, label: &str) -> Self {
+    fn click(mut self, label: &str) -> Self {
         self.window.get_by_label(label).click();
-        self.rest()
+        rest(&mut self.window);
+        self
     }
 
     /// What is seen at this size in this theme, at half its size. What a clock tells is left out.

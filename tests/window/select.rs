@@ -174,12 +174,7 @@ fn write_to(bench: &mut Bench, path: &std::path::Path) {
         .get_by_role_and_label(egui::Role::TextInput, "Path")
         .focus();
     bench.window.run();
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench
-        .window
-        .event(egui::Event::Text(path.display().to_string()));
-    bench.window.run();
+    bench.type_path(path);
     bench.click("Write");
     assert_eq!(bench.state().messages.failure, None);
 }
@@ -208,14 +203,7 @@ fn an_exported_picture_opens_again_as_its_scene() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("loop.png");
     bench.click("Export picture…");
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.run();
-    bench
-        .window
-        .event(egui::Event::Text(path.display().to_string()));
-    bench.window.run();
-    bench.click("Write");
-    assert_eq!(bench.state().messages.failure, None);
+    write_to(&mut bench, &path);
     bench.click("law mie");
     bench.open(&path);
     assert_eq!(

@@ -1,7 +1,7 @@
 //! The window with a solver that has no thread: its session is stepped in the frame.
 
 use super::bench::fig2;
-use egui::vec2;
+use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, LazyRenderer, TestRenderer};
 use std::any::Any;
@@ -183,4 +183,25 @@ fn the_window_plays_a_loop_with_a_session_stepped_in_the_frame() {
         run.record.jumps
     );
     assert_eq!(run.actual, window.state().state().limits.1);
+}
+
+/// Draws until the surface rests.
+pub fn rest(window: &mut Harness<'static, App>) {
+    window.run_steps(4);
+    let mut frames = 0;
+    while window.state().state().run.is_busy() {
+        window.step();
+        frames += 1;
+        assert!(frames < 2000, "it never comes to rest");
+    }
+}
+
+/// Does what the palette finds.
+pub fn act(window: &mut Harness<'static, App>, words: &str) {
+    window.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    rest(window);
+    window.event(egui::Event::Text(words.to_owned()));
+    window.step();
+    window.key_press_modifiers(Modifiers::NONE, Key::Enter);
+    rest(window);
 }

@@ -54,10 +54,7 @@ fn whether_the_scene_is_real_stands_below_the_equations() {
 /// What a command of the palette writes.
 fn exported(bench: &mut Bench, name: &str, path: &std::path::Path) -> String {
     command(bench, name);
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.settle();
-    bench.window.event(Event::Text(path.display().to_string()));
-    bench.settle();
+    bench.type_path(path);
     bench.click("Write");
     std::fs::read_to_string(path).unwrap_or_default()
 }

@@ -317,13 +317,7 @@ fn a_double_click_on_the_name_of_a_number_brings_back_what_the_scene_was_opened_
         bench.window.hover_at(at);
         bench.window.run();
         for pressed in [true, false, true, false] {
-            bench.window.event(Input::PointerButton {
-                pos: at,
-                button: PointerButton::Primary,
-                pressed,
-                modifiers: Modifiers::NONE,
-            });
-            bench.window.step();
+            bench.button(at, PointerButton::Primary, pressed);
         }
         bench.settle();
     };
