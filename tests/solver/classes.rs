@@ -5,6 +5,7 @@ use super::common::law;
 use nalgebra::DMatrix;
 use ndarray::Array2;
 use proptest::prelude::*;
+use std::f64::consts::PI;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::grid::Grid;
 use tackscope::physics::indenter::Indenter;
@@ -121,6 +122,17 @@ proptest! {
     }
 
     #[test]
+    fn what_is_odd_both_ways_is_no_softer_than_what_is_odd_one_way(
+        numbers in prop::collection::vec(-2.0f64..2.0, N * N / 4),
+    ) {
+        let even = even(Body::HalfSpace);
+        let quarter = stiffness(&numbers, false);
+        let softest = |odd| eigenvalues(dense(&System::odd(&even, odd), &quarter))[0];
+        let one_way = softest([true, false]).max(softest([false, true]));
+        prop_assert!(softest([true, true]) >= one_way - 1e-12);
+    }
+
+    #[test]
     fn a_block_never_counts_fewer_modes_below_a_shift_than_there_are(
         numbers in prop::collection::vec(-0.05f64..0.4, N * N / 4),
         reach in 2.0f64..8.0,
@@ -146,12 +158,33 @@ proptest! {
     }
 }
 
+/// Squares of wave numbers, summed over the waves as they stand, against the closed form that orders
+/// odd and even fields.
+#[test]
+fn the_squares_of_odd_and_even_waves_differ_by_a_positive_kernel() {
+    let m = 7;
+    let place = |i: usize| PI * (i as f64 + 0.5) / m as f64;
+    for (i, j) in (0..m).flat_map(|i| (0..m).map(move |j| (i, j))) {
+        let sum = |from: usize, to: usize, wave: fn(f64) -> f64| -> f64 {
+            let term = |k: usize| {
+                let weight = if k == 0 || k == m { 1.0 } else { 2.0 } / m as f64;
+                weight * (k * k) as f64 * wave(k as f64 * place(i)) * wave(k as f64 * place(j))
+            };
+            (from..to).map(term).sum()
+        };
+        let difference = sum(1, m + 1, f64::sin) - sum(0, m, f64::cos);
+        let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
+        let kernel = sign / (0.5 * (place(i) + place(j))).sin().powi(2);
+        assert!((difference - kernel).abs() < 1e-12, "{i} {j}");
+    }
+}
+
 /// The bound is worth something: with all waves but the shortest in the block it is the count.
 #[test]
 fn a_long_block_over_a_smooth_pattern_counts_what_there_is() {
     let even = even(Body::HalfSpace);
     let m = N / 2;
-    let wave = |i: usize| (std::f64::consts::PI * (i as f64 + 0.5) / m as f64).cos();
+    let wave = |i: usize| (PI * (i as f64 + 0.5) / m as f64).cos();
     let quarter = Array2::from_shape_fn((m, m), |(i, j)| {
         0.05 - 0.1 * (1.0 + wave(i)) * (1.0 + wave(j)) / 4.0
     });

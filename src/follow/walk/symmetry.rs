@@ -59,7 +59,7 @@ impl Guard {
         let reach = class_reach(even, MOST_REACH).min(MOST_REACH);
         let modes = [[false, false], [true, false], [false, true], [true, true]]
             .into_iter()
-            .filter(|[_, y]| !(is_line && *y))
+            .filter(|[x, y]| !(*y && (is_line || *x && even.orders_odd_modes())))
             .enumerate()
             .map(|(i, odd)| {
                 let (system, slides) = match odd {

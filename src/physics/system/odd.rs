@@ -1,7 +1,15 @@
 //! Modes that are odd over the even patterns of a system, on the quarter of the cell that holds the
 //! patterns.
+//!
+//! **What is odd both ways is no softer than what is odd one way**, on a half-space. A mode and the one
+//! with the same values on the quarter that is even along y are weighed by the same gamma''; so are
+//! they by the squares of their wave numbers along x. Of the squares along y the matrices between
+//! points y_i = (i + 1/2) pi/m of the quarter differ by (-1)^(i+j)/sin^2((y_i + y_j)/2). By the
+//! reflection of the trigamma function 1/sin^2 is the integral of e^(-st) and e^(-(pi-s)t) with a
+//! positive weight, so that this is positive semidefinite. The stiffness q E*/2 is the root of the sum
+//! of squares, and roots keep the order (K. Loewner, Math. Z. 38, 177 (1934)).
 
-use super::{Control, System};
+use super::{Body, Control, System};
 
 impl System {
     /// Modes over the even patterns of an `even` system that are odd along x, y or both: only their
@@ -31,6 +39,12 @@ impl System {
     /// Along which of x and y fields are odd.
     pub fn is_odd(&self) -> [bool; 2] {
         self.odd
+    }
+
+    /// True if the softest mode that is odd along x and y is no softer than the softest one that is
+    /// odd along one of them: see above. (Where patterns slide that one has no stiffness.)
+    pub fn orders_odd_modes(&self) -> bool {
+        self.body == Body::HalfSpace && !self.uniform[0] && !self.uniform[1]
     }
 
     /// The mode in which the even pattern of amplitudes `z` slides, if it is among these modes and
