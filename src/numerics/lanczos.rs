@@ -96,6 +96,7 @@ impl Bound {
 struct Chain {
     vector: Vec<f64>,
     before: Vec<f64>,
+    image: Vec<f64>,
     alpha: Vec<f64>,
     beta: Vec<f64>,
 }
@@ -106,6 +107,7 @@ impl Chain {
         scale(&mut vector, norm(start).recip());
         Self {
             before: vec![0.0; start.len()],
+            image: vec![0.0; start.len()],
             vector,
             alpha: Vec::new(),
             beta: Vec::new(),
@@ -114,20 +116,17 @@ impl Chain {
 
     /// One product; false if the vectors span an invariant space.
     fn step(&mut self, apply: &mut impl FnMut(&[f64], &mut [f64])) -> bool {
-        let mut next = vec![0.0; self.vector.len()];
-        apply(&self.vector, &mut next);
-        let alpha = dot(&self.vector, &next);
-        add(&mut next, -alpha, &self.vector);
-        add(
-            &mut next,
-            -self.beta.last().copied().unwrap_or(0.0),
-            &self.before,
-        );
-        let beta = norm(&next);
+        apply(&self.vector, &mut self.image);
+        let alpha = dot(&self.vector, &self.image);
+        let (coupling, next) = (self.beta.last().copied().unwrap_or(0.0), &mut self.before);
+        for ((next, image), vector) in next.iter_mut().zip(&self.image).zip(&self.vector) {
+            *next = image - alpha * vector - coupling * *next;
+        }
+        let beta = norm(next);
         self.alpha.push(alpha);
         self.beta.push(beta);
-        scale(&mut next, beta.recip());
-        self.before = std::mem::replace(&mut self.vector, next);
+        scale(next, beta.recip());
+        std::mem::swap(&mut self.before, &mut self.vector);
         beta > 1e-13
             * self
                 .alpha
