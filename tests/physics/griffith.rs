@@ -3,8 +3,7 @@
 
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::boundary_elements as be;
-use tackscope::physics::theory::circular::{self, Pattern};
-use tackscope::physics::theory::discs::{self, Kind};
+use tackscope::physics::theory::circular::{self, Kind, Pattern};
 use tackscope::physics::theory::ridge;
 
 /// alpha, vhat, u~, p~, W of the dimple.
@@ -117,7 +116,7 @@ fn both() -> [(Kind, &'static Pattern, [[f64; 5]; 10]); 2] {
 fn the_series_of_both_patterns_is_the_reference_table() {
     for (kind, _, table) in both() {
         for [size, vhat, ..] in table {
-            let found = discs::elastic_energy(kind, size);
+            let found = circular::elastic_energy(kind, size);
             // As documented, and the table's own.
             let tolerance = if size <= 0.9 {
                 1.5e-9
@@ -177,7 +176,7 @@ fn the_interpolant_agrees_with_the_series_between_its_points() {
     for (kind, pattern, _) in both() {
         for size in [0.001, 0.033, 0.21, 0.48, 0.77, 0.861, 0.917, 0.9555, 0.9731] {
             let h = 1e-3 * f64::min(size, 1.0 - size);
-            let series = [-h, 0.0, h].map(|d| discs::elastic_energy(kind, size + d));
+            let series = [-h, 0.0, h].map(|d| circular::elastic_energy(kind, size + d));
             let [vhat, slope, curvature] = pattern.elastic_energy(size);
             assert!(
                 (vhat / series[1] - 1.0).abs() < 1e-8,
@@ -260,8 +259,9 @@ fn a_stretched_patch_far_from_its_neighbours_has_more_energy_than_a_circle() {
     // bulge at given displacement. As a dimple at given mean displacement the circle has the least
     // as well (its volume under unit stress is greatest).
     for kind in [Kind::Dimple, Kind::Bulge] {
-        let circle = discs::elastic_energy(kind, 0.1);
-        let [thin, thick] = [0.05, -0.05].map(|stretch| discs::ellipse_energy(kind, 0.1, stretch));
+        let circle = circular::elastic_energy(kind, 0.1);
+        let [thin, thick] =
+            [0.05, -0.05].map(|stretch| circular::ellipse_energy(kind, 0.1, stretch));
         assert!(thin > circle && (thin / thick - 1.0).abs() < 1e-12);
     }
 }
@@ -280,7 +280,7 @@ fn an_ellipse_alone_is_the_one_of_elliptic_integrals() {
     }
     let alone = a * x;
     let expected = 1.0 / (1.0 / alone - 2.0 * 1.2414929);
-    let found = discs::ellipse_energy(Kind::Bulge, size, stretch);
+    let found = circular::ellipse_energy(Kind::Bulge, size, stretch);
     assert!(
         (found / expected - 1.0).abs() < 1e-6,
         "{found} for {expected}"
@@ -294,15 +294,16 @@ fn the_bulge_is_metastable_at_zero_range_contrary_to_the_print() {
         let stable = bulge.at(u).unwrap();
         assert!((stable.displacement / u - 1.0).abs() < 1e-12 && fold.size < stable.size);
         // A minimum of W at fixed u~ among sizes, on values of the series themselves.
-        let w =
-            |size: f64| u * u * discs::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size);
+        let w = |size: f64| {
+            u * u * circular::elastic_energy(Kind::Bulge, size) - bulge.contact_area(size)
+        };
         for step in [1e-3, -1e-3] {
             assert!(w(stable.size + step) > w(stable.size), "{u}");
         }
         // And among ellipses of its area.
-        let ellipse = discs::ellipse_energy(Kind::Bulge, stable.size, 0.01);
+        let ellipse = circular::ellipse_energy(Kind::Bulge, stable.size, 0.01);
         assert!(
-            ellipse > discs::elastic_energy(Kind::Bulge, stable.size),
+            ellipse > circular::elastic_energy(Kind::Bulge, stable.size),
             "{u}"
         );
     }

@@ -1,11 +1,11 @@
 //! Closed forms, laws, grounds and mechanics: what is known without solving for a loop.
 
-mod even;
 mod griffith;
 mod hertz;
-mod jkr;
 mod laws;
 mod layer;
+#[path = "../shared/loops.rs"]
+mod loops;
 mod mechanics;
 mod mesh_rule;
 mod numerics;
