@@ -1,7 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
 //! panic.
 
-use crate::binary::says;
+use crate::binary::{content, says};
 use proptest::prelude::*;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
@@ -27,6 +27,14 @@ fn refusal(line: &str, replacement: &str) -> String {
     let sentence = failure.to_string();
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
+}
+
+/// A line of Fig. 2, what it is replaced by, and parts of the sentence that refuses it.
+#[track_caller]
+fn refused(cases: &[(&str, &str, &[&str])]) {
+    for (line, replacement, parts) in cases {
+        says(&refusal(line, replacement), parts);
+    }
 }
 
 #[test]
@@ -117,65 +125,79 @@ fn what_may_be_left_out_has_its_default() {
 
 #[test]
 fn an_unknown_key_is_refused_with_the_allowed_ones_and_a_guess() {
-    says(
-        &refusal("length = 256.0", "lenght = 256.0"),
-        &["cell.lenght", "did you mean length", "length, points"],
-    );
-    says(
-        &refusal("[noise]", "[nose]"),
-        &["nose", "did you mean noise", "cell, body, law, indenter"],
-    );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nm = 8.0"),
-        &["law.m", "kind, surface_energy, range, mu_rho"],
-    );
-    says(
-        &refusal("kind = \"flat\"", "kind = \"flat\"\nradius = 1.0"),
-        &["indenter.radius"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "lenght = 256.0",
+            &["cell.lenght", "did you mean length", "length, points"],
+        ),
+        (
+            "[noise]",
+            "[nose]",
+            &["nose", "did you mean noise", "cell, body, law, indenter"],
+        ),
+        (
+            "range = 1.0",
+            "range = 1.0\nm = 8.0",
+            &["law.m", "kind, surface_energy, range, mu_rho"],
+        ),
+        (
+            "kind = \"flat\"",
+            "kind = \"flat\"\nradius = 1.0",
+            &["indenter.radius"],
+        ),
+    ]);
 }
 
 #[test]
 fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
-    says(
-        &refusal("length = 256.0", "length = \"long\""),
-        &[
-            "cell.length = \"long\"",
-            "allowed is a finite number above 0",
-            "from 1e-110 to 1e110",
-        ],
-    );
-    says(&refusal("title = ", "title = 3 #"), &["title = 3", "text"]);
+    refused(&[
+        (
+            "length = 256.0",
+            "length = \"long\"",
+            &[
+                "cell.length = \"long\"",
+                "allowed is a finite number above 0",
+                "from 1e-110 to 1e110",
+            ],
+        ),
+        ("title = ", "title = 3 #", &["title = 3", "text"]),
+    ]);
     let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
     says(
         &failure.to_string(),
         &["cell = 3", "allowed is a table, [cell]"],
     );
-    says(
-        &refusal("seed = 1", "seed = -1"),
-        &["noise.seed = -1", "whole number from 0"],
-    );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"cosine\"\nsmooth = 1"),
-        &["law.smooth = 1", "true or false"],
-    );
-    says(
-        &refusal("turn = 0.2", "turn = \"zero\""),
-        &["drive.turn = \"zero\"", "zero_load"],
-    );
+    refused(&[
+        (
+            "seed = 1",
+            "seed = -1",
+            &["noise.seed = -1", "whole number from 0"],
+        ),
+        (
+            "kind = \"morse\"",
+            "kind = \"cosine\"\nsmooth = 1",
+            &["law.smooth = 1", "true or false"],
+        ),
+        (
+            "turn = 0.2",
+            "turn = \"zero\"",
+            &["drive.turn = \"zero\"", "zero_load"],
+        ),
+    ]);
 }
 
 #[test]
 fn a_missing_key_or_table_is_named() {
-    says(
-        &refusal("length = 256.0", ""),
-        &["cell.length is missing", "finite number above 0"],
-    );
-    says(&refusal("[drive]", "[noise2]"), &["noise2"]);
-    says(
-        &refusal("format = 1", ""),
-        &["format is missing", "format = 1"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "",
+            &["cell.length is missing", "finite number above 0"],
+        ),
+        ("[drive]", "[noise2]", &["noise2"]),
+        ("format = 1", "", &["format is missing", "format = 1"]),
+    ]);
     let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
     says(
         &failure.to_string(),
@@ -185,23 +207,29 @@ fn a_missing_key_or_table_is_named() {
 
 #[test]
 fn numbers_that_are_not_finite_or_out_of_range_are_refused() {
-    says(
-        &refusal("length = 256.0", "length = nan"),
-        &["cell.length = nan", "finite number above 0"],
-    );
-    says(&refusal("step = 0.02", "step = inf"), &["drive.step = inf"]);
-    says(
-        &refusal("range = 1.0", "range = -1.0"),
-        &["law.range = -1", "above 0"],
-    );
-    says(
-        &refusal("target = 0.01", "target = 2"),
-        &["accuracy.target = 2", "below 1"],
-    );
-    says(
-        &refusal("turn = 0.2", "turn = 5"),
-        &["drive.turn = 5", "below drive.start = 4.2"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "length = nan",
+            &["cell.length = nan", "finite number above 0"],
+        ),
+        ("step = 0.02", "step = inf", &["drive.step = inf"]),
+        (
+            "range = 1.0",
+            "range = -1.0",
+            &["law.range = -1", "above 0"],
+        ),
+        (
+            "target = 0.01",
+            "target = 2",
+            &["accuracy.target = 2", "below 1"],
+        ),
+        (
+            "turn = 0.2",
+            "turn = 5",
+            &["drive.turn = 5", "below drive.start = 4.2"],
+        ),
+    ]);
     for n in [
         "63",
         "0",
@@ -234,29 +262,25 @@ fn a_law_has_its_own_keys_and_limits() {
     };
     says(&mie(2, 2), &["law.m = 2", "above law.n = 2"]);
     says(&mie(2, 8), &["law.m = 2", "above law.n = 8"]);
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mie\""),
-        &["law.m is missing"],
-    );
-    says(
-        &refusal(
+    refused(&[
+        ("kind = \"morse\"", "kind = \"mie\"", &["law.m is missing"]),
+        (
             "kind = \"morse\"",
             "kind = \"double_exponential\"\nratio = 1.0",
+            &["law.ratio = 1", "below 1"],
         ),
-        &["law.ratio = 1", "below 1"],
-    );
-    says(
-        &refusal("kind = \"morse\"", "kind = \"mores\""),
-        &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
-    );
-    says(
-        &refusal("range = 1.0", "range = 1.0\nmu_rho = 0.5"),
-        &["law.mu_rho = 0.5", "not together with law.range"],
-    );
-    says(
-        &refusal("range = 1.0", ""),
-        &["law.range is missing", "mu_rho"],
-    );
+        (
+            "kind = \"morse\"",
+            "kind = \"mores\"",
+            &["law.kind = \"mores\"", "\"mie\"", "did you mean morse"],
+        ),
+        (
+            "range = 1.0",
+            "range = 1.0\nmu_rho = 0.5",
+            &["law.mu_rho = 0.5", "not together with law.range"],
+        ),
+        ("range = 1.0", "", &["law.range is missing", "mu_rho"]),
+    ]);
 }
 
 const ROUGH: &str =
@@ -419,26 +443,26 @@ fn an_indenter_has_its_own_keys_and_limits() {
 
 #[test]
 fn another_format_is_refused_before_anything_else() {
-    says(
-        &refusal("format = 1", "format = 2\nnew = true"),
-        &["format = 2", "allowed is 1"],
-    );
-    says(
-        &refusal("format = 1", "format = \"1\""),
-        &["format = \"1\""],
-    );
+    refused(&[
+        (
+            "format = 1",
+            "format = 2\nnew = true",
+            &["format = 2", "allowed is 1"],
+        ),
+        ("format = 1", "format = \"1\"", &["format = \"1\""]),
+    ]);
 }
 
 #[test]
 fn a_syntax_error_names_line_and_column() {
-    says(
-        &refusal("length = 256.0", "length = = 3"),
-        &["line 9", "column 10", "not TOML"],
-    );
-    says(
-        &refusal("points = 64", "length = 256.0"),
-        &["line 10", "duplicate"],
-    );
+    refused(&[
+        (
+            "length = 256.0",
+            "length = = 3",
+            &["line 9", "column 10", "not TOML"],
+        ),
+        ("points = 64", "length = 256.0", &["line 10", "duplicate"]),
+    ]);
 }
 
 #[test]
@@ -691,7 +715,7 @@ const GUIDE: &str = "assets/guide/scene-files.md";
 
 #[test]
 fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
-    let page = std::fs::read_to_string(GUIDE).expect("the page is there");
+    let page = content(GUIDE);
     let row = |parameter: &Parameter| {
         let default = parameter.default.map(|value| value.to_string());
         let default = default.unwrap_or_else(|| "must be given".to_owned());
@@ -704,7 +728,7 @@ fn the_guide_lists_every_number_with_its_range_as_the_program_knows_it() {
         "| key | name | unit | where the file says nothing | allowed |\n|---|---|---|---|---|\n{rows}"
     );
     assert!(page.contains(&table), "{GUIDE} should contain:\n\n{table}");
-    let readme = std::fs::read_to_string("README.md").expect("the README is there");
+    let readme = content("README.md");
     assert!(readme.contains(GUIDE), "the README links {GUIDE}");
 }
 
