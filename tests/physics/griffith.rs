@@ -1,6 +1,7 @@
 //! Round patterns at zero range: the series against reference tables, and the branches that follow; and
 //! boundary elements against them and the exact ridge.
 
+use crate::{close, near};
 use tackscope::numerics::cancel::Cancel;
 use tackscope::paper::boundary_elements as be;
 use tackscope::physics::theory::circular::{self, Kind, Pattern};
@@ -148,10 +149,7 @@ fn the_branches_follow_the_reference_table() {
                 3e-5
             };
             let state = pattern.state(size);
-            assert!(
-                (pattern.elastic_energy(size)[0] / vhat - 1.0).abs() < 1e-8,
-                "{kind:?} {size}"
-            );
+            close(pattern.elastic_energy(size)[0], vhat, 1e-8);
             assert!(
                 (state.displacement / u - 1.0).abs() < slope,
                 "{kind:?} {size}: {} for {u}",
@@ -178,11 +176,7 @@ fn the_interpolant_agrees_with_the_series_between_its_points() {
             let h = 1e-3 * f64::min(size, 1.0 - size);
             let series = [-h, 0.0, h].map(|d| circular::elastic_energy(kind, size + d));
             let [vhat, slope, curvature] = pattern.elastic_energy(size);
-            assert!(
-                (vhat / series[1] - 1.0).abs() < 1e-8,
-                "{kind:?} {size}: {}",
-                vhat / series[1] - 1.0
-            );
+            close(vhat, series[1], 1e-8);
             // Truncation 1e-6 times ratios of derivatives; rounding of 1e-10 over h.
             let first = (series[2] - series[0]) / (2.0 * h);
             assert!(
@@ -367,7 +361,7 @@ fn straight_edges_lie_0_19_spacings_beyond_the_free_pixels() {
     for free in [128, 512, 896] {
         let [vhat, slope, ..] = ridge::elastic_energy(free as f64 / 1024.0);
         let shift = (be::ridge(1024, free, &free_run()).unwrap() - vhat) / slope * 1024.0 / 2.0;
-        assert!((shift - 0.19).abs() < 0.005, "{free}: {shift}");
+        near(shift, 0.19, 0.005);
     }
 }
 
@@ -382,10 +376,7 @@ fn round_edges_lie_0_127_spacings_beyond_a_dimple_s_pixels_and_within_a_bulge_s(
             let [vhat, slope, _] = pattern.elastic_energy(size);
             let mesh = be::disc_on_mesh(kind, size, 256, 8, &free_run()).unwrap();
             let shift = (mesh.value - vhat) / slope * 256.0 / 2.0;
-            assert!(
-                (shift - sign * 0.127).abs() < 0.008,
-                "{kind:?} {size}: {shift}"
-            );
+            near(shift, sign * 0.127, 0.008);
         }
     }
 }

@@ -2,6 +2,7 @@
 //! change; and loops on several meshes against them.
 
 use crate::loops::walked;
+use crate::{close, near};
 use std::sync::OnceLock;
 use tackscope::follow::run::{LoopRun, Outcome, run_loop};
 use tackscope::follow::walk::WalkOptions;
@@ -90,14 +91,6 @@ const PERIODIC: [[f64; 3]; 9] = [
     [0.2, -0.0129971270400224, -0.00019273005272526546],
     [0.24, -0.022824899893930654, 0.004275903036636601],
 ];
-
-fn close(found: f64, expected: f64, share: f64) {
-    assert!(
-        (found / expected - 1.0).abs() <= share,
-        "{found:e} for {expected:e}: {:.1e}",
-        found / expected - 1.0
-    );
-}
 
 #[test]
 fn the_branch_is_that_of_the_reference_table() {
@@ -260,7 +253,7 @@ fn a_large_cell_has_no_images() {
     let alone = TIP.contact(0.1);
     let state = periodic.contact(0.1);
     // The nearest images are 1e6 away and lift the surface by 3.9 F/(pi L) = 3e-9.
-    assert!((state.mean_displacement - alone.mean_displacement).abs() < 4e-9);
+    near(state.mean_displacement, alone.mean_displacement, 4e-9);
     close(state.force, alone.force, 1e-13);
 }
 
@@ -316,7 +309,7 @@ fn losses(run: &LoopRun) -> [f64; 2] {
 
 fn assert_sound(run: &LoopRun) {
     let [released, integral] = losses(run);
-    assert!((released - integral).abs() < 1e-3, "{released} {integral}");
+    near(released, integral, 1e-3);
     assert!(
         run.record
             .jumps
@@ -374,11 +367,7 @@ fn force_and_loss_move_towards_the_periodic_reference_and_the_ledger_closes() {
     );
     // The prototype that set the project's reference lost 0.14 of the periodic reference on 128
     // points.
-    assert!(
-        (losses(finest)[0] / loss - 0.14).abs() < 0.01,
-        "{}",
-        losses(finest)[0] / loss
-    );
+    near(losses(finest)[0] / loss, 0.14, 0.01);
 }
 
 #[test]
@@ -419,13 +408,8 @@ fn quarter_and_whole_cell_agree_where_the_mesh_resolves_the_range() {
         let quarter = fine(points);
         // The apex lies on a point there and between points here.
         assert_eq!(whole.record.jumps.len(), quarter.record.jumps.len());
-        assert!((pull_off(&whole) - pull_off(quarter)).abs() < 0.01);
-        assert!(
-            (losses(&whole)[0] - losses(quarter)[0]).abs() < 1e-3,
-            "{:?} {:?}",
-            losses(&whole),
-            losses(quarter)
-        );
+        near(pull_off(&whole), pull_off(quarter), 0.01);
+        near(losses(&whole)[0], losses(quarter)[0], 1e-3);
     }
 }
 
@@ -459,17 +443,12 @@ fn steps_gone_downhill_lose_what_bracketed_jumps_lose_and_their_ledgers_close_al
         let scene = scenes::tip(64, mu_rho);
         let [bracketed, downhill] = [None, Some(0.01)].map(|within| mirrored(&scene, within));
         // Every jump comes at most a hundredth of the range late, on either way.
-        assert!((pull_off(&downhill) / pull_off(&bracketed) - 1.0).abs() < 0.01);
-        assert!(
-            (losses(&downhill)[0] / losses(&bracketed)[0] - 1.0).abs() < 0.01,
-            "{:?} {:?}",
-            losses(&downhill),
-            losses(&bracketed)
-        );
+        close(pull_off(&downhill), pull_off(&bracketed), 0.01);
+        close(losses(&downhill)[0], losses(&bracketed)[0], 0.01);
         // What neither sees are jumps below its threshold: a thousandth of the loss together.
         for run in [&downhill, &bracketed] {
             let [loss, integral] = losses(run);
-            assert!((loss - integral).abs() < 1e-3 * loss, "{loss} {integral}");
+            near(loss, integral, 1e-3 * loss);
         }
     }
 }
@@ -494,13 +473,8 @@ fn every_loop_of_the_tip_is_kept_with_the_program() {
             .unwrap()
             .law
             .range;
-        assert!((tip.range / range - 1.0).abs() < 1e-6);
-        assert!(
-            (tip.jumps.iter().sum::<f64>() - tip.released).abs() < 1e-3,
-            "{} {}",
-            tip.mu_rho,
-            tip.points
-        );
+        close(tip.range, range, 1e-6);
+        near(tip.jumps.iter().sum::<f64>(), tip.released, 1e-3);
     }
 }
 

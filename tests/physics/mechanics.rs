@@ -1,6 +1,7 @@
 //! Energy, residual and Hessian of the half-space: derivatives by finite differences, the symmetries of
 //! the problem, and that even fields on a quarter of the cell say the same as the whole cell.
 
+use crate::{close, near};
 use ndarray::Array2;
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -70,13 +71,8 @@ fn energy_of_a_single_wave_is_that_of_eq_1_and_a_numerical_average_of_the_law() 
         let r = LAW.at(gap);
         (e + r.energy / 4000.0, s + r.traction / 4000.0)
     });
-    assert!(
-        (at.energy - elastic - adhesive).abs() < 1e-13,
-        "{} {}",
-        at.energy,
-        elastic + adhesive
-    );
-    assert!((at.stress - stress).abs() < 1e-13);
+    near(at.energy - elastic, adhesive, 1e-13);
+    near(at.stress, stress, 1e-13);
 }
 
 #[test]
@@ -114,7 +110,7 @@ fn hessian_is_the_derivative_of_the_gradient_and_symmetric() {
         let (mut hv, mut hw) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         system.hessian(&at.fields, &v, &mut hv, &mut ws);
         system.hessian(&at.fields, &w, &mut hw, &mut ws);
-        assert!((dot(&hv, &w) - dot(&hw, &v)).abs() < 1e-15);
+        near(dot(&hv, &w), dot(&hw, &v), 1e-15);
         let gradient = |t: f64| {
             let mut moved = z.clone();
             add(&mut moved, t, &v);
@@ -148,7 +144,7 @@ fn mean_stress_is_the_derivative_of_the_energy_along_u0() {
     let slope = (energy(&system, &z, &still, 0.0, 1.0 + h)
         - energy(&system, &z, &still, 0.0, 1.0 - h))
         / (2.0 * h);
-    assert!((slope - stress).abs() < 1e-9);
+    near(slope, stress, 1e-9);
 }
 
 proptest! {
@@ -312,7 +308,7 @@ fn a_moved_surface_has_the_field_of_the_surface_moved() {
     let moved = system.moved(&z, 3.0 * grid.spacing(), 0.0);
     let after = system.field(&moved, &mut ws);
     for ((j, i), u) in after.indexed_iter() {
-        assert!((u - before[[j, (i + 13) % 16]]).abs() < 1e-13);
+        near(*u, before[[j, (i + 13) % 16]], 1e-13);
     }
 }
 
@@ -389,16 +385,15 @@ fn energy_stress_and_forces_of_an_even_field_are_those_of_the_whole_cell() {
         let field: Array2<f64> = even.unfolded(even.field(&z, &mut small));
         let big = whole.at(whole.amplitudes(&field, &mut large), 1.7, &mut large);
         let (one, other) = (&at.state, &big.state);
-        assert!(
-            (one.energy - other.energy).abs() < 1e-14,
-            "{} {}",
-            one.energy,
-            other.energy
-        );
-        assert!((one.stress - other.stress).abs() < 1e-14);
+        near(one.energy, other.energy, 1e-14);
+        near(one.stress, other.stress, 1e-14);
         let square = |v: &[f64]| dot(v, v);
-        assert!((square(&at.gradient) / square(&big.gradient) - 1.0).abs() < 1e-10);
-        assert!((even.residual(&at, &mut small) - whole.residual(&big, &mut large)).abs() < 1e-10);
+        close(square(&at.gradient), square(&big.gradient), 1e-10);
+        near(
+            even.residual(&at, &mut small),
+            whole.residual(&big, &mut large),
+            1e-10,
+        );
     }
 }
 
@@ -458,10 +453,7 @@ fn the_low_block_is_the_hessian_among_its_waves() {
         let least = values.iter().copied().min_by(f64::total_cmp).unwrap();
         let (softest, _) = block.softest(None);
         // The error goes with the square of a residual of two thousandths.
-        assert!(
-            (softest - least).abs() < 1e-3 * least.abs(),
-            "{class:?}: {softest} {least}"
-        );
+        near(softest, least, 1e-3 * least.abs());
 
         // Where it is positive and complete, preconditioning with it undoes the Hessian.
         if block.negative() == 0 && grid.is_line() {
@@ -503,5 +495,5 @@ fn modulations_of_a_ridge_are_modes_of_the_whole_cell() {
     let mut image = vec![0.0; mode.len()];
     square.hessian(&on_square.fields, &mode, &mut image, &mut large);
     let rayleigh = dot(&mode, &image);
-    assert!((rayleigh - value).abs() < 1e-10, "{rayleigh} {value}");
+    near(rayleigh, value, 1e-10);
 }

@@ -10,7 +10,7 @@ use tackscope::physics::law::{Cosine, DoubleExponential, Mie, Morse, Shape};
 use tackscope::physics::parameter::{Parameter, Value};
 use tackscope::scene::{Cell, Drive, LawChoice, Points, Range, Scene, Turn};
 use tackscope::scene::{edit, parameter};
-use tackscope::storage::{presets, scene_file};
+use tackscope::storage::{Failure, presets, scene_file};
 
 const NAME: &str = "my scene.toml";
 
@@ -18,13 +18,23 @@ fn fig2() -> &'static str {
     presets::find("fig2").expect("fig2 is built in").text
 }
 
+/// Why a text is refused.
+#[track_caller]
+fn why(text: &str) -> String {
+    let refused = scene_file::parse(text, NAME).expect_err("refused");
+    refused.to_string()
+}
+
+/// What the text of a scene says.
+fn again(scene: &Scene) -> Result<Scene, Failure> {
+    scene_file::parse(&scene_file::to_text(scene), NAME)
+}
+
 /// Fig. 2 with one line replaced, and why it is refused.
 fn refusal(line: &str, replacement: &str) -> String {
     let text = fig2();
     assert!(text.contains(line), "fig2 has the line {line}");
-    let failure =
-        scene_file::parse(&text.replacen(line, replacement, 1), NAME).expect_err("refused");
-    let sentence = failure.to_string();
+    let sentence = why(&text.replacen(line, replacement, 1));
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
 }
@@ -88,10 +98,7 @@ fn every_preset_is_an_allowed_scene_and_says_what_to_look_for() {
             let shares = points.iter().flatten();
             assert!(shares.copied().all(|share| (0.0..=1.0).contains(&share)));
         }
-        assert_eq!(
-            scene_file::parse(&scene_file::to_text(&scene), NAME),
-            Ok(scene)
-        );
+        assert_eq!(again(&scene), Ok(scene));
     }
 }
 
@@ -163,9 +170,8 @@ fn a_wrong_type_is_refused_with_key_value_and_what_is_allowed() {
         ),
         ("title = ", "title = 3 #", &["title = 3", "text"]),
     ]);
-    let failure = scene_file::parse("format = 1\ncell = 3\n", NAME).expect_err("no table");
     says(
-        &failure.to_string(),
+        &why("format = 1\ncell = 3\n"),
         &["cell = 3", "allowed is a table, [cell]"],
     );
     refused(&[
@@ -198,9 +204,8 @@ fn a_missing_key_or_table_is_named() {
         ("[drive]", "[noise2]", &["noise2"]),
         ("format = 1", "", &["format is missing", "format = 1"]),
     ]);
-    let failure = scene_file::parse("format = 1\n", NAME).expect_err("no tables");
     says(
-        &failure.to_string(),
+        &why("format = 1\n"),
         &[NAME, "[cell] is missing", "length and points"],
     );
 }
@@ -434,9 +439,7 @@ fn an_indenter_has_its_own_keys_and_limits() {
         1,
     );
     says(
-        &scene_file::parse(&line, NAME)
-            .expect_err("refused")
-            .to_string(),
+        &why(&line),
         &["indenter.periods = [1, 1]", "along x alone on a line cell"],
     );
 }
@@ -668,10 +671,7 @@ fn mutated() -> impl Strategy<Value = String> {
 /// come back the same.
 fn parses_or_says_why(text: &str) -> Result<(), TestCaseError> {
     match scene_file::parse(text, NAME) {
-        Ok(scene) => prop_assert_eq!(
-            scene_file::parse(&scene_file::to_text(&scene), NAME),
-            Ok(scene)
-        ),
+        Ok(scene) => prop_assert_eq!(again(&scene), Ok(scene)),
         Err(failure) => {
             let sentence = failure.to_string();
             prop_assert!(sentence.starts_with(NAME), "{}", sentence);
@@ -691,7 +691,7 @@ proptest! {
     #[test]
     fn an_allowed_scene_comes_back_from_its_text(scene in scenes()) {
         prop_assume!(scene.validate().is_ok());
-        prop_assert_eq!(scene_file::parse(&scene_file::to_text(&scene), NAME), Ok(scene));
+        prop_assert_eq!(again(&scene), Ok(scene));
     }
 
     #[test]
@@ -950,9 +950,7 @@ fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
             &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
             1,
         );
-        scene_file::parse(&text, NAME)
-            .expect_err("refused")
-            .to_string()
+        why(&text)
     };
     for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
         says(&wave(periods), &["indenter.periods"]);
