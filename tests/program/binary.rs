@@ -108,14 +108,21 @@ pub fn fig2_with(replacements: &[(&str, &str)]) -> (String, TempDir) {
 /// The same of another preset.
 pub fn with(preset: &str, replacements: &[(&str, &str)]) -> (String, TempDir) {
     let home = folder();
-    let mut text = presets::find(preset).expect("built in").text.to_owned();
-    for (start, replacement) in replacements {
-        assert!(text.contains(start), "{start}");
-        text = text.replacen(start, replacement, 1);
-    }
     let path = home.path().join("scene.toml");
-    fs::write(&path, text).expect("written");
+    fs::write(&path, text_with(preset, replacements)).expect("written");
     (path.display().to_string(), home)
+}
+
+/// The text of a preset in which the beginnings of lines are replaced.
+#[track_caller]
+pub fn text_with(preset: &str, replacements: &[(&str, &str)]) -> String {
+    let text = presets::find(preset).expect("built in").text.to_owned();
+    replacements
+        .iter()
+        .fold(text, |text, (start, replacement)| {
+            assert!(text.contains(start), "{start} is in {preset}");
+            text.replacen(start, replacement, 1)
+        })
 }
 
 /// A run that is going on; killed if a test fails.

@@ -2,6 +2,7 @@
 
 use crate::binary::{
     answer, content, done, errors, fig2_with, folder, perform, refuses, run, says, tackscope,
+    text_with,
 };
 use ndarray::Array2;
 use npyz::{Deserialize, NpyFile};
@@ -68,8 +69,7 @@ fn a_scene_from_standard_input_has_the_loop_of_its_preset() {
 
 #[test]
 fn a_refused_scene_from_standard_input_is_named_so() {
-    let text = presets::find("fig2").unwrap().text;
-    let text = text.replacen("length = 256.0", "length = -1", 1);
+    let text = text_with("fig2", &[("length = 256.0", "length = -1")]);
     for command in ["run", "diagram", "chart"] {
         let output = piped(&[command, "-", "--out", "nowhere"], &text);
         refuses(&output, &["standard input", "cell.length = -1"]);

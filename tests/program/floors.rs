@@ -1,6 +1,7 @@
 //! The walls of the house: which room may name what. Read from the sources, so that a wall cannot
 //! fall unnoticed.
 
+use crate::binary::content;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -263,30 +264,25 @@ fn features(text: &str) -> Vec<(usize, String)> {
     each.collect()
 }
 
-/// Every Rust file under src, relative to it.
 fn sources() -> Vec<(String, String)> {
     files_under("src")
 }
 
 /// Every Rust file under a folder of the package, relative to it.
-fn files_under(folder: &str) -> Vec<(String, String)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut open: Vec<PathBuf> = vec![src.clone()];
+pub fn files_under(folder: &str) -> Vec<(String, String)> {
+    let root = Path::new(folder);
+    let mut open: Vec<PathBuf> = vec![root.to_owned()];
     let mut files = Vec::new();
-    while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                let name = path
-                    .strip_prefix(&src)
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(
+                fs::read_dir(&path)
                     .unwrap()
-                    .to_str()
-                    .unwrap()
-                    .replace('\\', "/");
-                files.push((name, fs::read_to_string(&path).unwrap()));
-            }
+                    .map(|entry| entry.unwrap().path()),
+            );
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            let name = path.strip_prefix(root).unwrap().to_str().unwrap();
+            files.push((name.replace('\\', "/"), content(&path)));
         }
     }
     files

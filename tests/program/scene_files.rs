@@ -1,7 +1,7 @@
 //! Scene files: what is read, what is refused and how, and that no text whatever makes the reader
 //! panic.
 
-use crate::binary::{content, says};
+use crate::binary::{content, says, text_with};
 use proptest::prelude::*;
 use tackscope::physics::body::{Body, Layer};
 use tackscope::physics::control::Control;
@@ -32,9 +32,7 @@ fn again(scene: &Scene) -> Result<Scene, Failure> {
 
 /// Fig. 2 with one line replaced, and why it is refused.
 fn refusal(line: &str, replacement: &str) -> String {
-    let text = fig2();
-    assert!(text.contains(line), "fig2 has the line {line}");
-    let sentence = why(&text.replacen(line, replacement, 1));
+    let sentence = why(&text_with("fig2", &[(line, replacement)]));
     assert!(sentence.starts_with(NAME), "{sentence}");
     sentence
 }
@@ -432,11 +430,15 @@ fn an_indenter_has_its_own_keys_and_limits() {
         &refusal("kind = \"flat\"", "kind = \"ruff\""),
         &["indenter.kind = \"ruff\"", "\"wave\"", "\"rough\""],
     );
-    let line = fig2().replacen("points = 64", "points = [64, 1]", 1);
-    let line = line.replacen(
-        "kind = \"flat\"",
-        "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
-        1,
+    let line = text_with(
+        "fig2",
+        &[
+            ("points = 64", "points = [64, 1]"),
+            (
+                "kind = \"flat\"",
+                "kind = \"wave\"\namplitude = 0.5\nperiods = [1, 1]",
+            ),
+        ],
     );
     says(
         &why(&line),
@@ -738,69 +740,37 @@ const MEASURED: &str = "kind = \"measured\"\nfile = \"tests/data/heights.csv\"\n
 
 /// A scene that gives the number `parameter`, and the text in its file that is the number.
 fn giving(parameter: &Parameter) -> (String, String) {
-    let (mut text, mut line) = (fig2().to_owned(), format!("{} = ", parameter.name()));
-    let replaced = |text: String, from: &str, to: &str| text.replacen(from, to, 1);
-    match parameter.key {
-        "law.mu_rho" => text = replaced(text, "range = 1.0", "mu_rho = 0.5"),
-        "law.m" | "law.n" => {
-            text = replaced(text, "kind = \"morse\"", "kind = \"mie\"\nm = 8.0\nn = 2.0");
-        }
-        "law.smooth" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"cosine\"\nsmooth = false",
-            );
-        }
-        "drive.stiffness" => {
-            text = replaced(
-                text,
-                "[drive]",
-                "[drive]\ncontrol = \"spring\"\nstiffness = 0.1",
-            );
-        }
-        "law.ratio" => {
-            text = replaced(
-                text,
-                "kind = \"morse\"",
-                "kind = \"double_exponential\"\nratio = 0.4",
-            );
-        }
-        "indenter.radius" => {
-            text = replaced(text, "kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0");
-        }
+    let (law, ground) = ("kind = \"morse\"", "kind = \"flat\"");
+    let [old, new] = match parameter.key {
+        "law.mu_rho" => ["range = 1.0", "mu_rho = 0.5"],
+        "law.m" | "law.n" => [law, "kind = \"mie\"\nm = 8.0\nn = 2.0"],
+        "law.smooth" => [law, "kind = \"cosine\"\nsmooth = false"],
+        "law.ratio" => [law, "kind = \"double_exponential\"\nratio = 0.4"],
+        "drive.stiffness" => ["[drive]", "[drive]\ncontrol = \"spring\"\nstiffness = 0.1"],
+        "indenter.radius" => [ground, "kind = \"hertz\"\nradius = 30.0"],
         "indenter.amplitude" | "indenter.periods" => {
-            text = replaced(
-                text,
-                "kind = \"flat\"",
-                "kind = \"wave\"\namplitude = 0.5\nperiods = 1",
-            );
+            [ground, "kind = \"wave\"\namplitude = 0.5\nperiods = 1"]
         }
-        "indenter.seed" => {
-            text = replaced(text, "kind = \"flat\"", ROUGH);
-            line = "seed = 3".to_owned();
-        }
-        "body.contact_modulus" | "units.temperature" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
-            );
-            text += "\n[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n";
-        }
-        "body.thickness" | "body.poisson" => {
-            text = replaced(
-                text,
-                "[law]",
-                "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
-            );
-        }
-        key if key.starts_with("indenter") && parameter.default.is_some() => {
-            text = replaced(text, "kind = \"flat\"", MEASURED);
-        }
-        key if key.starts_with("indenter") => text = replaced(text, "kind = \"flat\"", ROUGH),
-        _ => {}
-    }
+        "body.contact_modulus" | "units.temperature" => [
+            "[law]",
+            "[units]\nlength = \"um\"\nmodulus = \"MPa\"\ntemperature = 300.0\n\n\
+             [body]\nkind = \"half_space\"\ncontact_modulus = 2.0\n\n[law]",
+        ],
+        "body.thickness" | "body.poisson" => [
+            "[law]",
+            "[body]\nkind = \"layer\"\nthickness = 32.0\npoisson = 0.4\n\n[law]",
+        ],
+        "indenter.seed" => [ground, ROUGH],
+        key if key.starts_with("indenter") && parameter.default.is_some() => [ground, MEASURED],
+        key if key.starts_with("indenter") => [ground, ROUGH],
+        _ => [""; 2],
+    };
+    let text = text_with("fig2", &[(old, new)]);
+    // Fig. 2 has a seed of its own.
+    let line = match parameter.key {
+        "indenter.seed" => "seed = 3".to_owned(),
+        _ => format!("{} = ", parameter.name()),
+    };
     let at = text
         .find(&format!("\n{line}"))
         .unwrap_or_else(|| panic!("{line} is in the file"))
@@ -944,13 +914,14 @@ fn the_unit_of_length_may_be_anything_from_tiny_to_huge() {
 #[test]
 fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
     let wave = |periods: &str| {
-        let text = fig2().replacen("points = 64", "points = \"auto\"", 1);
-        let text = text.replacen(
-            "kind = \"flat\"",
-            &format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}"),
-            1,
-        );
-        why(&text)
+        let wave = format!("kind = \"wave\"\namplitude = 0.5\nperiods = {periods}");
+        why(&text_with(
+            "fig2",
+            &[
+                ("points = 64", "points = \"auto\""),
+                ("kind = \"flat\"", &wave),
+            ],
+        ))
     };
     for periods in ["1000000000", "4611686018427387904", "[1, 600]", "513"] {
         says(&wave(periods), &["indenter.periods"]);
@@ -959,20 +930,16 @@ fn more_waves_than_a_mesh_can_have_are_the_waves_fault_and_not_the_ranges() {
 
 #[test]
 fn a_step_that_moves_nothing_is_refused() {
-    let tip = "kind = \"hertz\"\nradius = 30.0";
-    let text = fig2().replacen("kind = \"flat\"", tip, 1).replacen(
-        "turn = 0.2",
-        "turn = \"zero_load\"",
-        1,
-    );
     for step in ["1e-18", "1e-8", "1e-7"] {
-        let sentence = scene_file::parse(
-            &text.replacen("step = 0.02", &format!("step = {step}"), 1),
-            NAME,
-        )
-        .expect_err(step)
-        .to_string();
-        says(&sentence, &["drive.step = 1e-", "at least"]);
+        let text = text_with(
+            "fig2",
+            &[
+                ("kind = \"flat\"", "kind = \"hertz\"\nradius = 30.0"),
+                ("turn = 0.2", "turn = \"zero_load\""),
+                ("step = 0.02", &format!("step = {step}")),
+            ],
+        );
+        says(&why(&text), &["drive.step = 1e-", "at least"]);
     }
     says(
         &refusal(

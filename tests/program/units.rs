@@ -1,7 +1,9 @@
 //! Scenes with units: what their numbers mean, what is written of them, what is refused; and that
 //! scenes without know nothing of it.
 
-use crate::binary::{content, done, errors, folder, perform, run, says, summary, tackscope};
+use crate::binary::{
+    content, done, errors, folder, perform, run, says, summary, tackscope, text_with,
+};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -14,11 +16,7 @@ use tackscope::storage::{presets, scene_file};
 
 /// The preset with these texts replaced.
 fn rubber(replaced: &[(&str, &str)]) -> String {
-    let text = presets::find("rubber").expect("built in").text.to_owned();
-    replaced.iter().fold(text, |text, (old, new)| {
-        assert!(text.contains(old), "the preset has {old}");
-        text.replacen(old, new, 1)
-    })
+    text_with("rubber", replaced)
 }
 
 fn parsed(text: &str) -> Scene {
